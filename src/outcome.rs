@@ -1,0 +1,187 @@
+//! One stored, serialisable result: what was asked, what was proposed, what every arrangement did, and how to repeat it.
+//!
+//! Everything in SI; energies of the simulated half, with weight 1/2 for spheres on mirror lines. Reports are drawn from
+//! this alone.
+
+use serde::{Deserialize, Serialize};
+
+use crate::lattice::Site;
+use crate::target::Target;
+
+/// Format number of every JSON file of results.
+pub const FORMAT: u32 = 1;
+
+/// The result of `run` and `compare`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Format number of this structure.
+    pub format: u32,
+    /// What is needed to repeat the run.
+    pub manifest: Manifest,
+    /// The crystal's sites, in the order of all per-site lists.
+    pub sites: Vec<Site>,
+    /// Sphere diameter [m].
+    pub diameter: f64,
+    /// Distance from the axis to the far mirror line [m].
+    pub half_width: f64,
+    /// Where energy is wanted and where it is not.
+    pub target: Target,
+    /// Names of the materials that per-site lists count: host, lens, then others.
+    pub materials: Vec<String>,
+    /// What ray tracing proposed, where the lens came from it.
+    pub proposal: Option<Proposal>,
+    /// The lens first, then its baselines.
+    pub arrangements: Vec<ArrangementOutcome>,
+    /// What a reader should know before trusting the numbers.
+    pub warnings: Vec<String>,
+}
+
+/// What is needed to repeat a run, and when and with what it was made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Name of the design.
+    pub name: String,
+    /// Version of granulens.
+    pub version: String,
+    /// The design file as it was read.
+    pub design_file: String,
+    /// Its text.
+    pub design: String,
+    /// Contact law.
+    pub law: String,
+    /// Set of fitted constants.
+    pub constants: String,
+    /// Integrator.
+    pub integrator: String,
+    /// Step [s].
+    pub step_s: f64,
+    /// Why this step.
+    pub step_reason: String,
+    /// Window [s].
+    pub window_s: f64,
+    /// Why this window.
+    pub window_reason: String,
+    /// First random seed and number of seeds.
+    pub seeds: [u64; 2],
+    /// Threads used; results do not depend on it.
+    pub threads: usize,
+    /// When the run began, seconds since 1970.
+    pub started_unix_s: u64,
+    /// Wall time of the simulations [s].
+    pub seconds: f64,
+}
+
+/// What ray tracing proposed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Proposal {
+    /// Wave-speed bound of the host [m/s].
+    pub host_speed: f64,
+    /// Wave-speed bound of the lens material [m/s].
+    pub lens_speed: f64,
+    /// Host over lens.
+    pub speed_ratio: f64,
+    /// Critical angle of total reflection where the wave passes from the slower to the faster material [rad].
+    pub critical_angle: Option<f64>,
+    /// Force on a contact of the struck row over F_p of the host.
+    pub amplitude_host: f64,
+    /// The same over F_p of the lens material.
+    pub amplitude_lens: f64,
+    /// Whether the impact is strong enough for the bound, in words.
+    pub validity: String,
+    /// Row of the apex on the axis.
+    pub apex_row: u32,
+    /// Last row of the lens.
+    pub back_row: u32,
+    /// Radius of the curved face [m].
+    pub radius: f64,
+    /// Greatest angle of the curved face against the rows [rad].
+    pub rim_angle: f64,
+    /// Half aperture [m]
+    pub aperture: f64,
+    /// Number of spheres of lens material in the simulated half.
+    pub spheres: usize,
+    /// Fraction of the struck width that rays send through the focal region at its mid depth.
+    pub fraction: f64,
+    /// The same fraction without a lens.
+    pub fraction_without: f64,
+    /// Depths [m] at which the innermost and the outermost ray cross the axis, where they do.
+    pub crossing: [Option<f64>; 2],
+    /// The curved face as a polyline (x, z) [m], from the axis outwards.
+    pub front: Vec<[f64; 2]>,
+    /// Depth of the flat face [m].
+    pub back: f64,
+    /// A few rays as polylines (x, z) [m], to be drawn; they run to the end of the crystal.
+    pub rays: Vec<Vec<[f64; 2]>>,
+}
+
+/// What one arrangement did.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArrangementOutcome {
+    /// Short unique name: `lens`, `flat-height`, `random-behind-3`.
+    pub name: String,
+    /// The name without the seed.
+    pub kind: String,
+    /// Random seed, where there is one.
+    pub seed: Option<u64>,
+    /// Number of sites that do not hold the host.
+    pub spheres: usize,
+    /// The numbers.
+    pub scores: Scores,
+    /// For each site an index into the outcome's materials.
+    pub layout: Vec<u8>,
+    /// What each sphere felt, in the order of the sites.
+    pub record: SphereRecord,
+}
+
+/// Scores of one arrangement; `null` where a ratio has no denominator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scores {
+    /// F: mean over the focal region of each sphere's maximum kinetic energy [J].
+    #[serde(rename = "focal_mean_J")]
+    pub focal_mean: f64,
+    /// P: the same over the protected region [J].
+    #[serde(rename = "protected_mean_J")]
+    pub protected_mean: f64,
+    /// C = F/P
+    pub contrast: Option<f64>,
+    /// G = F / F of the all-host arrangement
+    pub focal_gain: Option<f64>,
+    /// Q = P / P of the all-lens-material arrangement
+    pub protection: Option<f64>,
+    /// Work of the load [J].
+    #[serde(rename = "work_in_J")]
+    pub work_in: f64,
+    /// Kinetic energy at the end [J].
+    #[serde(rename = "kinetic_J")]
+    pub kinetic: f64,
+    /// Energy that the contacts would still give back at the end [J].
+    #[serde(rename = "stored_J")]
+    pub stored: f64,
+    /// Work done on the contacts less what they store [J].
+    #[serde(rename = "dissipated_J")]
+    pub dissipated: f64,
+    /// (work in − kinetic − stored − dissipated)/work in, signed
+    pub residual: f64,
+    /// Σ ½ δ_max F_max (Burgoyne 2016, eq. 5.6), which overestimates the dissipation [J].
+    #[serde(rename = "eq_5_6_J")]
+    pub eq_5_6: f64,
+    /// Greatest momentum of the last row along z [kg m/s].
+    pub exit_momentum: f64,
+    /// Greatest total contact force on the last row along z [N].
+    pub exit_force: f64,
+}
+
+/// What each sphere felt, in the order of the sites.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SphereRecord {
+    /// Greatest kinetic energy [J].
+    pub max_kinetic: Vec<f64>,
+    /// Greatest net contact force [N].
+    pub max_net_force: Vec<f64>,
+    /// Greatest force on one of its contacts [N].
+    pub max_contact_force: Vec<f64>,
+    /// Time at which the speed first reached 1 % of its own maximum [s]; none if the sphere never moved.
+    pub arrival: Vec<Option<f64>>,
+    /// Half of the loss of each of its contacts [J].
+    pub dissipated: Vec<f64>,
+}

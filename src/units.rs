@@ -1,0 +1,221 @@
+//! Quantities as people write them: `"6.35 mm"` to `0.00635` and back.
+//!
+//! The only place that knows units and prefixes; everything inside granulens is SI.
+
+use std::fmt;
+
+/// What a number measures, and so which units it may be written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// Metres inside; `mm` in most files.
+    Length,
+    /// Seconds inside; `us` in most files.
+    Time,
+    /// Newtons inside; `kN` in most files.
+    Force,
+    /// Pascals inside; `GPa` or `MPa` in most files.
+    Pressure,
+    /// kg/m³ inside.
+    Density,
+    /// Radians inside; `deg` in most files.
+    Angle,
+    /// m/s inside.
+    Speed,
+    /// Kilograms inside.
+    Mass,
+    /// Joules inside.
+    Energy,
+    /// A fraction inside; `%` in most files.
+    Fraction,
+}
+
+type Unit = (&'static str, f64);
+
+impl Dimension {
+    /// Every way of writing the unit with its size in SI. The first is shown in messages.
+    const fn units(self) -> &'static [Unit] {
+        match self {
+            Self::Length => &[
+                ("mm", 1e-3),
+                ("m", 1.0),
+                ("cm", 1e-2),
+                ("um", 1e-6),
+                ("µm", 1e-6),
+                ("μm", 1e-6),
+                ("nm", 1e-9),
+                ("in", 0.0254),
+            ],
+            Self::Time => &[("us", 1e-6), ("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("μs", 1e-6), ("ns", 1e-9)],
+            Self::Force => &[("kN", 1e3), ("N", 1.0), ("mN", 1e-3), ("MN", 1e6)],
+            Self::Pressure => &[("MPa", 1e6), ("GPa", 1e9), ("Pa", 1.0), ("kPa", 1e3)],
+            Self::Density => {
+                &[("kg/m3", 1.0), ("kg/m^3", 1.0), ("kg/m³", 1.0), ("g/cm3", 1e3), ("g/cm^3", 1e3), ("g/cm³", 1e3)]
+            }
+            Self::Angle => &[("deg", std::f64::consts::PI / 180.0), ("rad", 1.0), ("°", std::f64::consts::PI / 180.0)],
+            Self::Speed => &[("m/s", 1.0), ("mm/s", 1e-3), ("km/s", 1e3)],
+            Self::Mass => &[("kg", 1.0), ("g", 1e-3), ("mg", 1e-6)],
+            Self::Energy => &[("J", 1.0), ("mJ", 1e-3), ("kJ", 1e3), ("uJ", 1e-6)],
+            Self::Fraction => &[("%", 1e-2)],
+        }
+    }
+
+    /// A well-formed value, for messages: `"6.35 mm"`.
+    pub const fn example(self) -> &'static str {
+        match self {
+            Self::Length => "6.35 mm",
+            Self::Time => "20 us",
+            Self::Force => "26 kN",
+            Self::Pressure => "200 GPa",
+            Self::Density => "7650 kg/m3",
+            Self::Angle => "60 deg",
+            Self::Speed => "20 m/s",
+            Self::Mass => "2.3 kg",
+            Self::Energy => "0.3 J",
+            Self::Fraction => "0.1 %",
+        }
+    }
+
+    /// Reads a number with its unit, such as `"26 kN"`, into SI.
+    ///
+    /// # Errors
+    /// When the number or the unit is missing, unknown, or not finite. The message says what was expected.
+    ///
+    /// ```
+    /// use granulens::units::Dimension;
+    /// assert_eq!(Dimension::Force.parse("26 kN"), Ok(26000.0));
+    /// assert!(Dimension::Force.parse("26").is_err());
+    /// assert!(Dimension::Force.parse("26 mm").is_err());
+    /// ```
+    pub fn parse(self, text: &str) -> Result<f64, UnitError> {
+        let text = text.trim();
+        let split = text
+            .char_indices()
+            .find(|&(at, c)| {
+                let exponent = matches!(c, 'e' | 'E')
+                    && text[at + 1..].starts_with(|n: char| n.is_ascii_digit() || n == '-' || n == '+')
+                    && text[..at].ends_with(|n: char| n.is_ascii_digit() || n == '.');
+                !(c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | '_') || exponent)
+            })
+            .map_or(text.len(), |(at, _)| at);
+        let (number, unit) = (text[..split].trim(), text[split..].trim());
+        let fail = |fault| UnitError { dimension: self, text: text.to_owned(), fault };
+        if number.is_empty() {
+            return Err(fail(Fault::NoNumber));
+        }
+        let value: f64 = number.replace('_', "").parse().map_err(|_| fail(Fault::NoNumber))?;
+        if unit.is_empty() {
+            return Err(fail(Fault::NoUnit));
+        }
+        let &(_, scale) = self
+            .units()
+            .iter()
+            .find(|(symbol, _)| *symbol == unit)
+            .ok_or_else(|| fail(Fault::UnknownUnit(unit.to_owned())))?;
+        let si = scaled(value, scale);
+        if si.is_finite() { Ok(si) } else { Err(fail(Fault::NotFinite)) }
+    }
+
+    /// Writes an SI value with the unit and prefix in which it is most readable: `0.00635` as `6.35 mm`.
+    pub fn show(self, si: f64) -> String {
+        let units = self.units();
+        let (symbol, scale) = units
+            .iter()
+            .filter(|(symbol, _)| symbol.is_ascii() && !matches!(*symbol, "in" | "cm" | "rad" | "g/cm3" | "g/cm^3"))
+            .filter(|&&(_, scale)| {
+                let shown = (si / scale).abs();
+                (1.0..1000.0).contains(&shown)
+            })
+            .min_by(|a, b| (si / a.1).abs().total_cmp(&(si / b.1).abs()))
+            .copied()
+            .unwrap_or(units[0]);
+        format!("{} {symbol}", Digits(unscaled(si, scale)))
+    }
+}
+
+/// Multiplies by a unit's size. Decimal prefixes below one are divided instead, so that `20 us` is exactly `20e-6`.
+fn scaled(value: f64, scale: f64) -> f64 {
+    let inverse = (1.0 / scale).round();
+    if scale < 1.0 && (inverse * scale - 1.0).abs() < 1e-15 { value / inverse } else { value * scale }
+}
+
+fn unscaled(si: f64, scale: f64) -> f64 {
+    let inverse = (1.0 / scale).round();
+    if scale < 1.0 && (inverse * scale - 1.0).abs() < 1e-15 { si * inverse } else { si / scale }
+}
+
+/// Shows up to six significant digits without trailing zeros.
+struct Digits(f64);
+
+impl fmt::Display for Digits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded: f64 = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
+        write!(f, "{rounded}")
+    }
+}
+
+/// Why a quantity could not be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnitError {
+    dimension: Dimension,
+    text: String,
+    fault: Fault,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Fault {
+    NoNumber,
+    NoUnit,
+    UnknownUnit(String),
+    NotFinite,
+}
+
+impl fmt::Display for UnitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.fault {
+            Fault::NoNumber => write!(f, "\"{}\" is not a number with a unit", self.text)?,
+            Fault::NoUnit => write!(f, "\"{}\" has no unit", self.text)?,
+            Fault::UnknownUnit(unit) => write!(f, "\"{}\": unknown unit \"{unit}\"", self.text)?,
+            Fault::NotFinite => write!(f, "\"{}\" is not finite", self.text)?,
+        }
+        let symbols: Vec<&str> = self.dimension.units().iter().map(|u| u.0).filter(|s| s.is_ascii()).collect();
+        write!(f, "; write it like \"{}\" (units: {})", self.dimension.example(), symbols.join(", "))
+    }
+}
+
+impl std::error::Error for UnitError {}
+
+#[cfg(test)]
+mod tests {
+    use super::Dimension::{Density, Force, Length, Time};
+
+    /// Division by an exact power of ten is correctly rounded, so the parsed value is the literal.
+    #[test]
+    fn quantities_are_the_literal_they_name() {
+        assert_eq!(Length.parse("6.35 mm"), Ok(6.35e-3));
+        assert_eq!(Time.parse("20 us"), Ok(20e-6));
+        assert_eq!(Time.parse("5e-8 s"), Ok(5e-8));
+        assert_eq!(Time.parse("350us"), Ok(350e-6));
+        assert_eq!(Force.parse("10.5 kN"), Ok(10500.0));
+        assert_eq!(Density.parse("7.65 g/cm3"), Ok(7650.0));
+    }
+
+    #[test]
+    fn quantities_show_as_they_were_written() {
+        for (dimension, text) in [(Length, "6.35 mm"), (Time, "20 us"), (Force, "26 kN"), (Time, "100 ns")] {
+            assert_eq!(dimension.show(dimension.parse(text).unwrap()), text);
+        }
+        assert_eq!(Density.show(7650.0), "7650 kg/m3");
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let message = |text: &str| Force.parse(text).unwrap_err().to_string();
+        assert!(message("26").contains("has no unit"));
+        assert!(message("26 kg").contains("unknown unit \"kg\""));
+        assert!(message("kN").contains("not a number"));
+        assert!(message("").contains("not a number"));
+        assert!(message("1e999 kN").contains("not finite"));
+        assert!(message("nan kN").contains("not a number"));
+        assert!(message("é kN").contains("not a number"));
+    }
+}

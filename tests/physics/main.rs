@@ -1,0 +1,7 @@
+//! Every physical claim against a closed form, an independent solution, a conservation law or a published figure.
+//!
+//! `tests/data/` holds solutions computed by an implementation written separately from this one; each file explains
+//! itself in its header.
+
+mod contact_law;
+mod reference;
