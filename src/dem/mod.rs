@@ -1,6 +1,37 @@
 //! One impact on one crystal, by the discrete-element method.
+//!
+//! In: a [`Sample`](crate::sample::Sample) (who sits where, made of what), mirrors, and a load (what hits it, how hard). Out: a
+//! [`Record`], what each sphere felt and when. Nothing here knows why it is asked. Spheres, normal forces, δ ≪ R; SI.
+//!
+//! - `load`, `boundary`: what strikes the crystal and where it ends
+//! - `neighbour`: which spheres touch
+//! - `body`, `contacts`, `table`: the state, the forces and the laws, as parallel arrays
+//! - `step`: velocity Verlet and Runge-Kutta
+//! - `record`, `ledger`: what was felt, where the energy went
+//! - `guard`: what stops a run
+//! - `impact`: one run from start to end
+//!
+//! Only spheres that the wave has reached are stepped. Those beyond are exactly at rest (displacements are held, not
+//! positions), so leaving them out changes no bit.
 
-pub mod load;
+mod body;
+mod boundary;
+mod contacts;
+mod guard;
+mod impact;
+mod ledger;
+mod load;
+mod neighbour;
+mod record;
+mod step;
+mod table;
+
+pub use boundary::Mirror;
+pub use guard::{OVERLAP_LIMIT, OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
+pub use impact::{ContactRecord, Impact, Record, simulate, steps_in};
+pub use ledger::Ledger;
+pub use load::ForcePulse;
+pub use neighbour::OverlapAtRest;
 
 use std::fmt;
 use std::str::FromStr;

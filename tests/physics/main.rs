@@ -4,4 +4,6 @@
 //! itself in its header.
 
 mod contact_law;
+mod lens;
+mod problem;
 mod reference;

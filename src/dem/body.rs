@@ -1,0 +1,90 @@
+//! The spheres in motion: displacement from where they lay, velocity and force, as parallel arrays.
+
+use super::boundary::Mirror;
+use crate::real::Real;
+use crate::sample::Sample;
+
+/// State of all spheres. Row i of each array is sphere i, in the sample's order.
+///
+/// Positions are held as displacements from rest: the overlap of two touching spheres is then free of cancellation, and
+/// spheres that the wave has not reached are exactly at rest.
+#[derive(Clone, Debug)]
+pub(super) struct Grains<V, const D: usize> {
+    pub displacement: Vec<[V; D]>,
+    pub velocity: Vec<[V; D]>,
+    /// Acceleration by contacts, as of the last accepted step.
+    pub acceleration: Vec<[V; D]>,
+    /// 1/m of the whole sphere [1/kg]
+    pub inverse_mass: Vec<V>,
+    /// Per axis 1/weight, or 0 across a mirror that the sphere lies on.
+    pub mobility: Vec<[f64; D]>,
+    /// The part of the sphere that belongs to the simulated half.
+    pub weight: Vec<f64>,
+    /// Spheres from here on are at rest and carry no force.
+    pub reached: usize,
+}
+
+impl<V: Real, const D: usize> Grains<V, D> {
+    /// Spheres at rest; the samples stand side by side and differ in materials only.
+    pub fn at_rest(samples: &[&Sample<D>], mirrors: &[Mirror]) -> Self {
+        let sample = samples[0];
+        let zero = [V::splat(0.0); D];
+        let count = sample.spheres.len();
+        let mut mobility = vec![[1.0; D]; count];
+        let mut weight = vec![1.0; count];
+        for (i, sphere) in sample.spheres.iter().enumerate() {
+            for mirror in mirrors.iter().filter(|mirror| mirror.carries(&sphere.centre, sphere.radius)) {
+                weight[i] *= 0.5;
+                mobility[i][mirror.axis] = 0.0;
+            }
+            mobility[i].iter_mut().for_each(|m| *m /= weight[i]);
+        }
+        let inverse_mass = (0..count)
+            .map(|i| {
+                let mut inverse = V::splat(0.0);
+                for lane in 0..V::LANES {
+                    inverse.set_lane(lane, 1.0 / samples[lane.min(samples.len() - 1)].mass(i));
+                }
+                inverse
+            })
+            .collect();
+        Self {
+            displacement: vec![zero; count],
+            velocity: vec![zero; count],
+            acceleration: vec![zero; count],
+            inverse_mass,
+            mobility,
+            weight,
+            reached: 0,
+        }
+    }
+
+    /// Contact acceleration of a sphere under the contact force on its simulated part.
+    #[inline(always)]
+    pub fn acceleration_of(&self, sphere: usize, force: &[V; D]) -> [V; D] {
+        let inverse = self.inverse_mass[sphere];
+        std::array::from_fn(|k| force[k] * inverse * V::splat(self.mobility[sphere][k]))
+    }
+
+    /// v² of a sphere.
+    #[inline(always)]
+    pub fn speed_squared(&self, sphere: usize) -> V {
+        square(&self.velocity[sphere])
+    }
+}
+
+/// |a|²
+#[inline(always)]
+pub(super) fn square<V: Real, const D: usize>(a: &[V; D]) -> V {
+    dot(a, a)
+}
+
+/// a · b
+#[inline(always)]
+pub(super) fn dot<V: Real, const D: usize>(a: &[V; D], b: &[V; D]) -> V {
+    let mut sum = a[0] * b[0];
+    for k in 1..D {
+        sum = sum + a[k] * b[k];
+    }
+    sum
+}

@@ -1,0 +1,116 @@
+//! What stops a run: each guard says what went wrong, where and when.
+
+use serde::{Deserialize, Serialize};
+
+use super::body::{Grains, square};
+use super::contacts::{Contacts, Laws};
+use super::table::LawTable;
+use crate::contact::NormalLaw;
+
+/// Overlap over the sum of radii beyond which a run is stopped: with a² = 2 r* δ the contact's radius is then 0.7 R, and
+/// nothing is left of small contacts on spheres.
+pub const OVERLAP_LIMIT: f64 = 0.25;
+
+/// Overlap over the sum of radii from which on contacts 60 degrees apart on one sphere (a = R/2) grow into each other, and
+/// the law, made for lone contacts, is stretched. The published lens problem reaches 0.16 at its steel-brass interface.
+pub const OVERLAP_WARNING: f64 = 0.125;
+
+/// Energy residual above which a run is marked failed.
+pub const RESIDUAL_LIMIT: f64 = 1e-3;
+
+/// Why a run ended before its window did, or cannot be trusted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[serde(tag = "guard", rename_all = "kebab-case")]
+pub enum Stop {
+    /// The caller asked for it.
+    #[error("interrupted at {time_s:.3e} s")]
+    Interrupted {
+        /// Time of the last accepted step [s].
+        time_s: f64,
+    },
+    /// A velocity is not a number any more.
+    #[error("the velocity of sphere {sphere} is not finite at {time_s:.3e} s; try a smaller step")]
+    NotFinite {
+        /// Sphere, from 1 in the sample's order.
+        sphere: usize,
+        /// Time [s].
+        time_s: f64,
+    },
+    /// An overlap beyond the law's range.
+    #[error(
+        "spheres {} and {} overlap by {:.1} % of their radii at {time_s:.3e} s, beyond the contact law's range of {:.0} %; \
+         the impact is too strong for these spheres",
+        .spheres[0], .spheres[1], 100.0 * overlap_ratio, 100.0 * OVERLAP_LIMIT
+    )]
+    Overlap {
+        /// Spheres, from 1; the same twice for a sphere and its mirror image.
+        spheres: [usize; 2],
+        /// Overlap over the sum of radii.
+        overlap_ratio: f64,
+        /// Time [s].
+        time_s: f64,
+    },
+    /// The step is too large for a contact that has arisen.
+    #[error(
+        "a step of {step_s:.3e} s is unstable with the contact of spheres {} and {} ({stiffness:.3e} N/m) at {time_s:.3e} s; \
+         it must stay below {limit_s:.3e} s", .spheres[0], .spheres[1]
+    )]
+    Step {
+        /// The step [s].
+        step_s: f64,
+        /// What it may be [s].
+        limit_s: f64,
+        /// Stiffness of the contact [N/m].
+        stiffness: f64,
+        /// Spheres, from 1.
+        spheres: [usize; 2],
+        /// Time [s].
+        time_s: f64,
+    },
+    /// Energy appeared or vanished.
+    #[error(
+        "the energy ledger does not close: residual {residual:.2e} of the work put in, above {RESIDUAL_LIMIT:.0e}; \
+         try half the step"
+    )]
+    Residual {
+        /// (work in − kinetic − stored − dissipated)/work in
+        residual: f64,
+    },
+}
+
+/// Largest stable step [s] for contacts of stiffness `stiffness` [N/m] between spheres of mass `mass` [kg] in `D`
+/// dimensions: 2/ω with ω² = 2 (D + 1) K/m, the highest frequency of a chain (4 K/m), a hexagonal sheet (6 K/m) or a
+/// close-packed crystal (8 K/m) all of whose contacts are as stiff.
+pub fn stable_step<const D: usize>(stiffness: f64, mass: f64) -> f64 {
+    2.0 / (2.0 * (D as f64 + 1.0) * stiffness / mass).sqrt()
+}
+
+/// Checks a run in progress.
+pub(super) fn check<const D: usize, L: NormalLaw + Copy + Sync>(
+    time: f64,
+    step: f64,
+    grains: &Grains<f64, D>,
+    contacts: &Contacts<f64, D, LawTable<L>>,
+    radius_of: impl Fn(usize) -> f64 + Copy,
+) -> Result<(), Stop>
+where
+    LawTable<L>: Laws<f64, Law = L>,
+{
+    if let Some(i) = (0..grains.reached).find(|&i| !square(&grains.velocity[i]).is_finite()) {
+        return Err(Stop::NotFinite { sphere: i + 1, time_s: time });
+    }
+    for (c, memory) in contacts.memory.iter().enumerate().filter(|(_, memory)| memory.history.force_max > 0.0) {
+        let [a, b] = contacts.spheres(c);
+        let overlap_ratio = memory.history.overlap_max / contacts.reach(c, radius_of);
+        if overlap_ratio > OVERLAP_LIMIT {
+            return Err(Stop::Overlap { spheres: [a + 1, b + 1], overlap_ratio, time_s: time });
+        }
+        let stiffness = contacts.laws.of(c).stiffness_max(memory.history.force_max);
+        let lighter = 1.0 / grains.inverse_mass[a].max(grains.inverse_mass[b]);
+        let limit = stable_step::<D>(stiffness, lighter);
+        if step > limit {
+            return Err(Stop::Step { step_s: step, limit_s: limit, stiffness, spheres: [a + 1, b + 1], time_s: time });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,118 @@
+//! What each sphere felt, and when.
+
+use super::body::{Grains, square};
+use crate::real::Real;
+
+/// Looks at the spheres after every accepted step.
+pub(super) trait Observer<V, const D: usize> {
+    /// Called with the time [s] of the accepted step.
+    fn accepted(&mut self, time: f64, grains: &Grains<V, D>);
+}
+
+/// Maxima over accepted steps, first arrivals, and what leaves the crystal.
+#[derive(Clone, Debug)]
+pub(super) struct Felt<const D: usize> {
+    /// v² [m²/s²]
+    pub speed_squared: Vec<f64>,
+    /// |contact acceleration|² [m²/s⁴]
+    pub acceleration_squared: Vec<f64>,
+    arrivals: Vec<Rise>,
+    exit: Vec<usize>,
+    /// Greatest momentum of the exit spheres along the last axis [kg m/s]
+    pub exit_momentum: f64,
+    /// Greatest total contact force on them along the last axis [N]
+    pub exit_force: f64,
+}
+
+/// A sphere's speed at the accepted steps at which it was greater than ever before, as far as they can still matter.
+#[derive(Clone, Debug, Default)]
+struct Rise {
+    points: Vec<Point>,
+    previous: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    time: f64,
+    speed: f64,
+    /// Speed one accepted step before.
+    before: f64,
+}
+
+/// A sphere has been reached when its speed is this part of its own maximum.
+const ARRIVAL: f64 = 0.01;
+
+impl Rise {
+    #[inline]
+    fn push(&mut self, time: f64, speed: f64, is_maximum: bool) {
+        if is_maximum {
+            self.points.push(Point { time, speed, before: self.previous });
+            // Speeds below 1 % of the present maximum are below 1 % of the final one.
+            if self.points.len().is_power_of_two() && self.points.len() >= 64 {
+                self.points.retain(|point| point.speed >= ARRIVAL * speed);
+            }
+        }
+        self.previous = speed;
+    }
+
+    /// When the speed first reached 1 % of its maximum, linear between accepted steps.
+    fn arrival(&self, step: f64) -> Option<f64> {
+        let threshold = ARRIVAL * self.points.last()?.speed;
+        let point = self.points.iter().find(|point| point.speed >= threshold)?;
+        let share = (threshold - point.before) / (point.speed - point.before);
+        Some(point.time - step * (1.0 - share))
+    }
+}
+
+impl<const D: usize> Felt<D> {
+    pub fn new(spheres: usize, exit: Vec<usize>) -> Self {
+        Self {
+            speed_squared: vec![0.0; spheres],
+            acceleration_squared: vec![0.0; spheres],
+            arrivals: vec![Rise::default(); spheres],
+            exit,
+            exit_momentum: 0.0,
+            exit_force: 0.0,
+        }
+    }
+
+    /// First arrivals [s], with the step by which the run advanced.
+    pub fn arrivals(&self, step: f64) -> Vec<Option<f64>> {
+        self.arrivals.iter().map(|rise| rise.arrival(step)).collect()
+    }
+}
+
+impl<const D: usize> Observer<f64, D> for Felt<D> {
+    fn accepted(&mut self, time: f64, grains: &Grains<f64, D>) {
+        for i in 0..grains.reached {
+            let speed_squared = grains.speed_squared(i);
+            let is_maximum = speed_squared > self.speed_squared[i];
+            if is_maximum {
+                self.speed_squared[i] = speed_squared;
+            }
+            self.arrivals[i].push(time, speed_squared.sqrt(), is_maximum);
+            self.acceleration_squared[i] = square(&grains.acceleration[i]).max(self.acceleration_squared[i]);
+        }
+        let (mut momentum, mut force) = (0.0, 0.0);
+        for &i in self.exit.iter().filter(|&&i| i < grains.reached) {
+            let mass = grains.weight[i] / grains.inverse_mass[i];
+            momentum += mass * grains.velocity[i][D - 1];
+            force += mass * grains.acceleration[i][D - 1];
+        }
+        self.exit_momentum = self.exit_momentum.max(momentum);
+        self.exit_force = self.exit_force.max(force);
+    }
+}
+
+/// Maxima of v² only, of every design side by side.
+#[derive(Clone, Debug)]
+pub(super) struct FastestOnly<V>(pub Vec<V>);
+
+impl<V: Real, const D: usize> Observer<V, D> for FastestOnly<V> {
+    #[inline(always)]
+    fn accepted(&mut self, _: f64, grains: &Grains<V, D>) {
+        for i in 0..grains.reached {
+            self.0[i] = grains.speed_squared(i).max(self.0[i]);
+        }
+    }
+}

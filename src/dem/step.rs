@@ -1,0 +1,166 @@
+//! One step forward in time.
+//!
+//! Velocity Verlet with the predicted velocity v + h a in the force: one force sweep per step, second order although the
+//! force depends on velocity. (With the velocity at half step in the force it would be of first order.) Runge-Kutta of
+//! fourth order takes four sweeps and a fifth, at the accepted state, that advances the contacts' memories, as
+//! Burgoyne 2016, appendix A.2.3, does; it is the reference to compare with.
+
+use super::Integrator;
+use super::body::Grains;
+use super::contacts::{Contacts, Laws};
+use super::load::ForcePulse;
+use crate::real::Real;
+
+/// The load on the struck spheres, and the work it has done.
+pub(super) struct Drive<V> {
+    pub pulse: ForcePulse,
+    pub struck: Vec<usize>,
+    /// Work on the simulated parts [J]
+    pub work: V,
+}
+
+/// Advances spheres and contacts by steps of one length.
+pub(super) struct Stepper<V, const D: usize> {
+    integrator: Integrator,
+    pub step: f64,
+    pub count: u64,
+    force: Vec<[V; D]>,
+    trial: Vec<[V; D]>,
+    stages: Option<Stages<V, D>>,
+}
+
+/// Work space of Runge-Kutta: the trial displacement, and the weighted sums of the stages' slopes.
+struct Stages<V, const D: usize> {
+    displacement: Vec<[V; D]>,
+    velocity_sum: Vec<[V; D]>,
+    acceleration_sum: Vec<[V; D]>,
+}
+
+impl<V: Real, const D: usize> Stepper<V, D> {
+    pub fn new(integrator: Integrator, step: f64, spheres: usize) -> Self {
+        let zeros = || vec![[V::splat(0.0); D]; spheres];
+        let stages = (integrator == Integrator::Rk4).then(|| Stages {
+            displacement: zeros(),
+            velocity_sum: zeros(),
+            acceleration_sum: zeros(),
+        });
+        Self { integrator, step, count: 0, force: zeros(), trial: zeros(), stages }
+    }
+
+    /// Time [s] at the last accepted step.
+    pub fn time(&self) -> f64 {
+        self.count as f64 * self.step
+    }
+
+    /// One accepted step.
+    #[inline(always)]
+    pub fn advance<L: Laws<V>>(
+        &mut self,
+        grains: &mut Grains<V, D>,
+        contacts: &mut Contacts<V, D, L>,
+        drive: &mut Drive<V>,
+    ) {
+        if let Some(&last) = drive.struck.iter().max() {
+            grains.reached = grains.reached.max(last + 1);
+        }
+        match self.integrator {
+            Integrator::Verlet => self.verlet(grains, contacts, drive),
+            Integrator::Rk4 => self.runge_kutta(grains, contacts, drive),
+        }
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    fn verlet<L: Laws<V>>(
+        &mut self,
+        grains: &mut Grains<V, D>,
+        contacts: &mut Contacts<V, D, L>,
+        drive: &mut Drive<V>,
+    ) {
+        let h = V::splat(self.step);
+        let half = V::splat(0.5 * self.step);
+        let load = drive.pulse.during(self.count, self.step);
+
+        for i in 0..grains.reached {
+            for k in 0..D {
+                let (velocity, acceleration) = (grains.velocity[i][k], grains.acceleration[i][k]);
+                grains.displacement[i][k] = grains.displacement[i][k] + h * (velocity + half * acceleration);
+                self.trial[i][k] = velocity + h * acceleration;
+            }
+        }
+        if load > 0.0 {
+            for &i in &drive.struck {
+                let push = V::splat(load) * grains.inverse_mass[i];
+                let (velocity, acceleration) = (grains.velocity[i][D - 1], grains.acceleration[i][D - 1]);
+                let moved = h * (velocity + half * (acceleration + push));
+                drive.work = drive.work + V::splat(load * grains.weight[i]) * moved;
+                grains.displacement[i][D - 1] = grains.displacement[i][D - 1] + h * half * push;
+                self.trial[i][D - 1] = self.trial[i][D - 1] + h * push;
+            }
+        }
+        contacts.sweep::<true>(&grains.displacement, &self.trial, &mut self.force, &mut grains.reached);
+        for i in 0..grains.reached {
+            let new = grains.acceleration_of(i, &self.force[i]);
+            for k in 0..D {
+                grains.velocity[i][k] = grains.velocity[i][k] + half * (grains.acceleration[i][k] + new[k]);
+            }
+            grains.acceleration[i] = new;
+        }
+        if load > 0.0 {
+            for &i in &drive.struck {
+                let push = V::splat(load) * grains.inverse_mass[i];
+                grains.velocity[i][D - 1] = grains.velocity[i][D - 1] + h * push;
+            }
+        }
+    }
+
+    fn runge_kutta<L: Laws<V>>(
+        &mut self,
+        grains: &mut Grains<V, D>,
+        contacts: &mut Contacts<V, D, L>,
+        drive: &mut Drive<V>,
+    ) {
+        let Some(stages) = &mut self.stages else { return };
+        let load = drive.pulse.during(self.count, self.step);
+        let zero = [V::splat(0.0); D];
+        stages.displacement.copy_from_slice(&grains.displacement);
+        self.trial.copy_from_slice(&grains.velocity);
+        stages.velocity_sum.fill(zero);
+        stages.acceleration_sum.fill(zero);
+
+        // Share of the slope in the mean, and how far the next stage lies from the start.
+        for (share, ahead) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
+            let share = V::splat(share);
+            let ahead = V::splat(ahead * self.step);
+            contacts.sweep::<false>(&stages.displacement, &self.trial, &mut self.force, &mut grains.reached);
+            for i in 0..grains.reached {
+                let mut acceleration = grains.acceleration_of(i, &self.force[i]);
+                if load > 0.0 && drive.struck.contains(&i) {
+                    acceleration[D - 1] = acceleration[D - 1] + V::splat(load) * grains.inverse_mass[i];
+                }
+                for k in 0..D {
+                    let velocity = self.trial[i][k];
+                    stages.velocity_sum[i][k] = stages.velocity_sum[i][k] + share * velocity;
+                    stages.acceleration_sum[i][k] = stages.acceleration_sum[i][k] + share * acceleration[k];
+                    stages.displacement[i][k] = grains.displacement[i][k] + ahead * velocity;
+                    self.trial[i][k] = grains.velocity[i][k] + ahead * acceleration[k];
+                }
+            }
+        }
+        let sixth = V::splat(self.step / 6.0);
+        for i in 0..grains.reached {
+            for k in 0..D {
+                let moved = sixth * stages.velocity_sum[i][k];
+                if k == D - 1 && load > 0.0 && drive.struck.contains(&i) {
+                    drive.work = drive.work + V::splat(load * grains.weight[i]) * moved;
+                }
+                grains.displacement[i][k] = grains.displacement[i][k] + moved;
+                grains.velocity[i][k] = grains.velocity[i][k] + sixth * stages.acceleration_sum[i][k];
+            }
+        }
+        contacts.sweep::<true>(&grains.displacement, &grains.velocity, &mut self.force, &mut grains.reached);
+        for i in 0..grains.reached {
+            grains.acceleration[i] = grains.acceleration_of(i, &self.force[i]);
+        }
+    }
+}
