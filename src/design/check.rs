@@ -5,7 +5,7 @@ use std::path::Path;
 use super::error::{DesignError, Source};
 use super::file::{self, CompareFile, CrystalFile, DesignFile, ImpactFile, LensFile, RunFile, Written};
 use super::value::{Scope, is_plain_name};
-use super::{Accuracy, Design, own, region, threshold};
+use super::{Accuracy, Design, own, region, syntax, threshold};
 use crate::contact::{Constants, LawKind};
 use crate::dem::Integrator;
 use crate::dem::load::ForcePulse;
@@ -30,7 +30,7 @@ const MOST_STEPS_IN_PULSE: f64 = 1e7;
 
 pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
     let source = Source { path, text };
-    let root = file::parse(source)?;
+    let root = syntax::parse(source)?;
     let top = Scope::root(source);
     // The format is read first: another one may have other keys.
     let FormatOnly { format } = file::read(source, &root)?;
@@ -128,7 +128,7 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
     })?;
     if lattice.len() > MOST_SPHERES {
         return Err(scope.fail(
-            &format!("has {} spheres, more than {MOST_SPHERES}", lattice.len()),
+            &format!("has {} spheres, more than {} million", lattice.len(), MOST_SPHERES / 1_000_000),
             "Choose fewer rows or a smaller half_width.",
         ));
     }
@@ -174,7 +174,6 @@ fn read_lens(
         ));
     }
     let focus = target.focus.rows[0];
-    let room = format!("the {focus} rows", focus = focus - 1);
     let rows = match scope.optional("rows", &file.rows) {
         Some(entry) => {
             let [first, last] = region::rows(&entry, crystal.lattice.rows())?;
@@ -198,7 +197,7 @@ fn read_lens(
         None => {
             return Err(regions.fail(
                 &format!(
-                    "leaves no room for a lens: of {room} in front of target.focus, row 1 is struck and a lens needs two"
+                    "leaves no room for a lens: focus begins in row {focus}, row 1 is struck, and a lens needs two rows between"
                 ),
                 "Begin target.focus.rows at row 4 or later.",
             ));
@@ -263,7 +262,7 @@ fn read_run((scope, file): &(Scope, &RunFile), impact: &ForcePulse) -> Result<Ru
             }
             step if impact.duration / step > MOST_STEPS_IN_PULSE => {
                 return Err(entry.fail(
-                    &format!("cuts the pulse of {pulse} into more than {MOST_STEPS_IN_PULSE} steps"),
+                    &format!("cuts the pulse of {pulse} into more than {} million steps", MOST_STEPS_IN_PULSE / 1e6),
                     "Check its unit, or leave it out to have it chosen.",
                 ));
             }

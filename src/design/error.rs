@@ -76,7 +76,8 @@ impl Source<'_> {
             file: self.path.to_owned(),
             line: place.as_ref().map(|place| line(self.text.as_bytes(), place.start)),
             key: key.map(str::to_owned),
-            message,
+            // A key or a text may hold line breaks of its own, written as \n.
+            message: message.replace(char::is_control, " "),
             help,
             excerpt: place.map(|place| {
                 let text = NamedSource::new(self.path.display().to_string(), self.text.to_owned());
@@ -94,6 +95,14 @@ impl Source<'_> {
             return line;
         }
         line.chars().take(LONGEST).chain("...".chars()).collect()
+    }
+
+    /// The line that holds the byte `at`, without blanks at its ends.
+    pub fn line_at(&self, at: usize) -> String {
+        let at = self.within(at..at).start;
+        let start = self.text[..at].rfind('\n').map_or(0, |end| end + 1);
+        let end = self.text[at..].find('\n').map_or(self.text.len(), |end| at + end);
+        self.written(start..end)
     }
 
     /// The place, cut to the text and to whole characters.

@@ -26,6 +26,10 @@ macro_rules! section {
         #[derive(serde::Deserialize)]
         #[serde(deny_unknown_fields)]
         pub(super) struct $name { $(pub $key: $type),* }
+        impl $name {
+            #[cfg(test)]
+            const KEYS: &[&str] = &[$(stringify!($key)),*];
+        }
     };
 }
 
@@ -107,11 +111,16 @@ const EXAMPLES: &[&str] = &[
     "materials.*.source = \"own measurement, 2026\"",
 ];
 
-/// The key with its sections, as an example line below the header of its section.
+/// How a key, given with its sections, is written below the header of its section.
 pub(super) fn example(key: &str) -> Option<String> {
     let pattern = match key.strip_prefix("materials.").and_then(|rest| rest.rsplit_once('.')) {
         Some((_, property)) => format!("materials.*.{property}"),
         None => key.to_owned(),
+    };
+    // The bounds of a threshold are shown with their braces.
+    let pattern = match pattern.strip_suffix(".min").or(pattern.strip_suffix(".max")) {
+        Some(threshold) => threshold.to_owned(),
+        None => pattern,
     };
     let line = EXAMPLES.iter().find(|line| line.split(" = ").next() == Some(&pattern))?;
     let section = pattern.rfind('.').map_or(0, |dot| dot + 1);
@@ -139,16 +148,6 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Keys<T> {
     }
 }
 
-/// Parses the text; only its syntax can be wrong.
-pub(super) fn parse<'a>(source: Source<'a>) -> Result<Spanned<DeTable<'a>>, DesignError> {
-    DeTable::parse(source.text).map_err(|error| {
-        let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
-        let help = "Write one key = value on a line, with text and quantities in quotes, such as force = \"26 kN\". \
-                    A value, list or section may be given only once and must be closed.";
-        source.error(error.span(), None, format!("is not valid TOML here: {message}."), help.to_owned())
-    })
-}
-
 /// Reads the keys of `T` from a parsed text; unknown ones are refused if `T` does so.
 pub(super) fn read<'a, T: Deserialize<'a>>(source: Source<'a>, root: &Spanned<DeTable<'a>>) -> Result<T, DesignError> {
     T::deserialize(toml::Deserializer::from(root.clone())).map_err(|error| {
@@ -162,37 +161,48 @@ pub(super) fn read<'a, T: Deserialize<'a>>(source: Source<'a>, root: &Spanned<De
             // What follows lists the known keys between backticks.
             unknown_key(section, name, is_table, expected.split('`').skip(1).step_by(2).collect())
         } else if expected.starts_with(NOT_A_TABLE) {
-            let form = match example(&key) {
-                Some(example) => format!("Write it like {example}."),
-                None => format!("Write [{key}] on a line of its own and its keys below."),
-            };
-            (format!("{key} = {} must be a section with keys.", source.written(place.clone())), form)
+            not_a_section(&key, &source.written(place.clone()))
         } else {
-            let value = source.written(place.clone());
-            let form = example(&key).map_or(String::new(), |example| format!("Write it like {example}."));
-            (format!("{key} = {value} cannot be used: {}.", error.message().trim_end_matches('.')), form)
+            // Of what TOML can hold, only whole numbers beyond 64 bits reach this.
+            let help = example(&key).map_or(String::new(), |example| format!("Write it like {example}."));
+            (format!("{key} = {} is out of range.", source.written(place.clone())), help)
         };
         source.error(Some(place), Some(&key), message, help)
     })
 }
 
 fn unknown_key(section: &str, name: &str, is_table: bool, known: Vec<&str>) -> (String, String) {
-    let near = nearest(name, known.iter().copied());
-    let list = known.join(", ");
-    match (section, is_table) {
-        ("", true) => (
-            format!("[{name}] is no known section."),
-            format!("{}Known are {list}.", did_you_mean(near.map(|near| format!("[{near}]")).as_deref())),
-        ),
-        ("", false) => (
-            format!("{name} is no known key."),
-            format!("{}Before the first section stand format and name.", did_you_mean(near)),
-        ),
-        _ => (
+    if !section.is_empty() {
+        let near = did_you_mean(nearest(name, known.iter().copied()));
+        return (
             format!("{section}.{name} is no known key."),
-            format!("{}Known in {section} are {list}.", did_you_mean(near)),
-        ),
+            format!("{near}Known in {section} are {}.", known.join(", ")),
+        );
     }
+    let (keys, sections): (Vec<&str>, Vec<&str>) = known.into_iter().partition(|key| ["format", "name"].contains(key));
+    if is_table {
+        let sections: Vec<String> = sections.iter().map(|section| format!("[{section}]")).collect();
+        let near = did_you_mean(nearest(&format!("[{name}]"), sections.iter().map(String::as_str)));
+        (format!("[{name}] is no known section."), format!("{near}Known are {}.", sections.join(", ")))
+    } else {
+        let near = did_you_mean(nearest(name, keys.iter().copied()));
+        let help = format!("{near}Only {} stand before the first section.", keys.join(" and "));
+        (format!("{name} is no known key."), help)
+    }
+}
+
+fn not_a_section(key: &str, written: &str) -> (String, String) {
+    if let Some(example) = example(key) {
+        return (format!("{key} = {written} must be keys in braces."), format!("Write it like {example}."));
+    }
+    let help = match key.strip_prefix("materials.") {
+        Some(_) => {
+            "Below [materials] stand only sections, each named after a material, like [materials.my-steel].".to_owned()
+        }
+        None => format!("Write [{key}] on a line of its own and its keys below."),
+    };
+    let shown = if written.starts_with("[[") { written.to_owned() } else { format!("{key} = {written}") };
+    (format!("{shown} must be a section."), help)
 }
 
 /// The key (with its sections) that stands, or whose value stands, at `place`, and whether it is a section.
@@ -206,4 +216,34 @@ fn find(table: &DeTable, place: &Range<usize>, above: &str) -> Option<(String, b
         let here = [name.span(), value.span()].iter().any(|span| span.contains(&place.start));
         inside.or(here.then_some((key, is_table)))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages rely on it.
+    #[test]
+    fn every_key_has_an_example_that_is_toml() {
+        let sections = [
+            ("crystal", CrystalFile::KEYS),
+            ("impact", ImpactFile::KEYS),
+            ("target", TargetFile::KEYS),
+            ("target.focus", RegionFile::KEYS),
+            ("target.protect", RegionFile::KEYS),
+            ("lens", LensFile::KEYS),
+            ("run", RunFile::KEYS),
+            ("compare", CompareFile::KEYS),
+            ("thresholds", ThresholdsFile::KEYS),
+            ("thresholds.residual", BoundsFile::KEYS),
+            ("materials.my-steel", MaterialFile::KEYS),
+        ];
+        for (section, keys) in sections {
+            for key in keys {
+                let example = example(&format!("{section}.{key}")).expect(key);
+                DeTable::parse(&example).expect(&example);
+            }
+        }
+        assert_eq!(example("format").as_deref(), Some("format = 1"));
+    }
 }

@@ -4,7 +4,7 @@
 //! out. Whatever can be wrong with a file by itself is found here, in one step; after that nothing re-checks. What only
 //! physics can tell (a lens that cannot reach its focus, a step above the stability limit) is found by those who know it.
 //!
-//! - `file`: as written; `value`: one value read as its key asks
+//! - `syntax`: text that is no TOML; `file`: as written; `value`: one value read as its key asks
 //! - `check`: as checked; with `region`, `own` (materials) and `threshold` for their sections
 //! - `error`: what a refused file hears
 
@@ -13,6 +13,7 @@ mod error;
 mod file;
 mod own;
 mod region;
+mod syntax;
 mod threshold;
 mod value;
 

@@ -28,9 +28,11 @@ fn material(
         return refused("must be named with 1 to 100 letters (a to z), digits, - and _", help);
     }
     if let Some(canonical) = material::canonical(name.get_ref()) {
-        let whose =
-            if canonical == name.get_ref() { "is the name of".to_owned() } else { "is another name of".to_owned() };
-        let rule = format!("{whose} the library's {canonical}");
+        let rule = if canonical == name.get_ref() {
+            "has the name of a library material".to_owned()
+        } else {
+            format!("has another name of the library's {canonical}")
+        };
         return refused(&rule, "Choose a name of your own, so that a name means the same in every design.");
     }
     let scope = Scope::new(source, format!("materials.{}", name.get_ref()), section.span());

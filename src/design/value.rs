@@ -65,7 +65,13 @@ impl<'a> Scope<'a> {
         section: &'a Section<T>,
         help: &str,
     ) -> Result<(Scope<'a>, &'a T), DesignError> {
-        self.section(key, section).ok_or_else(|| self.missing(key, help.to_owned()))
+        self.section(key, section).ok_or_else(|| {
+            let mut error = self.missing(key, help.to_owned());
+            if self.name.is_empty() {
+                error.message = format!("the section [{key}] is missing.");
+            }
+            error
+        })
     }
 
     fn missing(&self, key: &str, help: String) -> DesignError {
@@ -252,5 +258,6 @@ pub(super) fn is_plain_name(name: &str) -> bool {
 /// The place of a section's name, for complaints about the name itself.
 pub(super) fn name_error(source: Source, name: &Spanned<String>, section: &str, rule: &str, help: &str) -> DesignError {
     let key = format!("{section}.{}", name.get_ref());
-    source.error(Some(name.span()), Some(&key), format!("{key} {rule}."), help.to_owned())
+    let message = format!("{section}.{} {rule}.", source.written(name.span()));
+    source.error(Some(name.span()), Some(&key), message, help.to_owned())
 }
