@@ -17,4 +17,5 @@ pub mod sample;
 pub mod layout;
 pub mod lens;
 pub mod dem;
+pub mod design;
 pub mod outcome;

@@ -1,0 +1,318 @@
+//! From the file as written to the checked design, section by section in the order of the file.
+
+use std::path::Path;
+
+use super::error::{DesignError, Source};
+use super::file::{self, CompareFile, CrystalFile, DesignFile, ImpactFile, LensFile, RunFile, Written};
+use super::value::{Scope, is_plain_name};
+use super::{Accuracy, Design, own, region, syntax, threshold};
+use crate::contact::{Constants, LawKind};
+use crate::dem::Integrator;
+use crate::dem::load::ForcePulse;
+use crate::lattice::HexagonalSheet;
+use crate::lens::LensRequest;
+use crate::material::Material;
+use crate::target::Target;
+use crate::units::Dimension;
+
+/// The format that is read.
+const FORMAT: u32 = 1;
+
+/// Random layouts of each kind: the default and the most that may be asked for.
+const SEEDS: u64 = 5;
+const MOST_SEEDS: u64 = 1000;
+
+/// Above this a crystal and what is recorded of it would not fit into the memory of an ordinary computer.
+const MOST_SPHERES: usize = 10_000_000;
+
+/// A pulse cut into more steps than this is taken for a slip of the prefix; no law here needs a hundredth of them.
+const MOST_STEPS_IN_PULSE: f64 = 1e7;
+
+pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
+    let source = Source { path, text };
+    let root = syntax::parse(source)?;
+    let top = Scope::root(source);
+    // The format is read first: another one may have other keys.
+    let FormatOnly { format } = file::read(source, &root)?;
+    let format = top.required("format", &format)?;
+    if format.whole(0..=u32::MAX)? != FORMAT {
+        return Err(format.fail(
+            "must be 1",
+            "This version of granulens reads format 1; a file of a later format needs a later version.",
+        ));
+    }
+    let file: DesignFile = file::read(source, &root)?;
+
+    let name = top.required("name", &file.name)?;
+    if !is_plain_name(name.text()?) {
+        return Err(name.fail(
+            "must be 1 to 100 letters (a to z), digits, - and _",
+            "It names the output folder. Write it like name = \"thesis-lens\".",
+        ));
+    }
+    let own_materials = match top.section("materials", &file.materials) {
+        Some((_, sections)) => own::materials(source, sections)?,
+        None => Vec::new(),
+    };
+    let crystal = top.required_section(
+        "crystal",
+        &file.crystal,
+        "Add the section [crystal] with packing, diameter, rows, half_width, sides and host.",
+    )?;
+    let crystal = read_crystal(&crystal, &own_materials)?;
+    let impact =
+        top.required_section("impact", &file.impact, "Add the section [impact] with kind, force and duration.")?;
+    let impact = read_impact(&impact)?;
+    let regions = top.required_section("target", &file.target, "Add the section [target] with focus and protect.")?;
+    let target = region::target(&regions, &crystal.lattice)?;
+    let lens = match top.section("lens", &file.lens) {
+        Some(lens) => Some(read_lens(&lens, &crystal, &target, &regions.0, &own_materials)?),
+        None => None,
+    };
+    let run = match top.section("run", &file.run) {
+        Some(run) => read_run(&run, &impact)?,
+        None => Run::default(),
+    };
+    let (seeds, first_seed) = match top.section("compare", &file.compare) {
+        Some(compare) => read_compare(&compare)?,
+        None => (SEEDS, 1),
+    };
+    let thresholds = match top.section("thresholds", &file.thresholds) {
+        Some(thresholds) => threshold::read(&thresholds)?,
+        None => Vec::new(),
+    };
+    Ok(Design {
+        name: name.text()?.to_owned(),
+        path: path.to_owned(),
+        text: text.to_owned(),
+        lattice: crystal.lattice,
+        host: crystal.host,
+        own_materials,
+        law: crystal.law,
+        constants: crystal.constants,
+        impact,
+        target,
+        lens,
+        integrator: run.integrator,
+        step: run.step,
+        accuracy: run.accuracy,
+        window: run.window,
+        first_seed,
+        seeds,
+        thresholds,
+    })
+}
+
+#[derive(serde::Deserialize)]
+struct FormatOnly {
+    format: Written,
+}
+
+struct Crystal {
+    lattice: HexagonalSheet,
+    host: Material,
+    law: LawKind,
+    constants: Constants,
+}
+
+fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Result<Crystal, DesignError> {
+    scope.required("packing", &file.packing)?.choice("packing", &[("hexagonal-2d", ())])?;
+    let diameter = scope.required("diameter", &file.diameter)?.positive(Dimension::Length)?;
+    let rows = scope.required("rows", &file.rows)?.whole(2..=100_000)?;
+    let width = scope.required("half_width", &file.half_width)?;
+    let lattice = HexagonalSheet::new(diameter, rows, width.number()?).map_err(|_| {
+        width.fail(
+            "must be a multiple of 0.5, from 1 to 50000 (diameters)",
+            "The mirror line passes through the centres of spheres or midway between them. Write it like half_width = 16.5.",
+        )
+    })?;
+    if lattice.len() > MOST_SPHERES {
+        return Err(scope.fail(
+            &format!("has {} spheres, more than {} million", lattice.len(), MOST_SPHERES / 1_000_000),
+            "Choose fewer rows or a smaller half_width.",
+        ));
+    }
+    scope.required("sides", &file.sides)?.choice("kind of sides", &[("mirror", ())])?;
+    let host = own::chosen(&scope.required("host", &file.host)?, own)?;
+    let law = match scope.optional("law", &file.law) {
+        Some(law) => {
+            law.choice("contact law", &LawKind::ALL.iter().map(|&law| (law.name(), law)).collect::<Vec<_>>())?
+        }
+        None => LawKind::Thesis,
+    };
+    let constants = match scope.optional("constants", &file.constants) {
+        Some(set) => {
+            set.choice("set of constants", &Constants::ALL.iter().map(|&set| (set.name(), set)).collect::<Vec<_>>())?
+        }
+        None => Constants::default(),
+    };
+    Ok(Crystal { lattice, host, law, constants })
+}
+
+fn read_impact((scope, file): &(Scope, &ImpactFile)) -> Result<ForcePulse, DesignError> {
+    scope.required("kind", &file.kind)?.choice("kind of impact", &[("force-pulse", ())])?;
+    Ok(ForcePulse {
+        force: scope.required("force", &file.force)?.positive(Dimension::Force)?,
+        duration: scope.required("duration", &file.duration)?.positive(Dimension::Time)?,
+    })
+}
+
+fn read_lens(
+    (scope, file): &(Scope, &LensFile),
+    crystal: &Crystal,
+    target: &Target,
+    regions: &Scope,
+    own: &[Material],
+) -> Result<LensRequest, DesignError> {
+    scope.required("family", &file.family)?.choice("lens family", &[("plano-convex", ())])?;
+    let entry = scope.required("material", &file.material)?;
+    let material = own::chosen(&entry, own)?;
+    if material.name == crystal.host.name {
+        return Err(entry.fail(
+            "is the material of the crystal, crystal.host",
+            "Choose another; a lens bends a wave only where its material differs from what surrounds it.",
+        ));
+    }
+    let focus = target.focus.rows[0];
+    let rows = match scope.optional("rows", &file.rows) {
+        Some(entry) => {
+            let [first, last] = region::rows(&entry, crystal.lattice.rows())?;
+            if last >= focus {
+                return Err(entry.fail_as(
+                    &entry.range_text(),
+                    &format!("reaches into the focal region, which begins in row {focus}"),
+                    &format!("End it at row {} or before.", focus - 1),
+                ));
+            }
+            if first == last {
+                return Err(entry.fail_as(
+                    &entry.range_text(),
+                    "is a single row",
+                    "Give the lens at least two rows, one for its apex and one for its flat face.",
+                ));
+            }
+            [first, last]
+        }
+        None if focus >= 4 => [2, focus - 1],
+        None => {
+            return Err(regions.fail(
+                &format!(
+                    "leaves no room for a lens: focus begins in row {focus}, row 1 is struck, and a lens needs two rows between"
+                ),
+                "Begin target.focus.rows at row 4 or later.",
+            ));
+        }
+    };
+    let [first, last] = rows;
+    let within = format!("must lie within the lens's rows, {first} to {last}");
+    let row = |key: &str, written, allowed: [u32; 2], help: &str| -> Result<Option<u32>, DesignError> {
+        let Some(entry) = scope.optional(key, written) else { return Ok(None) };
+        let row = entry.whole(1..=crystal.lattice.rows())?;
+        match row {
+            _ if !(first..=last).contains(&row) => Err(entry.fail(&within, "Change it, or lens.rows.")),
+            _ if !(allowed[0]..=allowed[1]).contains(&row) => {
+                Err(entry.fail(&format!("must lie from {} to {}", allowed[0], allowed[1]), help))
+            }
+            _ => Ok(Some(row)),
+        }
+    };
+    let before_back = "The apex lies at least one row in front of the flat face, lens.back_row.";
+    let apex_row = row("apex_row", &file.apex_row, [first, last - 1], before_back)?;
+    let after_apex = apex_row.unwrap_or(first);
+    let help = format!("The flat face lies at least one row behind the apex, in row {after_apex}.");
+    let back_row = row("back_row", &file.back_row, [after_apex + 1, last], &help)?;
+    let radius = match scope.optional("radius", &file.radius) {
+        Some(entry) => match entry.length(crystal.lattice.diameter())? {
+            radius if radius > 0.0 => Some(radius),
+            _ => return Err(entry.fail("must be more than zero", &entry.write_it_like())),
+        },
+        None => None,
+    };
+    let max_interface_angle = match scope.optional("max_interface_angle", &file.max_interface_angle) {
+        Some(entry) => match entry.quantity(Dimension::Angle)? {
+            angle if angle > 0.0 && angle < 90.0_f64.to_radians() => angle,
+            _ => return Err(entry.fail("must lie between 0 and 90 deg, both excluded", &entry.write_it_like())),
+        },
+        None => 60.0_f64.to_radians(),
+    };
+    Ok(LensRequest { material, rows, max_interface_angle, apex_row, back_row, radius })
+}
+
+#[derive(Default)]
+struct Run {
+    integrator: Integrator,
+    step: Option<f64>,
+    accuracy: Accuracy,
+    window: Option<f64>,
+}
+
+fn read_run((scope, file): &(Scope, &RunFile), impact: &ForcePulse) -> Result<Run, DesignError> {
+    let integrator = match scope.optional("integrator", &file.integrator) {
+        Some(name) => name.choice("integrator", &[("verlet", Integrator::Verlet), ("rk4", Integrator::Rk4)])?,
+        None => Integrator::default(),
+    };
+    let pulse = Dimension::Time.show(impact.duration);
+    let step = match scope.optional("step", &file.step) {
+        Some(entry) => match entry.positive(Dimension::Time)? {
+            step if step > impact.duration => {
+                return Err(entry.fail(
+                    &format!("is longer than the pulse, impact.duration = {pulse}"),
+                    "Shorten it to a small part of the pulse, or leave it out to have it chosen.",
+                ));
+            }
+            step if impact.duration / step > MOST_STEPS_IN_PULSE => {
+                return Err(entry.fail(
+                    &format!("cuts the pulse of {pulse} into more than {} million steps", MOST_STEPS_IN_PULSE / 1e6),
+                    "Check its unit, or leave it out to have it chosen.",
+                ));
+            }
+            step => Some(step),
+        },
+        None => None,
+    };
+    let accuracy = match scope.optional("accuracy", &file.accuracy) {
+        Some(entry) => {
+            let wanted = entry.quantity(Dimension::Fraction)?;
+            let known = [Accuracy::TenthPercent, Accuracy::OnePercent];
+            let same = |known: &Accuracy| (wanted / known.fraction() - 1.0).abs() < 1e-9; // rounding of the percentage
+            known.into_iter().find(same).ok_or_else(|| {
+                entry.fail("must be \"0.1 %\" or \"1 %\"", "For any other accuracy give run.step instead.")
+            })?
+        }
+        None => Accuracy::default(),
+    };
+    let window = match scope.optional("window", &file.window) {
+        Some(entry) => match entry.positive(Dimension::Time)? {
+            window if window <= impact.duration => {
+                return Err(entry.fail(
+                    &format!("is not longer than the pulse, impact.duration = {pulse}"),
+                    "Lengthen it so that the wave can cross the crystal, or leave it out to have it chosen.",
+                ));
+            }
+            window => Some(window),
+        },
+        None => None,
+    };
+    Ok(Run { integrator, step, accuracy, window })
+}
+
+/// Number of seeds and the first of them.
+fn read_compare((scope, file): &(Scope, &CompareFile)) -> Result<(u64, u64), DesignError> {
+    let seeds = match scope.optional("seeds", &file.seeds) {
+        Some(entry) => match entry.seed()? {
+            seeds if seeds > MOST_SEEDS => {
+                return Err(entry.fail(
+                    &format!("must be at most {MOST_SEEDS}"),
+                    "It is the number of random layouts of each kind, and each is a simulation of its own.",
+                ));
+            }
+            seeds => seeds,
+        },
+        None => SEEDS,
+    };
+    let first_seed = match scope.optional("first_seed", &file.first_seed) {
+        Some(entry) => entry.seed()?,
+        None => 1,
+    };
+    Ok((seeds, first_seed))
+}

@@ -1,0 +1,168 @@
+//! The design file: which crystal, what strikes it, where energy is wanted and where not, and which lens is asked for.
+//!
+//! In: a TOML file. Out: a [`Design`], or a [`DesignError`] that names file, line, key, value, the rule broken and the way
+//! out. Whatever can be wrong with a file by itself is found here, in one step; after that nothing re-checks. What only
+//! physics can tell (a lens that cannot reach its focus, a step above the stability limit) is found by those who know it.
+//!
+//! - `syntax`: text that is no TOML; `file`: as written; `value`: one value read as its key asks
+//! - `check`: as checked; with `region`, `own` (materials) and `threshold` for their sections
+//! - `error`: what a refused file hears
+
+mod check;
+mod error;
+mod file;
+mod own;
+mod region;
+mod syntax;
+mod threshold;
+mod value;
+
+use std::fmt;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+pub use error::DesignError;
+pub use threshold::{Measure, Threshold};
+
+use crate::contact::{Constants, LawKind};
+use crate::dem::Integrator;
+use crate::dem::load::ForcePulse;
+use crate::lattice::HexagonalSheet;
+use crate::lens::LensRequest;
+use crate::material::{self, Material, UnknownMaterial};
+use crate::target::Target;
+
+/// A checked design. Everything in SI; what the file left out holds its default.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    /// Name, fit for files and folders.
+    pub name: String,
+    /// The file, as it was named.
+    pub path: PathBuf,
+    /// The file's text, as read.
+    pub text: String,
+    /// The crystal's sites.
+    pub lattice: HexagonalSheet,
+    /// Material of the crystal outside the lens.
+    pub host: Material,
+    /// Materials described in the file itself, in order of name. None has the name or alias of a library material.
+    pub own_materials: Vec<Material>,
+    /// Contact law.
+    pub law: LawKind,
+    /// Set of fitted constants of the law.
+    pub constants: Constants,
+    /// What strikes the crystal.
+    pub impact: ForcePulse,
+    /// Where energy is wanted and where it is not. Both regions hold spheres and share none.
+    pub target: Target,
+    /// Which lens is asked for; a design that is only checked with given layouts has none.
+    pub lens: Option<LensRequest>,
+    /// How motion is advanced.
+    pub integrator: Integrator,
+    /// Step [s], where given; it then takes the place of `accuracy`.
+    pub step: Option<f64>,
+    /// What the step is chosen for where it is not given.
+    pub accuracy: Accuracy,
+    /// Window [s], where given.
+    pub window: Option<f64>,
+    /// Seed of the first random layout of each kind.
+    pub first_seed: u64,
+    /// Number of random layouts of each kind.
+    pub seeds: u64,
+    /// What `check --strict` asks of the scores.
+    pub thresholds: Vec<Threshold>,
+}
+
+/// How exact a run has to be: what its step is chosen for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Accuracy {
+    /// A tenth of a percent. The default.
+    #[default]
+    TenthPercent,
+    /// One percent, with longer steps.
+    OnePercent,
+}
+
+impl Accuracy {
+    /// As a fraction.
+    pub const fn fraction(self) -> f64 {
+        match self {
+            Self::TenthPercent => 1e-3,
+            Self::OnePercent => 1e-2,
+        }
+    }
+}
+
+impl fmt::Display for Accuracy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TenthPercent => "0.1 %",
+            Self::OnePercent => "1 %",
+        })
+    }
+}
+
+impl Design {
+    /// Reads and checks a design file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or the first thing that is wrong with it.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignError> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let mut refusal = DesignError::of_file(
+                path,
+                format!("is not UTF-8 text (byte {}).", valid + 1),
+                "Save the file as UTF-8; a design file is plain text.".to_owned(),
+            );
+            refusal.line = Some(error::line(error.as_bytes(), valid));
+            refusal
+        })?;
+        Self::parse(path, &text)
+    }
+
+    /// Checks the text of a design file; `path` is only named in messages.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it.
+    pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self, DesignError> {
+        check::design(path.as_ref(), text)
+    }
+
+    /// Finds a material by name or alias, among those of the file and in the library.
+    ///
+    /// # Errors
+    /// `UnknownMaterial`, with the nearest known name.
+    pub fn material(&self, name: &str) -> Result<Material, UnknownMaterial> {
+        material::find(name, &self.own_materials)
+    }
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> DesignError {
+    let (message, help) = if error.kind() == ErrorKind::NotFound {
+        let help = near_file(path).map_or_else(
+            || "Check the path; it is taken from the current folder.".to_owned(),
+            |near| format!("Did you mean {}?", near.display()),
+        );
+        ("no such file.".to_owned(), help)
+    } else if path.is_dir() {
+        ("is a folder.".to_owned(), "Name a design file in it.".to_owned())
+    } else {
+        (format!("cannot be read: {error}."), "Check the file and its permissions.".to_owned())
+    };
+    DesignError::of_file(path, message, help)
+}
+
+/// The TOML file in the same folder whose name is most like that of `path`.
+fn near_file(path: &Path) -> Option<PathBuf> {
+    let wanted = path.file_name()?.to_str()?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let names: Vec<String> = std::fs::read_dir(folder)
+        .ok()?
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| name.ends_with(".toml"))
+        .collect();
+    error::nearest(wanted, names.iter().map(String::as_str)).map(|near| path.with_file_name(near))
+}

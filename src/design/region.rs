@@ -1,0 +1,98 @@
+//! The section [target]: two regions inside the crystal that hold spheres and share none.
+
+use super::error::DesignError;
+use super::file::{RegionFile, TargetFile};
+use super::value::{Entry, Scope};
+use crate::lattice::{HexagonalSheet, Site};
+use crate::target::{Region, Target};
+
+pub(super) fn target((scope, file): &(Scope, &TargetFile), lattice: &HexagonalSheet) -> Result<Target, DesignError> {
+    let focus = scope.required_section("focus", &file.focus, &how("focus"))?;
+    let focus = region(&focus, lattice)?;
+    let (place, protect) = scope.required_section("protect", &file.protect, &how("protect"))?;
+    let protect = region(&(place, protect), lattice)?;
+    let target = Target { focus, protect };
+    let shared =
+        first_site(lattice, [focus.rows[0].max(protect.rows[0]), focus.rows[1].min(protect.rows[1])], |site| {
+            focus.contains(site, lattice.diameter()) && protect.contains(site, lattice.diameter())
+        });
+    if let (Some(site), Some((place, _))) = (shared, scope.section("protect", &file.protect)) {
+        let x = in_diameters(site.x, lattice);
+        return Err(place.fail(
+            &format!("shares spheres with target.focus, such as that of row {} at x = {x} D", site.row),
+            "Move or shrink one of them; energy cannot be wanted and unwanted in the same sphere.",
+        ));
+    }
+    Ok(target)
+}
+
+fn how(key: &str) -> String {
+    let example = super::file::example(&format!("target.{key}")).unwrap_or_default();
+    format!("Add it to target, like {example}.")
+}
+
+fn region((scope, file): &(Scope, &RegionFile), lattice: &HexagonalSheet) -> Result<Region, DesignError> {
+    let rows = rows(&scope.required("rows", &file.rows)?, lattice.rows())?;
+    let entry = scope.required("x", &file.x)?;
+    let [near, far] = entry.pair()?;
+    let x = [near.length(lattice.diameter())?, far.length(lattice.diameter())?];
+    let shown = entry.range_text();
+    // Distances in other units are rounded: edges count as inside, as they do for spheres.
+    let slack = 1e-9 * lattice.diameter();
+    if x[0] > x[1] {
+        return Err(entry.fail_as(&shown, "is reversed", "Write the distance nearer to the axis first."));
+    }
+    if x[0] < 0.0 {
+        let help = "Begin at \"0 D\" or beyond: a design describes the half x >= 0, and the other half mirrors it.";
+        return Err(entry.fail_as(&shown, "reaches across the axis", help));
+    }
+    if x[1] > lattice.half_width() + slack {
+        let edge = in_diameters(lattice.half_width(), lattice);
+        return Err(entry.fail_as(
+            &shown,
+            &format!("reaches outside the crystal, whose half_width is {edge} D"),
+            &format!("End at \"{edge} D\" or before, or widen the crystal."),
+        ));
+    }
+    let region = Region { rows, x };
+    if first_site(lattice, rows, |site| region.contains(site, lattice.diameter())).is_none() {
+        let (of, apart) = match rows {
+            [only, last] if only == last => (format!("row {only}"), 1.0),
+            [first, last] => (format!("rows {first} to {last}"), 0.5),
+        };
+        return Err(entry.fail_as(
+            &shown,
+            &format!("holds no sphere of {of}; centres lie {apart} D apart"),
+            "Widen it.",
+        ));
+    }
+    Ok(region)
+}
+
+/// First and last row of a list of two, in order and inside the crystal.
+pub(super) fn rows(entry: &Entry, last_of_crystal: u32) -> Result<[u32; 2], DesignError> {
+    let [first, last] = entry.pair()?;
+    let rows = [first.whole(1..=u32::MAX)?, last.whole(1..=u32::MAX)?];
+    let fail = |rule: &str, help: &str| Err(entry.fail_as(&entry.range_text(), rule, help));
+    match rows {
+        [first, last] if first > last => fail("is reversed", "Write the row nearer to the impact first."),
+        [_, last] if last > last_of_crystal => fail(
+            &format!("reaches outside the crystal, which has {last_of_crystal} rows"),
+            &format!("End at row {last_of_crystal} or before, or add rows to the crystal."),
+        ),
+        _ => Ok(rows),
+    }
+}
+
+/// The first site of the given rows that is wanted. Rows repeat in twos, so two of them tell of all; nothing is laid out,
+/// which matters in a large crystal.
+fn first_site(lattice: &HexagonalSheet, [first, last]: [u32; 2], wanted: impl Fn(&Site) -> bool) -> Option<Site> {
+    (first..=last.min(first.saturating_add(1)))
+        .flat_map(|row| (1..=lattice.columns(row)).filter_map(move |column| lattice.site(row, column)))
+        .find(wanted)
+}
+
+/// A length in diameters, free of the digits of rounding.
+fn in_diameters(x: f64, lattice: &HexagonalSheet) -> f64 {
+    (x / lattice.diameter() * 1e6).round() / 1e6
+}
