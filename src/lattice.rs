@@ -127,7 +127,7 @@ impl HexagonalSheet {
     pub fn index(&self, row: u32, column: u32) -> Option<usize> {
         self.site(row, column)?;
         let pair = (self.columns(1) + self.columns(2)) as usize;
-        let before = (row as usize - 1) / 2 * pair + if row % 2 == 0 { self.columns(1) as usize } else { 0 };
+        let before = (row as usize - 1) / 2 * pair + if row.is_multiple_of(2) { self.columns(1) as usize } else { 0 };
         Some(before + column as usize - 1)
     }
 

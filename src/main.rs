@@ -1,2 +1,7 @@
-//! x
-fn main() {}
+//! The `granulens` program: argument reading and output around the library.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -5,7 +5,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::dem::Stop;
 use crate::lattice::Site;
+pub use crate::score::Scores;
 use crate::target::Target;
 
 /// Format number of every JSON file of results.
@@ -131,44 +133,8 @@ pub struct ArrangementOutcome {
     pub layout: Vec<u8>,
     /// What each sphere felt, in the order of the sites.
     pub record: SphereRecord,
-}
-
-/// Scores of one arrangement; `null` where a ratio has no denominator.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scores {
-    /// F: mean over the focal region of each sphere's maximum kinetic energy [J].
-    #[serde(rename = "focal_mean_J")]
-    pub focal_mean: f64,
-    /// P: the same over the protected region [J].
-    #[serde(rename = "protected_mean_J")]
-    pub protected_mean: f64,
-    /// C = F/P
-    pub contrast: Option<f64>,
-    /// G = F / F of the all-host arrangement
-    pub focal_gain: Option<f64>,
-    /// Q = P / P of the all-lens-material arrangement
-    pub protection: Option<f64>,
-    /// Work of the load [J].
-    #[serde(rename = "work_in_J")]
-    pub work_in: f64,
-    /// Kinetic energy at the end [J].
-    #[serde(rename = "kinetic_J")]
-    pub kinetic: f64,
-    /// Energy that the contacts would still give back at the end [J].
-    #[serde(rename = "stored_J")]
-    pub stored: f64,
-    /// Work done on the contacts less what they store [J].
-    #[serde(rename = "dissipated_J")]
-    pub dissipated: f64,
-    /// (work in − kinetic − stored − dissipated)/work in, signed
-    pub residual: f64,
-    /// Σ ½ δ_max F_max (Burgoyne 2016, eq. 5.6), which overestimates the dissipation [J].
-    #[serde(rename = "eq_5_6_J")]
-    pub eq_5_6: f64,
-    /// Greatest momentum of the last row along z [kg m/s].
-    pub exit_momentum: f64,
-    /// Greatest total contact force on the last row along z [N].
-    pub exit_force: f64,
+    /// Why the run is not to be trusted, if so: which guard stopped it.
+    pub stop: Option<Stop>,
 }
 
 /// What each sphere felt, in the order of the sites.
@@ -184,4 +150,36 @@ pub struct SphereRecord {
     pub arrival: Vec<Option<f64>>,
     /// Half of the loss of each of its contacts [J].
     pub dissipated: Vec<f64>,
+}
+
+/// The result of `check`: one layout by itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Checked {
+    /// Format number of this structure.
+    pub format: u32,
+    /// Name of the design.
+    pub design: String,
+    /// The layout file.
+    pub layout: String,
+    /// The numbers; energies at the end of the run.
+    #[serde(flatten)]
+    pub scores: Scores,
+    /// Step [s].
+    pub step_s: f64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Window [s].
+    pub window_s: f64,
+    /// Contact law.
+    pub law: String,
+    /// Set of fitted constants.
+    pub constants: String,
+    /// Integrator.
+    pub integrator: String,
+    /// Wall time [s].
+    pub seconds: f64,
+    /// What a reader should know before trusting the numbers.
+    pub warnings: Vec<String>,
+    /// Which guard stopped the run, if one did.
+    pub stop: Option<Stop>,
 }

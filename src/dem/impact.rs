@@ -29,6 +29,8 @@ pub struct Impact {
     pub pulse: ForcePulse,
     /// Indices of the struck spheres.
     pub struck: Vec<usize>,
+    /// Spheres that move at the start, with their speed along the last axis [m/s].
+    pub moving: Vec<(usize, f64)>,
     /// Indices of the spheres whose momentum and force count as delivered.
     pub exit: Vec<usize>,
     /// The integrator.
@@ -41,7 +43,7 @@ pub struct Impact {
 
 /// What each sphere and contact felt, and where the energy went.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Record {
+pub struct Record<const D: usize> {
     /// Greatest kinetic energy of each sphere [J], over accepted steps.
     pub max_kinetic: Vec<f64>,
     /// Greatest net contact force on each sphere [N].
@@ -60,6 +62,10 @@ pub struct Record {
     pub exit_momentum: f64,
     /// Greatest total contact force on the exit spheres along the last axis [N].
     pub exit_force: f64,
+    /// How far each sphere has moved at the end [m].
+    pub displacement: Vec<[f64; D]>,
+    /// Velocity of each sphere at the end [m/s].
+    pub velocity: Vec<[f64; D]>,
     /// Accepted steps.
     pub steps: u64,
     /// Two spheres that do not touch at rest and may have met, and when: from there on a contact may be missing. None
@@ -98,7 +104,7 @@ pub fn simulate<const D: usize>(
     sample: &Sample<D>,
     impact: &Impact,
     interrupt: &AtomicBool,
-) -> Result<Record, OverlapAtRest> {
+) -> Result<Record<D>, OverlapAtRest> {
     let rate = matches!(impact.law, LawKind::Thesis | LawKind::Linear);
     match impact.law {
         LawKind::Thesis | LawKind::ThesisStatic => {
@@ -117,12 +123,18 @@ fn follow<const D: usize, L: NormalLaw + Copy + Sync>(
     impact: &Impact,
     interrupt: &AtomicBool,
     law: impl Fn(&Pair) -> L,
-) -> Result<Record, OverlapAtRest> {
+) -> Result<Record<D>, OverlapAtRest> {
     let touching = Touching::find(sample, &impact.mirrors)?;
     let laws = LawTable::new(sample, &touching, impact.constants, law);
     let mut grains = Grains::<f64, D>::at_rest(&[sample], &impact.mirrors);
     let mut contacts = Contacts::new(touching, &grains, laws);
     let mut drive = Drive { pulse: impact.pulse, struck: impact.struck.clone(), work: 0.0 };
+    for &(i, speed) in &impact.moving {
+        grains.velocity[i][D - 1] = speed;
+        grains.reached = grains.reached.max(i + 1);
+        // What moves at the start has been put in before it.
+        drive.work += 0.5 * grains.weight[i] / grains.inverse_mass[i] * speed * speed;
+    }
     let mut stepper = Stepper::new(impact.integrator, impact.step, sample.spheres.len());
     let mut felt = Felt::<D>::new(sample.spheres.len(), impact.exit.clone());
 
@@ -196,7 +208,7 @@ fn collect<const D: usize, L: NormalLaw + Copy + Sync>(
     contacts: &Contacts<f64, D, LawTable<L>>,
     felt: &Felt<D>,
     stepper: &Stepper<f64, D>,
-) -> Record {
+) -> Record<D> {
     let spheres = sample.spheres.len();
     let mut max_contact_force = vec![0.0_f64; spheres];
     let mut dissipated = vec![0.0; spheres];
@@ -228,6 +240,8 @@ fn collect<const D: usize, L: NormalLaw + Copy + Sync>(
         ledger: Ledger::default(),
         exit_momentum: felt.exit_momentum,
         exit_force: felt.exit_force,
+        displacement: grains.displacement.clone(),
+        velocity: grains.velocity.clone(),
         steps: stepper.count,
         missed_contact: None,
         stop: None,

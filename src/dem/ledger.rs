@@ -14,7 +14,7 @@ use crate::contact::NormalLaw;
 /// Energies [J] of the simulated half, spheres and contacts on mirrors counting by their part in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
-    /// Work of the load.
+    /// Work of the load, and kinetic energy at the start.
     pub work_in: f64,
     /// Σ ½ m v²
     pub kinetic: f64,

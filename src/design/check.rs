@@ -7,8 +7,8 @@ use super::file::{self, CompareFile, CrystalFile, DesignFile, ImpactFile, LensFi
 use super::value::{Scope, is_plain_name};
 use super::{Accuracy, Design, own, region, syntax, threshold};
 use crate::contact::{Constants, LawKind};
+use crate::dem::ForcePulse;
 use crate::dem::Integrator;
-use crate::dem::load::ForcePulse;
 use crate::lattice::HexagonalSheet;
 use crate::lens::LensRequest;
 use crate::material::Material;

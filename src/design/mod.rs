@@ -25,8 +25,8 @@ pub use error::DesignError;
 pub use threshold::{Measure, Threshold};
 
 use crate::contact::{Constants, LawKind};
+use crate::dem::ForcePulse;
 use crate::dem::Integrator;
-use crate::dem::load::ForcePulse;
 use crate::lattice::HexagonalSheet;
 use crate::lens::LensRequest;
 use crate::material::{self, Material, UnknownMaterial};

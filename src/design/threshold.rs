@@ -3,7 +3,7 @@
 use super::error::DesignError;
 use super::file::{BoundsFile, Section, ThresholdsFile};
 use super::value::{Entry, Scope};
-use crate::outcome::Scores;
+use crate::score::Scores;
 use crate::units::Dimension;
 
 /// Bounds on one score, both included.

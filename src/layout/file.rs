@@ -6,6 +6,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use serde_json::json;
+
 use super::Layout;
 use crate::lattice::HexagonalSheet;
 use crate::material::{self, Material};
@@ -69,6 +71,22 @@ fn preamble(layout: &Layout, extent: &str) -> String {
 fn line(text: &mut String, [row, column]: [u32; 2], x: f64, z: f64, layout: &Layout, material: u8) {
     let name = &layout.palette[usize::from(material)].name;
     let _ = writeln!(text, "{row},{column},{x},{z},{},{name}", layout.lattice.diameter());
+}
+
+/// The simulated half as JSON text: the same columns as the CSV.
+pub fn write_json(layout: &Layout) -> String {
+    let lattice = layout.lattice;
+    let spheres = lattice.sites().into_iter().zip(&layout.materials).map(|(site, &material)| {
+        json!({
+            "row": site.row, "column": site.column, "x": site.x, "z": site.z,
+            "diameter": lattice.diameter(), "material": layout.palette[usize::from(material)].name,
+        })
+    });
+    let layout = json!({
+        "format": FORMAT, "packing": "hexagonal-2d", "diameter_m": lattice.diameter(), "rows": lattice.rows(),
+        "half_width_m": lattice.half_width(), "spheres": spheres.collect::<Vec<_>>(),
+    });
+    format!("{layout:#}\n")
 }
 
 /// Reads a layout of the simulated half for the given lattice. Materials are found among `own`, then in the library; the
@@ -138,8 +156,8 @@ pub fn read(
             let value: f64 = record[k]
                 .parse()
                 .map_err(|_| fail(at, format!("{} = \"{}\" is not a number in metres", HEADER[k], &record[k])))?;
-            // Written so that NaN is refused as well.
-            if !((value - expected).abs() <= 1e-6 * lattice.diameter()) {
+            let off = (value - expected).abs();
+            if off.is_nan() || off > 1e-6 * lattice.diameter() {
                 return Err(fail(
                     at,
                     format!(

@@ -7,7 +7,7 @@ mod baseline;
 mod file;
 
 pub use baseline::{Baseline, random_choice};
-pub use file::{LayoutFileError, read, write, write_full};
+pub use file::{LayoutFileError, read, write, write_full, write_json};
 
 use crate::lattice::{HexagonalSheet, Site};
 use crate::material::Material;

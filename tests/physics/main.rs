@@ -3,7 +3,9 @@
 //! `tests/data/` holds solutions computed by an implementation written separately from this one; each file explains
 //! itself in its header.
 
+mod collision;
 mod contact_law;
 mod lens;
 mod problem;
 mod reference;
+mod wave;

@@ -42,6 +42,7 @@ pub fn impact(lattice: &HexagonalSheet) -> Impact {
         constants: Constants::Code,
         pulse: ForcePulse { force: 26e3, duration: 20e-6 },
         struck: row(1),
+        moving: Vec::new(),
         exit: row(lattice.rows()),
         integrator: Integrator::Verlet,
         step: 1e-7,
@@ -49,6 +50,6 @@ pub fn impact(lattice: &HexagonalSheet) -> Impact {
     }
 }
 
-pub fn run<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Record {
+pub fn run<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Record<D> {
     simulate(sample, impact, &AtomicBool::new(false)).unwrap()
 }

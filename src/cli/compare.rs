@@ -1,0 +1,72 @@
+//! `granulens compare`: a lens, or given layouts, against the baselines.
+
+use std::path::PathBuf;
+
+use granulens::design::Design;
+use granulens::evaluate::{Comparison, compare};
+use granulens::layout::{self, Layout};
+use granulens::outcome::Outcome;
+use granulens::report;
+
+use super::console::{Bar, emit, emit_json, interrupt, note};
+use super::failure::Failure;
+use super::folder::write_file;
+use super::{Common, Motion, propose};
+
+/// Simulate the lens, or a given layout, and all baselines; print the table. With --out, write the outcome as JSON.
+#[derive(clap::Args)]
+pub struct Compare {
+    /// Design file
+    design: PathBuf,
+    /// Layout to compare in place of the proposed lens
+    layout: Option<PathBuf>,
+    #[command(flatten)]
+    motion: Motion,
+}
+
+impl Compare {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let design = Design::read(&self.design)?;
+        let overrides = self.motion.overrides(common);
+        let comparison = match &self.layout {
+            None => Comparison::of_lens(&design, &propose(&design)?, overrides),
+            Some(path) => {
+                let name =
+                    path.file_stem().map_or_else(|| "layout".to_owned(), |stem| stem.to_string_lossy().into_owned());
+                Comparison::of_layout(&design, name, read_layout(&design, path)?, overrides)
+            }
+        }
+        .map_err(|error| Failure::of_plan(&design, &error))?;
+        let bar = Bar::new(common, comparison.len());
+        let outcome = compare(&comparison, interrupt(), &bar)?;
+        bar.done();
+        if let Some(path) = &common.out {
+            write_file(path, &report::outcome_json(&outcome))?;
+        }
+        if common.json {
+            emit_json(&report::numbers(&outcome));
+        } else {
+            emit(&report::table(&outcome));
+        }
+        outcome.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        if outcome.arrangements.len() < comparison.len() {
+            let (finished, all) = (outcome.arrangements.len(), comparison.len());
+            return Err(Failure::Interrupted(format!("{finished} of {all} arrangements are finished and shown")));
+        }
+        guard(&outcome)
+    }
+}
+
+/// Reads a layout on the design's lattice; host and lens material keep the first places of the palette.
+pub fn read_layout(design: &Design, path: &std::path::Path) -> Result<Layout, Failure> {
+    let mut palette = vec![design.host.clone()];
+    palette.extend(design.lens.iter().map(|request| request.material.clone()));
+    Ok(layout::read(path, design.lattice, &palette, &design.own_materials)?)
+}
+
+/// Fails where a guard stopped an arrangement.
+pub fn guard(outcome: &Outcome) -> Result<(), Failure> {
+    let stopped = outcome.arrangements.iter().filter_map(|a| a.stop.as_ref().map(|stop| format!("{}: {stop}", a.name)));
+    let stopped: Vec<String> = stopped.collect();
+    if stopped.is_empty() { Ok(()) } else { Err(Failure::Guard(stopped.join("; "))) }
+}

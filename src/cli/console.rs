@@ -1,0 +1,73 @@
+//! Output that survives a closed pipe, Ctrl-C, and progress.
+
+use std::io::Write as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use granulens::evaluate::Progress;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::Common;
+
+/// Set by the first Ctrl-C.
+static INTERRUPT: AtomicBool = AtomicBool::new(false);
+
+/// The request to stop: the first Ctrl-C sets it, the second ends the program at once.
+pub fn interrupt() -> &'static AtomicBool {
+    // A handler that cannot be set leaves Ctrl-C as it was: the program then ends at once.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPT.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    &INTERRUPT
+}
+
+/// Prints data. A reader who has closed the pipe has seen enough.
+pub fn emit(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes());
+    if !text.ends_with('\n') {
+        let _ = out.write_all(b"\n");
+    }
+    let _ = out.flush();
+}
+
+/// Prints one JSON value as data.
+pub fn emit_json(value: &impl serde::Serialize) {
+    // The values printed here have string keys and finite or null numbers, so serialising cannot fail.
+    emit(&serde_json::to_string_pretty(value).unwrap_or_default());
+}
+
+/// Prints words for a person.
+pub fn note(common: &Common, text: &str) {
+    if !common.quiet {
+        eprintln!("{text}");
+    }
+}
+
+/// A bar on stderr that counts finished arrangements; hidden where stderr is no terminal.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    pub fn new(common: &Common, length: usize) -> Self {
+        let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(length as u64) };
+        if let Ok(style) =
+            ProgressStyle::with_template("{bar:30} {pos}/{len} arrangements, {elapsed} ({eta} left) {msg}")
+        {
+            bar.set_style(style);
+        }
+        bar.tick();
+        Self(bar)
+    }
+
+    pub fn done(self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn finished(&self, name: &str) {
+        self.0.set_message(name.to_owned());
+        self.0.inc(1);
+    }
+}

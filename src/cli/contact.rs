@@ -1,0 +1,149 @@
+//! `granulens contact`: a contact's curve, or its law at given states.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use granulens::contact::{AnyLaw, Constants, ForceLaw as _, History, LawKind, Pair};
+use granulens::material::find;
+use granulens::report;
+use granulens::units::Dimension::{Force, Length};
+use serde_json::json;
+
+use super::console::{emit, emit_json, note};
+use super::failure::Failure;
+use super::folder::write_file;
+use super::{Common, length};
+
+/// Draw a contact's force-displacement curve with its regions and an unloading (--out FILE.svg), or evaluate the law at
+/// given states (--states FILE.csv).
+#[derive(clap::Args)]
+pub struct Contact {
+    /// The two materials, such as 440c,brass
+    #[arg(long, value_name = "A,B")]
+    pair: String,
+    /// thesis, thesis-static, hertz, hertz-thesis, linear or linear-static
+    #[arg(long, default_value_t = LawKind::Thesis)]
+    law: LawKind,
+    /// Diameter of both spheres, or of each: "6.35 mm,9.5 mm"
+    #[arg(long, default_value = "6.35 mm")]
+    diameter: String,
+    /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
+    #[arg(long, default_value_t = Constants::Code)]
+    constants: Constants,
+    /// CSV with the columns d,v,dmax,Fmax in SI, v > 0 closing; forces and histories go to stdout
+    #[arg(long, value_name = "FILE")]
+    states: Option<PathBuf>,
+}
+
+impl Contact {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let pair = self.pair()?;
+        let law = AnyLaw::new(self.law, &pair);
+        if let Some(path) = &self.states {
+            let text = states(path, &law)?;
+            match &common.out {
+                Some(out) => write_file(out, &text)?,
+                None => emit(&text),
+            }
+            return Ok(());
+        }
+        if let Some(path) = &common.out {
+            let title = format!("{} ({}, {} constants)", self.pair.replace(',', " on "), self.law, self.constants);
+            write_file(path, &report::contact_curve(&law, &pair, &title))?;
+            note(common, &format!("curve: {}", path.display()));
+        }
+        let regions = pair.regions(1.0);
+        if common.json {
+            emit_json(&json!({
+                "format": granulens::outcome::FORMAT,
+                "law": self.law.name(),
+                "constants": self.constants.name(),
+                "effective_modulus_Pa": pair.modulus,
+                "effective_radius_m": pair.radius,
+                "yield_stress_Pa": pair.yield_stress,
+                "rate_constant": pair.rate_constant,
+                "yield_overlap_m": regions.yield_overlap,
+                "yield_force_N": regions.yield_force,
+                "plastic_overlap_m": regions.plastic_overlap,
+                "fully_plastic_force_N": regions.plastic_force,
+                "plastic_stiffness_N_m": pair.plastic_stiffness(),
+                "pressure_ratio_c1": regions.pressure_ratio,
+                "area_offset_c2_m2": regions.area_offset,
+            }));
+        } else {
+            emit(&format!(
+                "E* {:.4e} Pa, r* {}, yield stress {:.4e} Pa, rate constant {}\n\
+                 at rest: yield at {} and {}, fully plastic from {} and {} on, then {:.4e} N/m",
+                pair.modulus,
+                Length.show(pair.radius),
+                pair.yield_stress,
+                pair.rate_constant,
+                Length.show(regions.yield_overlap),
+                Force.show(regions.yield_force),
+                Length.show(regions.plastic_overlap),
+                Force.show(regions.plastic_force),
+                pair.plastic_stiffness()
+            ));
+            if common.out.is_none() {
+                note(common, "draw the curve with --out FILE.svg, evaluate states with --states FILE.csv");
+            }
+        }
+        Ok(())
+    }
+
+    fn pair(&self) -> Result<Pair, Failure> {
+        let names: Vec<&str> = self.pair.split(',').map(str::trim).collect();
+        let [a, b] = names.as_slice() else {
+            return Err(Failure::input(format!(
+                "--pair \"{}\" names {} materials, expected two: 440c,brass",
+                self.pair,
+                names.len()
+            )));
+        };
+        let parse = |text: &str| length(text).map_err(|error| Failure::input(format!("--diameter: {error}")));
+        let diameters: Vec<f64> = self.diameter.split(',').map(|text| parse(text.trim())).collect::<Result<_, _>>()?;
+        let radii = match diameters.as_slice() {
+            [both] => [0.5 * both; 2],
+            [one, two] => [0.5 * one, 0.5 * two],
+            more => {
+                return Err(Failure::input(format!("--diameter names {} spheres, expected one or two", more.len())));
+            }
+        };
+        Ok(Pair::new([&find(a, &[])?, &find(b, &[])?], radii, self.constants))
+    }
+}
+
+/// The law at every state of a CSV file.
+fn states(path: &Path, law: &AnyLaw) -> Result<String, Failure> {
+    let fail = |message: String| Failure::input(format!("{}: {message}", path.display()));
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .map_err(|error| fail(error.to_string()))?;
+    let header = reader.headers().map_err(|error| fail(error.to_string()))?.clone();
+    let mut places = [0; 4];
+    for (place, name) in places.iter_mut().zip(["d", "v", "dmax", "Fmax"]) {
+        *place = header
+            .iter()
+            .position(|column| column == name)
+            .ok_or_else(|| fail(format!("has no column \"{name}\"; expected d,v,dmax,Fmax")))?;
+    }
+    let mut text = String::from("d,v,dmax,Fmax,F,dmax_after,Fmax_after\n");
+    for record in reader.records() {
+        let record = record.map_err(|error| fail(error.to_string()))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut values = [0.0; 4];
+        for (value, &place) in values.iter_mut().zip(&places) {
+            *value = record[place].parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
+                fail(format!("line {line}: {} = \"{}\" is not a finite number", &header[place], &record[place]))
+            })?;
+        }
+        let [d, v, dmax, fmax] = values;
+        let history = History { overlap_max: dmax, force_max: fmax };
+        let force = law.force(d, v, &history);
+        let after = history.advanced(d.max(0.0), force);
+        let _ = writeln!(text, "{d},{v},{dmax},{fmax},{force},{},{}", after.overlap_max, after.force_max);
+    }
+    Ok(text)
+}

@@ -1,0 +1,98 @@
+//! Output folders and files that appear only when they are complete.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::failure::Failure;
+
+/// Writes a file by way of a temporary one beside it, so that a file that was there stays until the new one is whole.
+pub fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
+    let attempt = || -> io::Result<()> {
+        let parent = parent_of(path);
+        fs::create_dir_all(&parent)?;
+        let temporary = tempfile::NamedTempFile::new_in(&parent)?;
+        fs::write(temporary.path(), text)?;
+        make_readable(temporary.path())?;
+        temporary.persist(path)?;
+        Ok(())
+    };
+    attempt().map_err(|error| Failure::write(path, &error))
+}
+
+/// Temporary files are private; results are not.
+#[cfg(unix)]
+fn make_readable(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    let mode = if path.is_dir() { 0o755 } else { 0o644 };
+    fs::set_permissions(path, fs::Permissions::from_mode(mode))
+}
+
+#[cfg(not(unix))]
+fn make_readable(_: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+fn parent_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// A folder in the making, beside the place where it will stand.
+pub struct Folder {
+    place: PathBuf,
+    making: tempfile::TempDir,
+}
+
+/// The file by which a folder of results is recognised.
+const MARK: &str = "manifest.json";
+
+impl Folder {
+    /// Begins a folder. Found out at once rather than after the simulations: whether it can be written, and whether what
+    /// stands there already is a folder of results, which alone is replaced.
+    pub fn begin(place: &Path) -> Result<Self, Failure> {
+        if place.exists() && !is_results(place) {
+            return Err(Failure::input(format!(
+                "{} exists and is no folder of results; it is left alone. Choose another place with --out.",
+                place.display()
+            )));
+        }
+        let parent = parent_of(place);
+        let making = fs::create_dir_all(&parent)
+            .and_then(|()| tempfile::Builder::new().prefix(".granulens-").tempdir_in(&parent))
+            .map_err(|error| Failure::write(place, &error))?;
+        Ok(Self { place: place.to_owned(), making })
+    }
+
+    /// Where to write meanwhile.
+    pub fn path(&self) -> &Path {
+        self.making.path()
+    }
+
+    /// Puts the folder in its place; results that stood there are replaced.
+    pub fn finish(self) -> Result<(), Failure> {
+        let place = self.place;
+        let attempt = || -> io::Result<()> {
+            make_readable(self.making.path())?;
+            let made = self.making.keep();
+            if !place.exists() {
+                return fs::rename(made, &place);
+            }
+            let old = tempfile::Builder::new().prefix(".granulens-old-").tempdir_in(parent_of(&place))?;
+            let aside = old.path().join("old");
+            fs::rename(&place, &aside)?;
+            // If the new one cannot take its place, the old one goes back.
+            fs::rename(&made, &place).inspect_err(|_| {
+                let _ = fs::rename(&aside, &place);
+            })
+        };
+        attempt().map_err(|error| Failure::write(&place, &error))
+    }
+}
+
+fn is_results(place: &Path) -> bool {
+    let empty = || fs::read_dir(place).is_ok_and(|mut entries| entries.next().is_none());
+    place.is_dir() && (place.join(MARK).is_file() || empty())
+}

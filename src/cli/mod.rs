@@ -1,0 +1,143 @@
+//! The command line: one file per subcommand. Data goes to stdout, words to stderr.
+//!
+//! - `failure`: what went wrong, as text or JSON, and the exit codes
+//! - `console`: output that survives a closed pipe, Ctrl-C, progress
+//! - `folder`: output folders that appear only when complete
+
+mod check;
+mod compare;
+mod console;
+mod contact;
+mod design;
+mod failure;
+mod folder;
+mod materials;
+mod run;
+mod speed;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use granulens::design::Design;
+use granulens::evaluate::Overrides;
+use granulens::units::Dimension;
+
+use failure::Failure;
+
+/// Design impact lenses: packings of metal spheres that steer an impact wave to where it does no harm.
+#[derive(Parser)]
+#[command(name = "granulens", version, max_term_width = 100)]
+#[command(
+    after_help = "Exit codes: 0 done; 1 a guard stopped a run; 2 usage or input; 3 a threshold of the design file is not \
+                        met (check --strict); 130 interrupted, with what was finished kept."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Options of every subcommand.
+#[derive(Args)]
+struct Common {
+    /// Print one JSON object on stdout; errors become one JSON object on stderr
+    #[arg(long, global = true)]
+    json: bool,
+    /// No progress, no notes
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Number of threads; results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// First random seed, in place of the design file's
+    #[arg(long, global = true, value_name = "SEED")]
+    seed: Option<u64>,
+    /// Where to write: a folder for run, a file for the others
+    #[arg(long, global = true, value_name = "PATH")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// The whole job: propose a lens, simulate it and its baselines, score, report
+    Run(run::Run),
+    /// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated
+    Design(design::Propose),
+    /// Simulate a layout file, proposed or edited by hand, under a design's impact
+    Check(check::Check),
+    /// Simulate the lens, or given layouts, and all baselines; print the table
+    Compare(compare::Compare),
+    /// List the materials, with their sources
+    Materials(materials::Materials),
+    /// Draw a contact's force-displacement curve, or evaluate the law at given states
+    Contact(contact::Contact),
+    /// The closed-form bound of the wave speed
+    Speed(speed::Speed),
+}
+
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() && std::env::args().any(|arg| arg == "--json") => {
+            return Failure::usage(error.to_string()).print(true);
+        }
+        Err(error) => error.exit(),
+    };
+    if let Some(threads) = cli.common.threads {
+        // Fails only if a pool exists already, and none does.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+    }
+    let common = &cli.common;
+    let done = match cli.command {
+        Command::Run(command) => command.run(common),
+        Command::Design(command) => command.run(common),
+        Command::Check(command) => command.run(common),
+        Command::Compare(command) => command.run(common),
+        Command::Materials(command) => command.run(common),
+        Command::Contact(command) => command.run(common),
+        Command::Speed(command) => command.run(common),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.print(common.json),
+    }
+}
+
+/// How the motion is followed, where it differs from the design file.
+#[derive(Args)]
+struct Motion {
+    /// verlet or rk4
+    #[arg(long, value_name = "NAME")]
+    integrator: Option<granulens::dem::Integrator>,
+    /// Time step, such as "5e-8 s"
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    step: Option<f64>,
+    /// Window, such as "250 us"
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    window: Option<f64>,
+}
+
+impl Motion {
+    fn overrides(&self, common: &Common) -> Overrides {
+        Overrides { integrator: self.integrator, step: self.step, window: self.window, first_seed: common.seed }
+    }
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let time = Dimension::Time.parse(text).map_err(|error| error.to_string())?;
+    if time > 0.0 { Ok(time) } else { Err("must be positive".to_owned()) }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let length = Dimension::Length.parse(text).map_err(|error| error.to_string())?;
+    if length > 0.0 { Ok(length) } else { Err("must be positive".to_owned()) }
+}
+
+/// The design's lens, proposed.
+fn propose(design: &Design) -> Result<granulens::lens::Lens, Failure> {
+    let request = design.lens.as_ref().ok_or_else(|| Failure::input("the design has no [lens] to propose"))?;
+    granulens::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants)
+        .map_err(|error| Failure::of_lens(design, &error))
+}

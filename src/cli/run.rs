@@ -1,0 +1,71 @@
+//! `granulens run`: from a design file to a report.
+
+use std::path::{Path, PathBuf};
+
+use granulens::design::Design;
+use granulens::evaluate::{Comparison, compare};
+use granulens::layout;
+use granulens::report;
+
+use super::console::{Bar, emit, emit_json, interrupt, note};
+use super::failure::Failure;
+use super::folder::Folder;
+use super::{Common, Motion, propose};
+
+/// The whole job: propose a lens from the target, simulate it and its baselines, score, report.
+#[derive(clap::Args)]
+pub struct Run {
+    /// Design file, such as designs/quickstart.toml
+    design: PathBuf,
+    #[command(flatten)]
+    motion: Motion,
+}
+
+impl Run {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let design = Design::read(&self.design)?;
+        let lens = propose(&design)?;
+        let comparison = Comparison::of_lens(&design, &lens, self.motion.overrides(common))
+            .map_err(|error| Failure::of_plan(&design, &error))?;
+        let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
+        let folder = Folder::begin(&place)?;
+        note(common, &super::design::words(&design, &lens));
+        note(common, &format!("step: {}", comparison.plan.step_reason));
+
+        let bar = Bar::new(common, comparison.len());
+        let outcome = compare(&comparison, interrupt(), &bar)?;
+        bar.done();
+
+        let expected = comparison.len();
+        if outcome.arrangements.len() < expected {
+            let finished = outcome.arrangements.len();
+            let kept = place.with_extension("interrupted");
+            let folder = Folder::begin(&kept)?;
+            report::write_numbers(&outcome, folder.path()).map_err(|error| Failure::write(&kept, &error))?;
+            folder.finish()?;
+            return Err(Failure::Interrupted(format!(
+                "{finished} of {expected} arrangements are finished; their numbers are in {}",
+                kept.display()
+            )));
+        }
+        report::write(&outcome, folder.path()).map_err(|error| Failure::write(&place, &error))?;
+        for (name, text) in [
+            ("layout.csv", layout::write(&comparison.subject)),
+            ("layout-full.csv", layout::write_full(&comparison.subject)),
+            ("layout.json", layout::write_json(&comparison.subject)),
+        ] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).map_err(|error| Failure::write(&path, &error))?;
+        }
+        folder.finish()?;
+
+        if common.json {
+            emit_json(&report::numbers(&outcome));
+        } else {
+            emit(&report::table(&outcome));
+        }
+        outcome.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        note(common, &format!("report: {}", place.join("report.html").display()));
+        super::compare::guard(&outcome)
+    }
+}

@@ -1,0 +1,221 @@
+//! The lens and its baselines, simulated alike and in parallel.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use rayon::prelude::*;
+
+use super::{Evaluation, Overrides, Plan, PlanError, evaluate, validity};
+use crate::dem::{OverlapAtRest, Stop};
+use crate::design::Design;
+use crate::layout::{Baseline, Layout};
+use crate::lens::Lens;
+use crate::outcome::{ArrangementOutcome, FORMAT, Manifest, Outcome, Proposal, SphereRecord};
+use crate::score::Scores;
+
+/// Is told of every arrangement that is finished.
+pub trait Progress: Sync {
+    /// An arrangement is done.
+    fn finished(&self, name: &str);
+}
+
+/// Nobody is told.
+impl Progress for () {
+    fn finished(&self, _: &str) {}
+}
+
+/// The arrangements to compare: a subject, which may be a proposed lens or any layout, and its baselines.
+pub struct Comparison<'a> {
+    /// The design whose impact and target count.
+    pub design: &'a Design,
+    /// Step and window.
+    pub plan: Plan,
+    /// The subject's name, `lens` for a proposal.
+    pub name: String,
+    /// The subject.
+    pub subject: Layout,
+    /// First and last row in which the subject holds lens material.
+    pub rows: [u32; 2],
+    /// What ray tracing said about it.
+    pub proposal: Option<Proposal>,
+}
+
+impl<'a> Comparison<'a> {
+    /// A proposed lens against its baselines.
+    ///
+    /// # Errors
+    /// A step or window with which nothing can be simulated.
+    pub fn of_lens(design: &'a Design, lens: &Lens, overrides: Overrides) -> Result<Self, PlanError> {
+        let subject = lens.layout();
+        let plan = Plan::new(design, overrides, &subject.palette)?;
+        let proposal = Some(proposal(design, lens));
+        Ok(Self { design, plan, name: "lens".to_owned(), rows: lens.rows(), subject, proposal })
+    }
+
+    /// Any layout against its baselines: strips and mixtures span the rows in which it differs from the host, and are
+    /// made of its first material that is not the host.
+    ///
+    /// # Errors
+    /// A step or window with which nothing can be simulated.
+    pub fn of_layout(
+        design: &'a Design,
+        name: String,
+        subject: Layout,
+        overrides: Overrides,
+    ) -> Result<Self, PlanError> {
+        let plan = Plan::new(design, overrides, &subject.palette)?;
+        let rows: Vec<u32> =
+            subject.lattice.sites().iter().zip(&subject.materials).filter(|(_, m)| **m != 0).map(|(s, _)| s.row).collect();
+        let rows = [rows.first().copied().unwrap_or(1), rows.last().copied().unwrap_or(1)];
+        Ok(Self { design, plan, name, subject, rows, proposal: None })
+    }
+
+    /// Number of arrangements.
+    pub fn len(&self) -> usize {
+        1 + self.baselines().len()
+    }
+
+    /// Never: the subject is always there.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    fn baselines(&self) -> Vec<Baseline> {
+        // Without a second material there is nothing to arrange otherwise.
+        if self.subject.palette.len() < 2 { Vec::new() } else { Baseline::set(self.plan.first_seed, self.design.seeds) }
+    }
+}
+
+/// Simulates subject and baselines on all threads of the current pool. Results do not depend on their number: each
+/// arrangement is one thread's work, and they are collected in order. When `interrupt` is set the outcome holds those that were
+/// finished.
+///
+/// # Errors
+/// Spheres that overlap at rest; no layout on a lattice has such.
+pub fn compare(
+    comparison: &Comparison<'_>,
+    interrupt: &AtomicBool,
+    progress: &impl Progress,
+) -> Result<Outcome, OverlapAtRest> {
+    let Comparison { design, plan, .. } = comparison;
+    let begun = Instant::now();
+    let started_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let baselines = comparison.baselines();
+    let subject = std::iter::once((comparison.name.clone(), comparison.name.clone(), None, comparison.subject.clone()));
+    let jobs: Vec<_> = subject
+        .chain(baselines.iter().map(|baseline| {
+            let layout = baseline.layout(&comparison.subject, comparison.rows);
+            (baseline.name(), baseline.kind().to_owned(), baseline.seed(), layout)
+        }))
+        .collect();
+    let evaluations: Vec<Option<Evaluation>> = jobs
+        .par_iter()
+        .map(|(name, _, _, layout)| {
+            if interrupt.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            let evaluation = evaluate(design, layout, plan, interrupt)?;
+            let complete = !matches!(evaluation.record.stop, Some(Stop::Interrupted { .. }));
+            if complete {
+                progress.finished(name);
+            }
+            Ok(complete.then_some(evaluation))
+        })
+        .collect::<Result<_, OverlapAtRest>>()?;
+
+    let mut warnings = plan.warnings.clone();
+    let mut arrangements = Vec::new();
+    for ((name, kind, seed, layout), evaluation) in jobs.into_iter().zip(evaluations) {
+        let Some(Evaluation { scores, record, warnings: own }) = evaluation else { continue };
+        warnings.extend(own.into_iter().map(|warning| format!("{name}: {warning}")));
+        warnings.extend(record.stop.iter().map(|stop| format!("{name}: FAILED: {stop}")));
+        arrangements.push(ArrangementOutcome {
+            name,
+            kind,
+            seed,
+            spheres: layout.materials.iter().filter(|&&m| m != 0).count(),
+            scores,
+            layout: layout.materials,
+            stop: record.stop,
+            record: SphereRecord {
+                max_kinetic: record.max_kinetic,
+                max_net_force: record.max_net_force,
+                max_contact_force: record.max_contact_force,
+                arrival: record.arrival,
+                dissipated: record.dissipated,
+            },
+        });
+    }
+    relate(&mut arrangements);
+    let lattice = &design.lattice;
+    Ok(Outcome {
+        format: FORMAT,
+        manifest: Manifest {
+            name: design.name.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            design_file: design.path.display().to_string(),
+            design: design.text.clone(),
+            law: design.law.to_string(),
+            constants: design.constants.to_string(),
+            integrator: plan.integrator.to_string(),
+            step_s: plan.step,
+            step_reason: plan.step_reason.clone(),
+            window_s: plan.window,
+            window_reason: plan.window_reason.clone(),
+            seeds: [plan.first_seed, design.seeds],
+            threads: rayon::current_num_threads(),
+            started_unix_s,
+            seconds: begun.elapsed().as_secs_f64(),
+        },
+        sites: lattice.sites(),
+        diameter: lattice.diameter(),
+        half_width: lattice.half_width(),
+        target: design.target,
+        materials: comparison.subject.palette.iter().map(|m| m.name.clone()).collect(),
+        proposal: comparison.proposal.clone(),
+        arrangements,
+        warnings,
+    })
+}
+
+/// Adds to every arrangement its ratios to the uniform ones.
+fn relate(arrangements: &mut [ArrangementOutcome]) {
+    let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind).map(|a| a.scores.clone());
+    let (host, lens): (Option<Scores>, Option<Scores>) = (of("all-host"), of("all-lens"));
+    for arrangement in arrangements {
+        arrangement.scores.relate(host.as_ref(), lens.as_ref());
+    }
+}
+
+/// What ray tracing proposed, as it is stored.
+pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
+    let layout = lens.layout();
+    let [host, material] = [&layout.palette[0], &layout.palette[1]].map(|material| validity(design, material));
+    Proposal {
+        host_speed: lens.host_speed,
+        lens_speed: lens.lens_speed,
+        speed_ratio: lens.host_speed / lens.lens_speed,
+        critical_angle: crate::wave::critical_angle([lens.host_speed, lens.lens_speed]),
+        amplitude_host: host.amplitude,
+        amplitude_lens: material.amplitude,
+        validity: format!(
+            "{}: {}; {}: {}",
+            layout.palette[0].name,
+            host.words(),
+            layout.palette[1].name,
+            material.words()
+        ),
+        apex_row: lens.apex_row,
+        back_row: lens.back_row,
+        radius: lens.radius,
+        rim_angle: lens.rim_angle,
+        aperture: lens.aperture,
+        spheres: layout.count(1),
+        fraction: lens.fraction,
+        fraction_without: lens.fraction_without,
+        crossing: lens.crossing,
+        front: lens.front_polyline(),
+        back: lens.back_depth(),
+        rays: lens.sample_rays(17),
+    }
+}

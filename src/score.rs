@@ -1,0 +1,86 @@
+//! What was recorded against what was wanted.
+
+use serde::{Deserialize, Serialize};
+
+use crate::dem::Record;
+use crate::lattice::HexagonalSheet;
+use crate::target::{Region, Target};
+
+/// Scores of one arrangement; `null` where a ratio has no denominator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scores {
+    /// F: mean over the focal region of each sphere's maximum kinetic energy [J].
+    #[serde(rename = "focal_mean_J")]
+    pub focal_mean: f64,
+    /// P: the same over the protected region [J].
+    #[serde(rename = "protected_mean_J")]
+    pub protected_mean: f64,
+    /// C = F/P
+    pub contrast: Option<f64>,
+    /// G = F / F of the all-host arrangement
+    pub focal_gain: Option<f64>,
+    /// Q = P / P of the all-lens-material arrangement
+    pub protection: Option<f64>,
+    /// Work of the load [J].
+    #[serde(rename = "work_in_J")]
+    pub work_in: f64,
+    /// Kinetic energy at the end [J].
+    #[serde(rename = "kinetic_J")]
+    pub kinetic: f64,
+    /// Energy that the contacts would still give back at the end [J].
+    #[serde(rename = "stored_J")]
+    pub stored: f64,
+    /// Work done on the contacts less what they store [J].
+    #[serde(rename = "dissipated_J")]
+    pub dissipated: f64,
+    /// (work in − kinetic − stored − dissipated)/work in, signed
+    pub residual: f64,
+    /// Σ ½ δ_max F_max (Burgoyne 2016, eq. 5.6), which overestimates the dissipation [J].
+    #[serde(rename = "eq_5_6_J")]
+    pub eq_5_6: f64,
+    /// Greatest momentum of the last row along z [kg m/s].
+    pub exit_momentum: f64,
+    /// Greatest total contact force on the last row along z [N].
+    pub exit_force: f64,
+}
+
+/// Mean over a region's sites; none for a region without sites.
+fn mean(values: &[f64], region: &Region, lattice: &HexagonalSheet) -> Option<f64> {
+    let sites = region.sites(lattice);
+    (!sites.is_empty()).then(|| sites.iter().map(|&i| values[i]).sum::<f64>() / sites.len() as f64)
+}
+
+/// `a` over `b`, where `b` is not zero.
+fn ratio(a: f64, b: f64) -> Option<f64> {
+    (b > 0.0).then(|| a / b)
+}
+
+impl Scores {
+    /// Scores one arrangement by itself; the ratios to baselines follow by [`relate`](Self::relate).
+    pub fn new(record: &Record<2>, lattice: &HexagonalSheet, target: &Target) -> Self {
+        let focal_mean = mean(&record.max_kinetic, &target.focus, lattice).unwrap_or(0.0);
+        let protected_mean = mean(&record.max_kinetic, &target.protect, lattice).unwrap_or(0.0);
+        let ledger = &record.ledger;
+        Self {
+            focal_mean,
+            protected_mean,
+            contrast: ratio(focal_mean, protected_mean),
+            focal_gain: None,
+            protection: None,
+            work_in: ledger.work_in,
+            kinetic: ledger.kinetic,
+            stored: ledger.stored,
+            dissipated: ledger.dissipated,
+            residual: ledger.residual().unwrap_or(0.0),
+            eq_5_6: ledger.estimate,
+            exit_momentum: record.exit_momentum,
+            exit_force: record.exit_force,
+        }
+    }
+
+    /// Adds G = F/F(all host) and Q = P/P(all lens material).
+    pub fn relate(&mut self, all_host: Option<&Scores>, all_lens: Option<&Scores>) {
+        self.focal_gain = all_host.and_then(|host| ratio(self.focal_mean, host.focal_mean));
+        self.protection = all_lens.and_then(|lens| ratio(self.protected_mean, lens.protected_mean));
+    }
+}
