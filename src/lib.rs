@@ -15,6 +15,8 @@ pub mod target;
 pub mod contact;
 pub mod sample;
 pub mod layout;
+pub mod wave;
+pub mod ray;
 pub mod lens;
 pub mod dem;
 pub mod outcome;
