@@ -78,8 +78,8 @@ pub struct Lens {
 /// Finds the lens that sends the largest fraction of the struck width through the focal region at its mid depth.
 ///
 /// All apex rows, back rows and radii are tried that the request's limits allow and that leave the lens in front of the
-/// focal region; what the request fixes stays fixed. Of lenses that differ by less than [`solve::TIE`] the one of fewest
-/// spheres is taken. If apex, back and radius are all given, nothing is sought and a small fraction is no error.
+/// focal region; what the request fixes stays fixed. Of lenses whose fractions differ by less than
+/// 10⁻⁶ the one of fewest spheres is taken. If apex, back and radius are all given, nothing is sought and a small fraction is no error.
 ///
 /// # Errors
 /// [`LensError::Unreachable`] if no such lens sends more than straight rays do; the others if the request contradicts

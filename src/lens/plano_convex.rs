@@ -8,8 +8,8 @@ use crate::ray::Bench;
 /// A site belongs to it if apex row ≤ row ≤ back row and depth(row) − depth(apex row) ≥ R − √(R² − x²). The ideal faces that
 /// rays meet pass through sphere centres as this rule does: the apex at the depth of the apex row, the back at that of the
 /// back row. So the lens of Burgoyne 2016, fig. 5.16 (rows 5 to 16, R = 16.5 D/sin 60°) ends in its rim of 60° exactly where
-/// its faces meet, at the mirror line, and its rays cross the axis at rows 40.97 (paraxial) and 28.62 (rim), the 41 and 29
-/// read from there. With the back half a row deeper it would be 41.17 and 28.93, and a front that ends above it.
+/// its faces meet, at the mirror line, and its rays cross the axis at rows 40.97 (paraxial) and 28.62 (rim), the rows 41
+/// and 29 stated for it. With the back half a row deeper it would be 41.17 and 28.93, and a front that ends above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     /// Row of the apex on the axis.

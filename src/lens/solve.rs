@@ -22,13 +22,16 @@ pub(super) const TIE: f64 = 1e-6;
 pub(super) const LEAST_GAIN: f64 = 0.01;
 
 /// Pairs of rows are refined if their best on the grid is within this of the best of all: more than the fraction changes
-/// between neighbouring curvatures of the grid at a maximum.
-const WORTH_REFINING: f64 = 0.02;
+/// between neighbouring curvatures of the grid at a maximum, which is a cusp where the edge of the region cuts off the
+/// rim's rays on one side and those from halfway out on the other (0.04 for the published target).
+const WORTH_REFINING: f64 = 0.1;
 
 /// How finely to search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
-    /// Rays in the fan
+    /// Rays in the fan for the grid
+    scan_rays: usize,
+    /// Rays in the fan for refining
     pub rays: usize,
     /// Curvatures from flat to the limit
     curvatures: u32,
@@ -40,9 +43,9 @@ pub(super) struct Grid {
 
 impl Grid {
     /// For the solution.
-    pub(super) const FINE: Self = Self { rays: 256, curvatures: 32, rows: 40, refine: true };
+    pub(super) const FINE: Self = Self { scan_rays: 96, rays: 256, curvatures: 32, rows: 40, refine: true };
     /// To find out whether there is any lens that helps.
-    pub(super) const COARSE: Self = Self { rays: 64, curvatures: 12, rows: 12, refine: false };
+    pub(super) const COARSE: Self = Self { scan_rays: 64, rays: 64, curvatures: 12, rows: 12, refine: false };
 }
 
 /// What a lens is sought for, and within which limits.
@@ -122,31 +125,22 @@ impl<'a> Problem<'a> {
         1.0 / least_radius(thickness, self.lattice.half_width(), self.max_angle)
     }
 
-    /// Least radius that the limits allow to any lens; none if no two rows are free.
-    pub(super) fn least_radius(&self) -> Option<f64> {
-        let [[apex_low, apex_high], [back_low, back_high]] = self.row_ranges();
-        let back_row = back_low.max(apex_low + 1);
-        let apex_row = apex_high.min(back_row.checked_sub(1)?);
-        let free = apex_row >= apex_low && back_row <= back_high;
-        free.then(|| 1.0 / self.greatest_curvature(apex_row, back_row))
-    }
-
     /// The best lens that the limits allow; none if they allow none.
     pub(super) fn best(&self, grid: Grid) -> Option<Candidate> {
-        let fan = Fan::new(grid.rays, self.max_angle, self.speeds);
-        let search = Search { problem: self, fan, grid };
-        search.run()
+        let fan = |rays| Fan::new(rays, self.max_angle, self.speeds);
+        Search { problem: self, scan_fan: fan(grid.scan_rays), fan: fan(grid.rays), grid }.run()
     }
 }
 
-/// One search with one fan of rays.
+/// One search.
 struct Search<'a> {
     problem: &'a Problem<'a>,
+    scan_fan: Fan,
     fan: Fan,
     grid: Grid,
 }
 
-/// Curvatures of one pair of rows, and the fraction at each.
+/// Curvatures of one pair of rows, and the fraction at each by the coarser fan.
 struct Scan {
     rows: [u32; 2],
     curvatures: Vec<f64>,
@@ -155,10 +149,14 @@ struct Scan {
 }
 
 impl Search<'_> {
-    fn fraction(&self, [apex_row, back_row]: [u32; 2], curvature: f64) -> f64 {
+    fn fraction(&self, rows: [u32; 2], curvature: f64) -> f64 {
+        self.fraction_by(&self.fan, rows, curvature)
+    }
+
+    fn fraction_by(&self, fan: &Fan, [apex_row, back_row]: [u32; 2], curvature: f64) -> f64 {
         let shape = Shape { apex_row, back_row, radius: 1.0 / curvature };
         let bench = shape.bench(self.problem.lattice, self.problem.speeds);
-        self.fan.fraction(&bench, self.problem.depth, self.problem.region)
+        fan.fraction(&bench, self.problem.depth, self.problem.region)
     }
 
     fn candidate(&self, [apex_row, back_row]: [u32; 2], curvature: f64) -> Candidate {
@@ -177,7 +175,7 @@ impl Search<'_> {
                 (1..=self.grid.curvatures).map(|k| greatest * f64::from(k) / f64::from(self.grid.curvatures)).collect()
             }
         };
-        let fractions: Vec<f64> = curvatures.iter().map(|&c| self.fraction(rows, c)).collect();
+        let fractions: Vec<f64> = curvatures.iter().map(|&c| self.fraction_by(&self.scan_fan, rows, c)).collect();
         let best = (0..fractions.len()).max_by(|&a, &b| fractions[a].total_cmp(&fractions[b]))?;
         Some(Scan { rows, curvatures, fractions, best })
     }
@@ -252,12 +250,14 @@ impl Search<'_> {
         let high = scan.curvatures[(scan.best + 1).min(last)];
         let cost = Loss { search: self, rows: scan.rows };
         // Both fail only for empty intervals and starts outside them, which these are not; the grid's best stands then.
-        let Ok(section) = GoldenSectionSearch::new(low, high).and_then(|s| s.with_tolerance(1e-7)) else {
+        let Ok(section) = GoldenSectionSearch::new(low, high).and_then(|s| s.with_tolerance(1e-6)) else {
             return start;
         };
         let run = Executor::new(cost, section).configure(|state| state.param(start).max_iters(40)).run();
         let refined = run.ok().and_then(|result| result.state().get_best_param().copied());
-        refined.filter(|&curvature| self.fraction(scan.rows, curvature) > scan.fractions[scan.best]).unwrap_or(start)
+        refined
+            .filter(|&curvature| self.fraction(scan.rows, curvature) > self.fraction(scan.rows, start))
+            .unwrap_or(start)
     }
 
     /// Of lenses that are equal to the best, the one of fewest spheres; then the one that reaches least deep.
@@ -273,8 +273,9 @@ impl Search<'_> {
 
     /// The greatest curvature that still sends `least` through: the front then cuts off most sites.
     fn most_curved(&self, scan: &Scan, curvature: f64, least: f64) -> f64 {
-        let last_good =
-            (0..scan.curvatures.len()).rev().find(|&k| scan.fractions[k] >= least && scan.curvatures[k] >= curvature);
+        let last_good = (0..scan.curvatures.len())
+            .rev()
+            .find(|&k| scan.curvatures[k] >= curvature && self.fraction(scan.rows, scan.curvatures[k]) >= least);
         let mut low = last_good.map_or(curvature, |k| scan.curvatures[k]);
         let Some(&beyond) = scan.curvatures.iter().find(|&&c| c > low) else { return low };
         let mut high = beyond;

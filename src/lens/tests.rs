@@ -78,39 +78,48 @@ fn paraxial_crossing_is_the_limit_of_traced_rays() {
     }
 }
 
-/// The target at the published lens's focus is served at least as well as that lens serves it, and no lens on a grid four
-/// times as fine in curvature, with four times the rays, is better than the solution by more than 1e-4: ten times
-/// the error of the fan.
+/// The target at the published lens's focus is served at least as well as that lens serves it, and no lens on a grid 32
+/// times as fine in curvature, over all pairs of rows, is better than the solution by more than 1e-5, what golden section
+/// leaves at a cusp. Four times the rays change the solution's fraction by less than 1e-4.
 #[test]
 fn no_lens_of_a_fine_grid_beats_the_solution() {
     let crystal = crystal();
     for (rows, x, lens_rows) in [
         ([30, 34], [0.0, 2.5], [5, 29]),
-        ([30, 34], [0.0, 2.5], [5, 16]),
+        ([30, 34], [0.0, 2.5], [1, 29]),
         ([18, 20], [0.0, 1.0], [5, 12]),
         ([24, 26], [3.0, 6.0], [2, 14]),
+        ([30, 34], [0.0, 8.0], [5, 29]),
+        ([35, 45], [13.0, 16.5], [5, 20]),
     ] {
         let target = target(rows, x);
         let request = LensRequest { rows: lens_rows, ..request() };
         let solved = solve(&request, &target).unwrap();
         let problem = Problem::new(&crystal, [solved.host_speed, solved.lens_speed], &request, &target);
-        let fan = Fan::new(1024, request.max_interface_angle, problem.speeds);
-        let mut best = 0.0_f64;
+        let fan = |rays| Fan::new(rays, request.max_interface_angle, problem.speeds);
+        let (usual, dense) = (fan(256), fan(1024));
+        let mut best = (0.0_f64, thesis_shape());
         for apex_row in lens_rows[0]..lens_rows[1] {
             for back_row in apex_row + 1..=lens_rows[1] {
                 let thickness = f64::from(back_row - apex_row) * crystal.row_spacing();
                 let least = plano_convex::least_radius(thickness, crystal.half_width(), request.max_interface_angle);
-                for k in 1..=128 {
-                    let bench = Shape { apex_row, back_row, radius: least * 128.0 / f64::from(k) }
-                        .bench(&crystal, problem.speeds);
-                    best = best.max(fan.fraction(&bench, problem.depth, problem.region));
+                for k in 1..=1024 {
+                    let shape = Shape { apex_row, back_row, radius: least * 1024.0 / f64::from(k) };
+                    let fraction =
+                        usual.fraction(&shape.bench(&crystal, problem.speeds), problem.depth, problem.region);
+                    if fraction > best.0 {
+                        best = (fraction, shape);
+                    }
                 }
             }
         }
-        assert!(solved.fraction > best - 1e-4, "{} {best} {rows:?}", solved.fraction);
+        println!("{} {} {} grid {best:?}", solved.apex_row, solved.back_row, solved.radius / DIAMETER);
+        println!("{} spheres, {}", solved.spheres, solved.fraction);
+        assert!(solved.fraction > best.0 - 1e-5, "{} {best:?} {rows:?}", solved.fraction);
+        let denser = dense.fraction(&solved.bench(), problem.depth, problem.region);
+        assert!((solved.fraction - denser).abs() < 1e-4, "{} {denser}", solved.fraction);
         assert!(solved.back_row < rows[0] && solved.apex_row >= lens_rows[0] && solved.back_row <= lens_rows[1]);
         assert!(solved.rim_angle < request.max_interface_angle + 1e-6);
-        println!("{solved:?} R/D {} grid {best}", solved.radius / DIAMETER);
     }
     let solved = solve(&request(), &thesis_target()).unwrap();
     assert!(solved.fraction >= solve(&thesis_request(), &thesis_target()).unwrap().fraction);
@@ -177,8 +186,9 @@ fn a_region_outside_the_crystal_is_unreachable_by_itself() {
     let why = unreachable(&request(), &target([30, 34], [20.0, 25.0]));
     assert_eq!((why.binding, why.nearest), (vec![Limit::Region], None));
     let far = unreachable(&LensRequest { rows: [2, 5], ..request() }, &target([6, 6], [14.0, 16.5]));
-    println!("{far}");
-    assert!(!far.binding.contains(&Limit::Fixed));
+    assert_eq!(far.binding, vec![Limit::Region], "{far}");
+    // Farther on rays that crossed the axis come there from the other side.
+    assert!(far.nearest.unwrap().mid_row > 10.0, "{far}");
 }
 
 #[test]
