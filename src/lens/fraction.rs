@@ -1,0 +1,216 @@
+//! How much of the struck width rays send through the focal region.
+
+use crate::ray::{Bench, enter, leave};
+
+/// Slopes of rays for a set of places on the front, the same for lenses of all sizes: where a ray goes depends on the
+/// angle of the face that it meets, and so on x/R only.
+#[derive(Clone, Debug)]
+pub(super) struct Fan {
+    rays: Vec<Ray>,
+    speeds: [f64; 2],
+    /// x/R up to which the wave passes both faces, or as far as was asked for.
+    passes_to: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Ray {
+    /// x/R where it meets the front
+    sine: f64,
+    /// Sag of the front there over R
+    sag: f64,
+    /// dx/dz in the lens
+    inside: f64,
+    /// dx/dz behind it
+    behind: f64,
+}
+
+impl Ray {
+    fn at(sine: f64, speeds: [f64; 2]) -> Option<Self> {
+        let inside = enter(sine, speeds).ok()?;
+        let behind = leave(inside, speeds).ok()?;
+        let sag = 1.0 - (1.0 - sine * sine).max(0.0).sqrt();
+        Some(Self { sine, sag, inside: inside.x / inside.y, behind: behind.x / behind.y })
+    }
+}
+
+impl Fan {
+    /// `count` rays on fronts that are nowhere steeper than `max_angle` [rad].
+    pub(super) fn new(count: usize, max_angle: f64, speeds: [f64; 2]) -> Self {
+        // The slack that limits on the angle have.
+        let steepest = (max_angle + 1e-9).min(std::f64::consts::FRAC_PI_2).sin();
+        let mut passes_to = steepest;
+        if Ray::at(steepest, speeds).is_none() {
+            // Faces reflect totally from some angle on: bisected to round-off.
+            let (mut low, mut high) = (0.0, steepest);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                *(if Ray::at(middle, speeds).is_some() { &mut low } else { &mut high }) = middle;
+            }
+            passes_to = low;
+        }
+        let rays = (0..count).filter_map(|k| Ray::at(passes_to * k as f64 / count as f64, speeds)).collect();
+        Self { rays, speeds, passes_to }
+    }
+
+    /// Fraction of the struck width whose rays pass `depth` between `region[0]` and `region[1]` from the axis.
+    ///
+    /// Rays start evenly over 0 ≤ x ≤ half width; mirror lines reflect them; those that a face reflects totally or that
+    /// leave through the front are lost, those beside the lens go straight. The place of arrival is taken as linear
+    /// between neighbouring rays of the fan, and the measure of that is exact, so the fraction follows the shape of the
+    /// lens without steps. Where the place of arrival turns (the caustic), many rays arrive close together and the best
+    /// lens has the edge of the region just there: the fan is 32 times denser at such a turn. With 256 rays the fraction
+    /// is then within 10⁻⁴ of the limit of many, without the denser part only within 10⁻³.
+    pub(super) fn fraction(&self, bench: &Bench, depth: f64, region: [f64; 2]) -> f64 {
+        let (radius, half_width, aperture) = (bench.radius, bench.half_width, bench.aperture());
+        let within = Stripes::new(region, half_width);
+        let thickness = bench.back - bench.apex;
+        let arrive = |ray: &Ray| {
+            let x = radius * ray.sine;
+            let exit = x + ray.inside * (thickness - radius * ray.sag);
+            if exit.abs() > aperture && bench.leaves_at(x, bench.apex + radius * ray.sag, ray.inside, exit).is_some() {
+                return None;
+            }
+            Some(Arrival { sine: ray.sine, x: exit + ray.behind * (depth - bench.back) })
+        };
+        let between = |from: Arrival, to: Arrival| (to.sine - from.sine) * within.share(from.x, to.x);
+        let rim = (aperture / radius).min(self.passes_to);
+        let last = Ray::at(rim, self.speeds);
+        let mut sum = 0.0;
+        let (mut before, mut earlier) = (None, None);
+        for ray in self.rays.iter().take_while(|ray| ray.sine < rim).chain(&last) {
+            let here = arrive(ray);
+            if let (Some(previous), Some(here)) = (before, here) {
+                sum += between(previous, here);
+                if let Some(first) = earlier
+                    && turns(first, previous, here)
+                {
+                    sum -= between(first, previous) + between(previous, here);
+                    sum += self.dense(first, here, &arrive, &between);
+                }
+            }
+            (earlier, before) = (before, here);
+        }
+        let beside = (half_width - aperture).max(0.0);
+        let straight = if beside > 0.0 { beside * within.share(aperture, half_width) } else { 0.0 };
+        (radius * sum + straight) / half_width
+    }
+
+    /// The sum of `between` over 64 intervals.
+    fn dense(
+        &self,
+        from: Arrival,
+        to: Arrival,
+        arrive: &impl Fn(&Ray) -> Option<Arrival>,
+        between: &impl Fn(Arrival, Arrival) -> f64,
+    ) -> f64 {
+        const PARTS: u32 = 64;
+        let step = (to.sine - from.sine) / f64::from(PARTS);
+        let inner = (1..PARTS).filter_map(|k| Ray::at(from.sine + step * f64::from(k), self.speeds));
+        let mut previous = from;
+        let mut sum = 0.0;
+        for here in inner.filter_map(|ray| arrive(&ray)).chain([to]) {
+            sum += between(previous, here);
+            previous = here;
+        }
+        sum
+    }
+}
+
+/// Where a ray arrives (unfolded), and where it came from on the front.
+#[derive(Clone, Copy)]
+struct Arrival {
+    sine: f64,
+    x: f64,
+}
+
+fn turns(a: Arrival, b: Arrival, c: Arrival) -> bool {
+    (b.x - a.x) * (c.x - b.x) < 0.0
+}
+
+/// The region and its images in the mirror lines, as stripes of the unfolded plane.
+struct Stripes {
+    low: f64,
+    width: f64,
+    period: f64,
+}
+
+impl Stripes {
+    fn new(region: [f64; 2], half_width: f64) -> Self {
+        let (low, high) = (region[0].clamp(0.0, half_width), region[1].clamp(0.0, half_width));
+        Self { low, width: (high - low).max(0.0), period: 2.0 * half_width }
+    }
+
+    /// Length of the stripes between 0 and `x`, negative for negative `x`.
+    fn up_to(&self, x: f64) -> f64 {
+        let (mut turns, mut rest) = (0.0, x.abs());
+        if rest >= self.period {
+            turns = (rest / self.period).floor();
+            rest -= turns * self.period;
+        }
+        let image = self.period - self.low - self.width;
+        let part = (rest - self.low).clamp(0.0, self.width) + (rest - image).clamp(0.0, self.width);
+        (turns * 2.0 * self.width + part).copysign(x)
+    }
+
+    /// Share of the way from one place to another that lies within stripes.
+    fn share(&self, from: f64, to: f64) -> f64 {
+        let way = to - from;
+        // Rays that meet in a point: the difference quotient would be round-off, so a small neighbourhood is taken.
+        let least = 1e-9 * self.period;
+        if way.abs() < least {
+            return ((self.up_to(to + least) - self.up_to(to - least)) / (2.0 * least)).clamp(0.0, 1.0);
+        }
+        ((self.up_to(to) - self.up_to(from)) / way).clamp(0.0, 1.0)
+    }
+}
+
+/// Fraction of the struck width from which straight rays pass through the region.
+pub(super) fn without(region: [f64; 2], half_width: f64) -> f64 {
+    Stripes::new(region, half_width).width / half_width
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stripes_repeat_between_the_mirrors() {
+        let stripes = Stripes::new([1.0, 3.0], 4.0);
+        for (x, length) in [(0.5, 0.0), (2.0, 1.0), (4.0, 2.0), (6.0, 3.0), (8.0, 4.0), (10.0, 5.0), (-6.0, -3.0)] {
+            assert_eq!(stripes.up_to(x), length);
+        }
+        assert_eq!(stripes.share(-2.0, 2.0), 0.5);
+        assert_eq!(stripes.share(2.0, 2.0), 1.0);
+        assert_eq!(stripes.share(0.5, 0.5), 0.0);
+    }
+
+    /// The measure agrees with counting traced rays. 20 000 rays resolve 1e-4 where the edge of the region cuts the fan
+    /// once; four edges are allowed for. Where rays begin to leave through the front, one interval of the fan is lost
+    /// whole: 0.69 × 5 D/256 of 16.5 D.
+    #[test]
+    fn the_fraction_is_that_of_traced_rays() {
+        let bench = |radius, back, speeds| Bench { apex: 3.5, radius, back, half_width: 16.5, end: 45.0, speeds };
+        for (bench, tolerance) in [
+            (bench(19.05, 13.0, [1345.0, 791.0]), 4e-4),
+            (bench(12.0, 7.0, [1345.0, 791.0]), 4e-4),
+            (bench(12.0, 7.0, [3.0, 1.0]), 4e-4),
+            (bench(19.05, 13.0, [791.0, 1345.0]), 4e-3),
+            (bench(5.0, 8.4, [1.0, 1.4]), 1e-3),
+        ] {
+            for (depth, region) in [(20.0, [0.0, 2.5]), (27.0, [4.0, 6.0]), (40.0, [12.0, 16.5])] {
+                let count = 20_000;
+                let inside = (0..count)
+                    .filter_map(|k| {
+                        let traced = bench.trace((k as f64 + 0.5) / count as f64 * 16.5);
+                        traced.unwrap_or_else(|stray| stray.path).at_depth(depth)
+                    })
+                    .filter(|(x, _)| (region[0]..=region[1]).contains(x))
+                    .count();
+                let counted = inside as f64 / count as f64;
+                let fan = Fan::new(256, 89.0_f64.to_radians(), bench.speeds);
+                let measured = fan.fraction(&bench, depth, region);
+                assert!((measured - counted).abs() < tolerance, "{measured} against {counted}, {bench:?} {depth}");
+            }
+        }
+    }
+}

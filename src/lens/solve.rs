@@ -1,0 +1,304 @@
+//! The search for the lens that sends most of the struck width through the focal region.
+//!
+//! For every pair of apex and back row, curvatures 1/R from flat to the limit are tried on a grid (curvature rather than
+//! radius, because its range is finite), and the best of good pairs are refined by golden section. Deep crystals are first
+//! searched at every k-th row.
+
+use argmin::core::{CostFunction, Error, Executor, State};
+use argmin::solver::goldensectionsearch::GoldenSectionSearch;
+
+use super::LensRequest;
+use super::fraction::{Fan, without};
+use super::plano_convex::{Shape, least_radius};
+use crate::lattice::HexagonalSheet;
+use crate::target::Target;
+
+/// Fractions that differ by less are equal, and then fewer spheres are better. It is below every error of the ray picture;
+/// its use is to treat as equal the many lenses that send all of the width through.
+pub(super) const TIE: f64 = 1e-6;
+
+/// A lens has to send this much more of the struck width through than straight rays, or it is no lens for the target:
+/// ray angles are off by degrees in a crystal (Burgoyne 2016, fig. 5.14), which moves more than this share of the rays.
+pub(super) const LEAST_GAIN: f64 = 0.01;
+
+/// Pairs of rows are refined if their best on the grid is within this of the best of all: more than the fraction changes
+/// between neighbouring curvatures of the grid at a maximum, which is a cusp where the edge of the region cuts off the
+/// rim's rays on one side and those from halfway out on the other (0.04 for the published target).
+const WORTH_REFINING: f64 = 0.1;
+
+/// How finely to search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    /// Rays in the fan for the grid
+    scan_rays: usize,
+    /// Rays in the fan for refining
+    pub rays: usize,
+    /// Curvatures from flat to the limit
+    curvatures: u32,
+    /// Apex and back rows to try at most, each, before the neighbourhood of the best is searched
+    rows: u32,
+    /// Whether curvatures and rows are refined
+    refine: bool,
+}
+
+impl Grid {
+    /// For the solution.
+    pub(super) const FINE: Self = Self { scan_rays: 96, rays: 256, curvatures: 32, rows: 40, refine: true };
+    /// To find out whether there is any lens that helps.
+    pub(super) const COARSE: Self = Self { scan_rays: 64, rays: 64, curvatures: 12, rows: 12, refine: false };
+}
+
+/// What a lens is sought for, and within which limits.
+#[derive(Clone, Debug)]
+pub(super) struct Problem<'a> {
+    pub lattice: &'a HexagonalSheet,
+    /// Of host and lens [m/s]
+    pub speeds: [f64; 2],
+    /// Distances from the axis between which rays shall pass [m]
+    pub region: [f64; 2],
+    /// Depth at which they shall [m]
+    pub depth: f64,
+    /// The same as a row
+    pub mid_row: f64,
+    /// Number of rows of the region
+    pub region_rows: u32,
+    /// Last row that the lens may reach, in front of the focal region; 0 if there is none
+    pub last_free_row: u32,
+    pub rows: [u32; 2],
+    pub max_angle: f64,
+    pub apex_row: Option<u32>,
+    pub back_row: Option<u32>,
+    pub radius: Option<f64>,
+}
+
+/// A lens and the fraction that it sends through the region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Candidate {
+    pub shape: Shape,
+    pub fraction: f64,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(lattice: &'a HexagonalSheet, speeds: [f64; 2], request: &LensRequest, target: &Target) -> Self {
+        let focus = &target.focus;
+        Self {
+            lattice,
+            speeds,
+            region: focus.x,
+            depth: lattice.depth(focus.mid_row()),
+            mid_row: focus.mid_row(),
+            region_rows: focus.rows[1] - focus.rows[0] + 1,
+            last_free_row: focus.rows[0] - 1,
+            rows: request.rows,
+            max_angle: request.max_interface_angle,
+            apex_row: request.apex_row,
+            back_row: request.back_row,
+            radius: request.radius,
+        }
+    }
+
+    /// Fraction without a lens.
+    pub(super) fn without(&self) -> f64 {
+        without(self.region, self.lattice.half_width())
+    }
+
+    /// Whether a lens does more than none.
+    pub(super) fn gains(&self, candidate: &Candidate) -> bool {
+        candidate.fraction > self.without() + LEAST_GAIN
+    }
+
+    /// Whether the lens gathers rays at all: only a slower one of this family does.
+    pub(super) fn converges(&self) -> bool {
+        self.speeds[1] < self.speeds[0]
+    }
+
+    /// Apex and back rows that may be tried.
+    fn row_ranges(&self) -> [[u32; 2]; 2] {
+        let last = self.rows[1].min(self.last_free_row);
+        let fixed_or = |fixed: Option<u32>, range| fixed.map_or(range, |row| [row, row]);
+        [fixed_or(self.apex_row, [self.rows[0], last]), fixed_or(self.back_row, [self.rows[0], last])]
+    }
+
+    /// Greatest curvature 1/R that the limits allow to a lens over these rows.
+    fn greatest_curvature(&self, apex_row: u32, back_row: u32) -> f64 {
+        let thickness = f64::from(back_row - apex_row) * self.lattice.row_spacing();
+        1.0 / least_radius(thickness, self.lattice.half_width(), self.max_angle)
+    }
+
+    /// The best lens that the limits allow; none if they allow none.
+    pub(super) fn best(&self, grid: Grid) -> Option<Candidate> {
+        let fan = |rays| Fan::new(rays, self.max_angle, self.speeds);
+        Search { problem: self, scan_fan: fan(grid.scan_rays), fan: fan(grid.rays), grid }.run()
+    }
+}
+
+/// One search.
+struct Search<'a> {
+    problem: &'a Problem<'a>,
+    scan_fan: Fan,
+    fan: Fan,
+    grid: Grid,
+}
+
+/// Curvatures of one pair of rows, and the fraction at each by the coarser fan.
+struct Scan {
+    rows: [u32; 2],
+    curvatures: Vec<f64>,
+    fractions: Vec<f64>,
+    best: usize,
+}
+
+impl Search<'_> {
+    fn fraction(&self, rows: [u32; 2], curvature: f64) -> f64 {
+        self.fraction_by(&self.fan, rows, curvature)
+    }
+
+    fn fraction_by(&self, fan: &Fan, [apex_row, back_row]: [u32; 2], curvature: f64) -> f64 {
+        let shape = Shape { apex_row, back_row, radius: 1.0 / curvature };
+        let bench = shape.bench(self.problem.lattice, self.problem.speeds);
+        fan.fraction(&bench, self.problem.depth, self.problem.region)
+    }
+
+    fn candidate(&self, [apex_row, back_row]: [u32; 2], curvature: f64) -> Candidate {
+        let fraction = self.fraction([apex_row, back_row], curvature);
+        // A radius that is given is kept to the last digit.
+        let radius = self.problem.radius.unwrap_or(1.0 / curvature);
+        Candidate { shape: Shape { apex_row, back_row, radius }, fraction }
+    }
+
+    fn scan(&self, rows: [u32; 2]) -> Option<Scan> {
+        let greatest = self.problem.greatest_curvature(rows[0], rows[1]);
+        let curvatures: Vec<f64> = match self.problem.radius {
+            Some(radius) if 1.0 / radius > greatest * (1.0 + 1e-9) => return None,
+            Some(radius) => vec![1.0 / radius],
+            None => {
+                (1..=self.grid.curvatures).map(|k| greatest * f64::from(k) / f64::from(self.grid.curvatures)).collect()
+            }
+        };
+        let fractions: Vec<f64> = curvatures.iter().map(|&c| self.fraction_by(&self.scan_fan, rows, c)).collect();
+        let best = (0..fractions.len()).max_by(|&a, &b| fractions[a].total_cmp(&fractions[b]))?;
+        Some(Scan { rows, curvatures, fractions, best })
+    }
+
+    fn run(&self) -> Option<Candidate> {
+        let [apex_rows, back_rows] = self.problem.row_ranges();
+        let (apexes, stride) = self.strided(apex_rows);
+        let (backs, other_stride) = self.strided(back_rows);
+        let pairs = apexes.iter().flat_map(|&a| backs.iter().filter(move |&&b| b > a).map(move |&b| [a, b]));
+        let scans: Vec<Scan> = pairs.filter_map(|rows| self.scan(rows)).collect();
+        let best_of_grid = scans.iter().map(|scan| scan.fractions[scan.best]).max_by(f64::total_cmp)?;
+        if !self.grid.refine || self.problem.radius.is_some() {
+            return self.choose(scans.iter().map(|scan| (scan, scan.curvatures[scan.best])).collect());
+        }
+        let worth = scans.iter().filter(|scan| scan.fractions[scan.best] >= best_of_grid - WORTH_REFINING);
+        let mut best = self.choose(worth.map(|scan| (scan, self.refine(scan))).collect())?;
+        let mut stride = stride.max(other_stride) / 2;
+        while stride >= 1 {
+            best = self.descend(best, stride, apex_rows, back_rows);
+            stride /= 2;
+        }
+        Some(best)
+    }
+
+    /// Every k-th row of a range and its last, and k.
+    fn strided(&self, [low, high]: [u32; 2]) -> (Vec<u32>, u32) {
+        if high < low {
+            return (Vec::new(), 1);
+        }
+        let stride = (high - low).div_ceil(self.grid.rows).max(1);
+        let mut rows: Vec<u32> = (low..=high).step_by(stride as usize).collect();
+        if rows.last() != Some(&high) {
+            rows.push(high);
+        }
+        (rows, stride)
+    }
+
+    /// Moves apex and back by `stride` rows as long as that makes the lens better.
+    fn descend(&self, mut best: Candidate, stride: u32, apex_rows: [u32; 2], back_rows: [u32; 2]) -> Candidate {
+        let inside = |row: i64, range: [u32; 2]| u32::try_from(row).ok().filter(|r| (range[0]..=range[1]).contains(r));
+        loop {
+            let mut scans = self.scan([best.shape.apex_row, best.shape.back_row]).into_iter().collect::<Vec<_>>();
+            for (i, j) in [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)] {
+                let apex = inside(i64::from(best.shape.apex_row) + i * i64::from(stride), apex_rows);
+                let back = inside(i64::from(best.shape.back_row) + j * i64::from(stride), back_rows);
+                if let (Some(a), Some(b)) = (apex, back)
+                    && a < b
+                {
+                    scans.extend(self.scan([a, b]));
+                }
+            }
+            match self.choose(scans.iter().map(|scan| (scan, self.refine(scan))).collect()) {
+                Some(better) if better.shape != best.shape && self.is_better(&better, &best) => best = better,
+                _ => return best,
+            }
+        }
+    }
+
+    fn is_better(&self, new: &Candidate, old: &Candidate) -> bool {
+        let gain = new.fraction - old.fraction;
+        let lattice = self.problem.lattice;
+        gain > TIE || (gain >= 0.0 && new.shape.count(lattice) < old.shape.count(lattice))
+    }
+
+    /// The curvature near the best of the grid at which the fraction is greatest.
+    fn refine(&self, scan: &Scan) -> f64 {
+        let (start, last) = (scan.curvatures[scan.best], scan.curvatures.len() - 1);
+        if last == 0 {
+            return start;
+        }
+        let low = if scan.best > 0 { scan.curvatures[scan.best - 1] } else { 0.1 * start };
+        let high = scan.curvatures[(scan.best + 1).min(last)];
+        let cost = Loss { search: self, rows: scan.rows };
+        // Both fail only for empty intervals and starts outside them, which these are not; the grid's best stands then.
+        let Ok(section) = GoldenSectionSearch::new(low, high).and_then(|s| s.with_tolerance(1e-6)) else {
+            return start;
+        };
+        let run = Executor::new(cost, section).configure(|state| state.param(start).max_iters(40)).run();
+        let refined = run.ok().and_then(|result| result.state().get_best_param().copied());
+        refined
+            .filter(|&curvature| self.fraction(scan.rows, curvature) > self.fraction(scan.rows, start))
+            .unwrap_or(start)
+    }
+
+    /// Of lenses that are equal to the best, the one of fewest spheres; then the one that reaches least deep.
+    fn choose(&self, refined: Vec<(&Scan, f64)>) -> Option<Candidate> {
+        let candidates: Vec<(&Scan, f64, f64)> =
+            refined.into_iter().map(|(scan, c)| (scan, c, self.fraction(scan.rows, c))).collect();
+        let best = candidates.iter().map(|c| c.2).max_by(f64::total_cmp)?;
+        let equal = candidates.into_iter().filter(|c| c.2 >= best - TIE);
+        equal
+            .map(|(scan, curvature, _)| self.candidate(scan.rows, self.most_curved(scan, curvature, best - TIE)))
+            .min_by_key(|c| (c.shape.count(self.problem.lattice), c.shape.back_row, c.shape.apex_row))
+    }
+
+    /// The greatest curvature that still sends `least` through: the front then cuts off most sites.
+    fn most_curved(&self, scan: &Scan, curvature: f64, least: f64) -> f64 {
+        let last_good = (0..scan.curvatures.len())
+            .rev()
+            .find(|&k| scan.curvatures[k] >= curvature && self.fraction(scan.rows, scan.curvatures[k]) >= least);
+        let mut low = last_good.map_or(curvature, |k| scan.curvatures[k]);
+        let Some(&beyond) = scan.curvatures.iter().find(|&&c| c > low) else { return low };
+        let mut high = beyond;
+        // 30 halvings of a 32nd of the range: far below what moves a site.
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            *(if self.fraction(scan.rows, middle) >= least { &mut low } else { &mut high }) = middle;
+        }
+        low
+    }
+}
+
+/// What golden section minimises: minus the fraction, over the curvature.
+struct Loss<'a> {
+    search: &'a Search<'a>,
+    rows: [u32; 2],
+}
+
+impl CostFunction for Loss<'_> {
+    type Param = f64;
+    type Output = f64;
+
+    fn cost(&self, curvature: &f64) -> Result<f64, Error> {
+        Ok(-self.search.fraction(self.rows, *curvature))
+    }
+}
