@@ -18,3 +18,4 @@ pub mod layout;
 pub mod lens;
 pub mod dem;
 pub mod outcome;
+pub mod report;
