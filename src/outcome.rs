@@ -49,6 +49,8 @@ pub struct Manifest {
     pub design_file: String,
     /// Its text.
     pub design: String,
+    /// What strikes the crystal, in words: `26 kN for 20 us on every sphere of row 1`.
+    pub impact: String,
     /// Contact law.
     pub law: String,
     /// Set of fitted constants.

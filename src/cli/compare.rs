@@ -41,7 +41,7 @@ impl Compare {
         let outcome = compare(&comparison, interrupt(), &bar)?;
         bar.done();
         if let Some(path) = &common.out {
-            write_file(path, &report::outcome_json(&outcome))?;
+            write_file(path, &report::outcome_json(&outcome)?)?;
         }
         if common.json {
             emit_json(&report::numbers(&outcome));

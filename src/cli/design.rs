@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{proposal, validity};
+use granulens::evaluate::{laid, proposal, validity};
 use granulens::layout;
 use granulens::lens::Lens;
 use granulens::units::Dimension::{Force, Length};
@@ -29,7 +29,7 @@ impl Propose {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
         let lens = propose(&design)?;
-        let laid = lens.layout();
+        let laid = laid(&design, &lens);
         let text = if self.full { layout::write_full(&laid) } else { layout::write(&laid) };
         if let Some(path) = &common.out {
             write_file(path, &text)?;
@@ -50,7 +50,7 @@ impl Propose {
 
 /// What is proposed, for a person.
 pub fn words(design: &Design, lens: &Lens) -> String {
-    let layout = lens.layout();
+    let layout = laid(design, lens);
     let [host, material] = [&layout.palette[0], &layout.palette[1]];
     let diameter = design.lattice.diameter();
     let in_diameters = |length: f64| format!("{:.2} D", length / diameter);

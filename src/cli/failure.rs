@@ -158,3 +158,9 @@ impl From<granulens::dem::OverlapAtRest> for Failure {
         Self::input(error.to_string())
     }
 }
+
+impl From<granulens::report::ReportError> for Failure {
+    fn from(error: granulens::report::ReportError) -> Self {
+        Self::input(error.to_string())
+    }
+}

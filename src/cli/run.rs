@@ -41,14 +41,14 @@ impl Run {
             let finished = outcome.arrangements.len();
             let kept = place.with_extension("interrupted");
             let folder = Folder::begin(&kept)?;
-            report::write_numbers(&outcome, folder.path()).map_err(|error| Failure::write(&kept, &error))?;
+            report::write_numbers(&outcome, folder.path())?;
             folder.finish()?;
             return Err(Failure::Interrupted(format!(
                 "{finished} of {expected} arrangements are finished; their numbers are in {}",
                 kept.display()
             )));
         }
-        report::write(&outcome, folder.path()).map_err(|error| Failure::write(&place, &error))?;
+        report::write(&outcome, folder.path())?;
         for (name, text) in [
             ("layout.csv", layout::write(&comparison.subject)),
             ("layout-full.csv", layout::write_full(&comparison.subject)),

@@ -12,6 +12,7 @@ use crate::layout::{Baseline, Layout};
 use crate::lens::Lens;
 use crate::outcome::{ArrangementOutcome, FORMAT, Manifest, Outcome, Proposal, SphereRecord};
 use crate::score::Scores;
+use crate::units::Dimension::{Force, Time};
 
 /// Is told of every arrangement that is finished.
 pub trait Progress: Sync {
@@ -46,7 +47,7 @@ impl<'a> Comparison<'a> {
     /// # Errors
     /// A step or window with which nothing can be simulated.
     pub fn of_lens(design: &'a Design, lens: &Lens, overrides: Overrides) -> Result<Self, PlanError> {
-        let subject = lens.layout();
+        let subject = laid(design, lens);
         let plan = Plan::new(design, overrides, &subject.palette)?;
         let proposal = Some(proposal(design, lens));
         Ok(Self { design, plan, name: "lens".to_owned(), rows: lens.rows(), subject, proposal })
@@ -64,8 +65,14 @@ impl<'a> Comparison<'a> {
         overrides: Overrides,
     ) -> Result<Self, PlanError> {
         let plan = Plan::new(design, overrides, &subject.palette)?;
-        let rows: Vec<u32> =
-            subject.lattice.sites().iter().zip(&subject.materials).filter(|(_, m)| **m != 0).map(|(s, _)| s.row).collect();
+        let rows: Vec<u32> = subject
+            .lattice
+            .sites()
+            .iter()
+            .zip(&subject.materials)
+            .filter(|(_, m)| **m != 0)
+            .map(|(s, _)| s.row)
+            .collect();
         let rows = [rows.first().copied().unwrap_or(1), rows.last().copied().unwrap_or(1)];
         Ok(Self { design, plan, name, subject, rows, proposal: None })
     }
@@ -155,6 +162,11 @@ pub fn compare(
             version: env!("CARGO_PKG_VERSION").to_owned(),
             design_file: design.path.display().to_string(),
             design: design.text.clone(),
+            impact: format!(
+                "{} for {} on every sphere of row 1",
+                Force.show(design.impact.force),
+                Time.show(design.impact.duration)
+            ),
             law: design.law.to_string(),
             constants: design.constants.to_string(),
             integrator: plan.integrator.to_string(),
@@ -187,9 +199,16 @@ fn relate(arrangements: &mut [ArrangementOutcome]) {
     }
 }
 
+/// The proposed lens on the design's lattice: host, then lens material.
+pub fn laid(design: &Design, lens: &Lens) -> Layout {
+    // A lens is proposed only where the design asks for one.
+    let material = design.lens.as_ref().map_or(&design.host, |request| &request.material);
+    lens.layout(&design.host, material)
+}
+
 /// What ray tracing proposed, as it is stored.
 pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
-    let layout = lens.layout();
+    let layout = laid(design, lens);
     let [host, material] = [&layout.palette[0], &layout.palette[1]].map(|material| validity(design, material));
     Proposal {
         host_speed: lens.host_speed,

@@ -6,7 +6,7 @@
 mod compare;
 mod plan;
 
-pub use compare::{Comparison, Progress, compare};
+pub use compare::{Comparison, Progress, compare, laid, proposal};
 pub use plan::{Overrides, Plan, PlanError};
 
 use std::sync::atomic::AtomicBool;
@@ -101,7 +101,8 @@ fn warnings(record: &Record<2>, layout: &Layout, design: &Design) -> Vec<String>
     };
     let deep = record.contacts.iter().map(depth).fold(0.0, f64::max);
     if deep > 2.0 && !matches!(design.law, crate::contact::LawKind::Hertz | crate::contact::LawKind::HertzThesis) {
-        warnings.push(format!("overlaps reach {deep:.1} delta_p; the law was fitted up to about 2 (Burgoyne 2016, 2.1.1)"));
+        warnings
+            .push(format!("overlaps reach {deep:.1} delta_p; the law was fitted up to about 2 (Burgoyne 2016, 2.1.1)"));
     }
     warnings
 }

@@ -175,8 +175,11 @@ impl Plan {
         let speed = |m: &Material| wave::bound(Dimension::Two, [m, m], diameter, design.constants).speed;
         let slowest = materials.iter().min_by(|a, b| speed(a).total_cmp(&speed(b))).unwrap_or(&design.host);
         let chosen = design.target.window(&design.lattice, speed(slowest));
-        let formula =
-            format!("(depth of the regions' far edge + 10 rows)/({:.0} m/s, {}) + 120 us", speed(slowest), slowest.name);
+        let formula = format!(
+            "(depth of the regions' far edge + 10 rows)/({:.0} m/s, {}) + 120 us",
+            speed(slowest),
+            slowest.name
+        );
         let (window, window_reason) = match overrides.window.or(design.window) {
             Some(window) if window <= pulse => return Err(PlanError::Window { window, pulse }),
             Some(window) => (window, format!("given; the formula {formula} gives {}", Time.show(chosen))),

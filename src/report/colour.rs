@@ -1,0 +1,188 @@
+//! Colours for numbers and for materials, and the bar that explains them.
+
+use super::digits::significant;
+use super::svg::{Anchor, Svg};
+
+/// Viridis at equal steps from 0 to 1, between which colours are interpolated in sRGB. Lightness rises evenly, so the maps
+/// survive a greyscale printer and colour-blind readers. Source: S. van der Walt & N. Smith, "viridis", matplotlib 1.5
+/// (2015), every 32nd entry of the table, released under CC0.
+const VIRIDIS: [[u8; 3]; 9] = [
+    [68, 1, 84],
+    [71, 45, 123],
+    [59, 82, 139],
+    [44, 114, 142],
+    [33, 145, 140],
+    [40, 174, 128],
+    [94, 201, 98],
+    [173, 220, 48],
+    [253, 231, 37],
+];
+
+/// Number of colours that a map uses: more than an eye tells apart, few enough to paint each as one element.
+pub const LEVELS: usize = 64;
+
+/// What is painted where there is no value.
+pub const MISSING: &str = "#ffffff";
+
+/// Host, lens material and others in layouts. Host and lens differ in lightness as well as in hue.
+const MATERIALS: [&str; 6] = ["#8d99a6", "#e3a72f", "#4f9d8f", "#b5637a", "#6a6fb0", "#5b5b5b"];
+
+/// Fill colour of a material by its index in the outcome's list.
+pub fn material(index: usize) -> &'static str {
+    MATERIALS[index.min(MATERIALS.len() - 1)]
+}
+
+/// The colour of one of [`LEVELS`] levels, from dark (0) to light.
+pub fn level(level: usize) -> String {
+    let position = level.min(LEVELS - 1) as f64 / (LEVELS - 1) as f64 * (VIRIDIS.len() - 1) as f64;
+    let below = (position as usize).min(VIRIDIS.len() - 2);
+    let share = position - below as f64;
+    let mix = |k: usize| {
+        let (a, b) = (f64::from(VIRIDIS[below][k]), f64::from(VIRIDIS[below + 1][k]));
+        (a + (b - a) * share).round() as u8
+    };
+    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+}
+
+/// From values to colours: one range for all maps of a figure. Values outside take the colour of the nearer end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    low: f64,
+    high: f64,
+    logarithmic: bool,
+}
+
+impl Scale {
+    /// Proportional to the value, from zero.
+    pub fn linear(high: f64) -> Self {
+        Self { low: 0.0, high: if high.is_finite() && high > 0.0 { high } else { 1.0 }, logarithmic: false }
+    }
+
+    /// Proportional to the logarithm over so many decades below `high`.
+    pub fn logarithmic(high: f64, decades: i32) -> Self {
+        let high = if high.is_finite() && high > 0.0 { high } else { 1.0 };
+        Self { low: high / 10_f64.powi(decades), high, logarithmic: true }
+    }
+
+    /// The upper end; values above it are not told apart.
+    pub fn high(&self) -> f64 {
+        self.high
+    }
+
+    /// The lower end; values below it are not told apart.
+    pub fn low(&self) -> f64 {
+        self.low
+    }
+
+    /// Where a value lies, 0 at the lower end and 1 at the upper one, without a limit.
+    fn position(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            if value > 0.0 { (value / self.low).ln() / (self.high / self.low).ln() } else { 0.0 }
+        } else {
+            (value - self.low) / (self.high - self.low)
+        }
+    }
+
+    /// The level of a value; the ends of the scale hold all that lies beyond them.
+    pub fn level(&self, value: f64) -> usize {
+        let position = self.position(value).clamp(0.0, 1.0);
+        ((position * LEVELS as f64) as usize).min(LEVELS - 1)
+    }
+
+    /// Round values within the scale.
+    fn ticks(&self) -> Vec<f64> {
+        if self.logarithmic {
+            let first = self.low.log10().floor() as i32;
+            let last = self.high.log10().ceil() as i32;
+            (first..=last)
+                .flat_map(|power| [1.0, 2.0, 5.0].map(|m| m * 10_f64.powi(power)))
+                .filter(|&t| t >= self.low * 0.999 && t <= self.high * 1.001)
+                .collect()
+        } else {
+            ticks(self.high, 6)
+        }
+    }
+
+    /// Paints the bar, upright, with its ticks to the right. `beyond` says whether values lie above and below the scale;
+    /// arrowheads in the end colours then show that the bar goes on.
+    pub fn bar(&self, svg: &mut Svg, [x, y]: [f64; 2], height: f64, label: &str, unit_size: f64, beyond: [bool; 2]) {
+        const WIDTH: f64 = 14.0;
+        let step = height / LEVELS as f64;
+        for k in 0..LEVELS {
+            // A little overlap hides the seams that anti-aliasing leaves between neighbours.
+            let top = y + height - (k + 1) as f64 * step;
+            let overlap = if k == 0 { 0.0 } else { 0.6 };
+            let fill = format!(r#"fill="{}""#, level(k));
+            svg.rectangle([x, top], [WIDTH, step + overlap], &fill);
+        }
+        let (middle, bottom) = (x + WIDTH / 2.0, y + height);
+        let outline = r##"stroke="#555" stroke-width="0.7""##;
+        svg.rectangle([x, y], [WIDTH, height], &format!(r#"fill="none" {outline}"#));
+        if beyond[0] {
+            let head = [[x, y - 2.0], [x + WIDTH, y - 2.0], [middle, y - 12.0]];
+            svg.polygon(&head, &format!(r#"fill="{}" {outline}"#, level(LEVELS - 1)));
+        }
+        if beyond[1] {
+            let head = [[x, bottom + 2.0], [x + WIDTH, bottom + 2.0], [middle, bottom + 12.0]];
+            svg.polygon(&head, &format!(r#"fill="{}" {outline}"#, level(0)));
+        }
+        for tick in self.ticks() {
+            let at = bottom - self.position(tick) * height;
+            svg.line([x + WIDTH, at], [x + WIDTH + 4.0, at], r##"stroke="#555""##);
+            svg.text([x + WIDTH + 7.0, at + 4.0], 11.0, Anchor::Start, "", &significant(tick / unit_size, 2));
+        }
+        svg.text_upwards([x + WIDTH + 48.0, y + height / 2.0], 12.0, "", label);
+    }
+}
+
+/// Round numbers from zero to `high`: steps of 1, 2 or 5, at most `count` of them.
+pub fn ticks(high: f64, count: usize) -> Vec<f64> {
+    let step = round_up(high / count as f64);
+    (0..=count).map(|k| k as f64 * step).filter(|&t| t <= high * 1.000_001).collect()
+}
+
+/// The next number of the form 1, 2 or 5 times a power of ten; one where there is none.
+pub fn round_up(value: f64) -> f64 {
+    if !(value.is_finite() && value > 0.0) {
+        return 1.0;
+    }
+    let power = 10_f64.powf(value.log10().floor());
+    [1.0, 2.0, 5.0].map(|m| m * power).into_iter().find(|&c| c >= value * 0.999_999).unwrap_or(10.0 * power)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_map_runs_from_dark_to_light() {
+        assert_eq!(level(0), "#440154");
+        assert_eq!(level(LEVELS - 1), "#fde725");
+        let lightness = |k: usize| {
+            let text = level(k);
+            let channel = |at: usize| f64::from(u8::from_str_radix(&text[at..at + 2], 16).unwrap());
+            0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+        };
+        assert!((1..LEVELS).all(|k| lightness(k) > lightness(k - 1)));
+    }
+
+    #[test]
+    fn values_beyond_the_scale_take_its_ends() {
+        for scale in [Scale::linear(2.0), Scale::logarithmic(2.0, 3)] {
+            assert_eq!(scale.level(-1.0), 0);
+            assert_eq!(scale.level(0.0), 0);
+            assert_eq!(scale.level(1e9), LEVELS - 1);
+        }
+        // Nothing moved: no division by zero.
+        assert_eq!(Scale::linear(0.0).level(0.0), 0);
+        assert_eq!(Scale::logarithmic(0.0, 2).level(0.0), 0);
+    }
+
+    #[test]
+    fn ticks_are_round() {
+        assert_eq!(ticks(0.5, 6), [0.0, 0.1, 0.2, 0.300_000_000_000_000_04, 0.4, 0.5]);
+        assert_eq!(round_up(0.31), 0.5);
+        assert_eq!(round_up(7.0), 10.0);
+        assert_eq!(round_up(f64::NAN), 1.0);
+    }
+}

@@ -1,0 +1,222 @@
+//! The crystal on paper: where sites come to lie, and what is drawn over them in every picture alike.
+//!
+//! x runs to the right, depth z downwards, both to the same scale. A map shows the simulated half, or both halves by
+//! mirroring it about the lens axis.
+
+use std::collections::HashMap;
+
+use super::colour::{LEVELS, MISSING, Scale, level};
+use super::svg::{Anchor, Shapes, Svg};
+use crate::outcome::{Outcome, Proposal};
+use crate::target::Region;
+
+/// Steps from corner to corner of a site's cell, a regular hexagon standing on a corner, in diameters: the part of the sheet
+/// that is nearer to this site than to any other. Filled cells leave no gaps between spheres.
+const CORNER: [f64; 2] = [0.5, 0.288_675_134_594_812_9];
+
+/// How much of the crystal a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// The simulated half, x ≥ 0.
+    Half,
+    /// The whole piece.
+    Both,
+}
+
+/// A crystal placed in a picture.
+#[derive(Clone, Copy)]
+pub struct Crystal<'a> {
+    outcome: &'a Outcome,
+    extent: Extent,
+    /// Pixels per metre.
+    scale: f64,
+    /// Where x = 0, z = 0 lies [px].
+    origin: [f64; 2],
+}
+
+impl<'a> Crystal<'a> {
+    /// Places the crystal with the upper left corner of its frame at `corner`, at so many pixels per diameter.
+    pub fn new(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], per_diameter: f64) -> Self {
+        let left = match extent {
+            Extent::Half => 0.5 * per_diameter,
+            Extent::Both => (outcome.half_width / outcome.diameter + 0.5) * per_diameter,
+        };
+        let origin = [corner[0] + left, corner[1] + 2.0 * CORNER[1] * per_diameter];
+        Self { outcome, extent, scale: per_diameter / outcome.diameter, origin }
+    }
+
+    /// Upper left corner of the frame around all cells [px].
+    pub fn corner(&self) -> [f64; 2] {
+        let left = if self.extent == Extent::Half { 0.0 } else { -self.outcome.half_width };
+        let [x, y] = self.place([left, 0.0]);
+        [x - self.diameter() / 2.0, y - 2.0 * CORNER[1] * self.diameter()]
+    }
+
+    /// Width and height of the frame [px].
+    pub fn size(&self) -> [f64; 2] {
+        let right = self.place([self.outcome.half_width, self.deepest()]);
+        let [left, top] = self.corner();
+        [right[0] + self.diameter() / 2.0 - left, right[1] + 2.0 * CORNER[1] * self.diameter() - top]
+    }
+
+    /// Where a point (x, z) [m] lies [px].
+    pub fn place(&self, [x, z]: [f64; 2]) -> [f64; 2] {
+        [self.origin[0] + x * self.scale, self.origin[1] + z * self.scale]
+    }
+
+    /// A sphere's diameter [px].
+    pub fn diameter(&self) -> f64 {
+        self.outcome.diameter * self.scale
+    }
+
+    /// The greatest depth of a site [m].
+    fn deepest(&self) -> f64 {
+        self.outcome.sites.iter().map(|site| site.z).fold(0.0, f64::max)
+    }
+
+    /// The signs with which x is drawn: the half, or the half and its mirror image.
+    fn sides(&self) -> &'static [f64] {
+        if self.extent == Extent::Half { &[1.0] } else { &[1.0, -1.0] }
+    }
+
+    /// The places of a site: two in a mirrored picture, unless it lies on the axis.
+    pub fn places(&self, index: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let site = self.outcome.sites[index];
+        let on_axis = site.x.abs() < 1e-9 * self.outcome.diameter;
+        let count = if on_axis { 1 } else { self.sides().len() };
+        self.sides()[..count].iter().map(move |side| self.place([side * site.x, site.z]))
+    }
+
+    /// Fills every site's cell with the colour of its value; white where there is none.
+    pub fn map(&self, svg: &mut Svg, scale: &Scale, value: impl Fn(usize) -> Option<f64>) {
+        let mut levels = vec![Shapes::default(); LEVELS + 1];
+        let [half, quarter] = CORNER.map(|c| c * self.diameter());
+        let steps = [[half, quarter], [0.0, 2.0 * quarter], [-half, quarter], [-half, -quarter], [0.0, -2.0 * quarter]];
+        for index in 0..self.outcome.sites.len() {
+            let chosen = value(index).map_or(LEVELS, |v| scale.level(v));
+            for [x, y] in self.places(index) {
+                levels[chosen].closed([x, y - 2.0 * quarter], &steps);
+            }
+        }
+        for (k, shapes) in levels.iter().enumerate() {
+            let colour = if k == LEVELS { MISSING.to_owned() } else { level(k) };
+            // The thin stroke closes the seams that anti-aliasing leaves between cells.
+            svg.path(shapes.data(), &format!(r#"fill="{colour}" stroke="{colour}" stroke-width="0.5""#));
+        }
+    }
+
+    /// Lines between cells of different material.
+    pub fn boundaries(&self, svg: &mut Svg, layout: &[u8], attributes: &str) {
+        // Along x in half diameters: neighbours are two such steps away in the row, one in the rows beside it.
+        let position = |x: f64| (2.0 * x / self.outcome.diameter).round() as i64;
+        let places: HashMap<(u32, i64), u8> =
+            self.outcome.sites.iter().zip(layout).map(|(s, &m)| ((s.row, position(s.x)), m)).collect();
+        let [half, quarter] = CORNER.map(|c| c * self.diameter());
+        let mut lines = Shapes::default();
+        for (site, &own) in self.outcome.sites.iter().zip(layout) {
+            let p = position(site.x);
+            let differs = |row: u32, p: i64| places.get(&(row, p)).is_some_and(|&other| other != own);
+            // Each pair once: the neighbours to the right, below left and below right.
+            let edges = [
+                (differs(site.row, p + 2), [half, -quarter], [half, quarter]),
+                (differs(site.row + 1, p - 1), [-half, quarter], [0.0, 2.0 * quarter]),
+                (differs(site.row + 1, p + 1), [half, quarter], [0.0, 2.0 * quarter]),
+            ];
+            for &side in self.sides() {
+                let [x, y] = self.place([side * site.x, site.z]);
+                for (_, from, to) in edges.iter().filter(|edge| edge.0) {
+                    lines.segment([x + side * from[0], y + from[1]], [x + side * to[0], y + to[1]]);
+                }
+            }
+        }
+        svg.path(lines.data(), &format!(r#"fill="none" stroke-linecap="round" {attributes}"#));
+    }
+
+    /// The rectangles [px] that a region covers: corner and size. One where it meets the axis, or in the half; else two.
+    fn rectangles(&self, region: &Region) -> Vec<([f64; 2], [f64; 2])> {
+        // Centres are D/2 apart in x from row to row, so D/4 beyond the region parts what is inside from what is not;
+        // at the rim, and at the axis of the half, whole spheres are enclosed.
+        let quarter = self.outcome.diameter / 4.0;
+        let rim = self.outcome.half_width - quarter;
+        let right = region.x[1] + if region.x[1] > rim { 2.0 * quarter } else { quarter };
+        let meets_axis = region.x[0] < quarter;
+        let left = match (meets_axis, self.extent) {
+            (true, Extent::Half) => -2.0 * quarter,
+            (true, Extent::Both) => -right,
+            (false, _) => region.x[0] - quarter,
+        };
+        let spacing = 0.75_f64.sqrt() * self.outcome.diameter;
+        let depth = |row: f64| (row - 1.0) * spacing;
+        let [top, bottom] = [depth(f64::from(region.rows[0]) - 0.5), depth(f64::from(region.rows[1]) + 0.5)];
+        let rectangle = |a: f64, b: f64| {
+            let ([x1, y1], [x2, y2]) = (self.place([a.min(b), top]), self.place([a.max(b), bottom]));
+            ([x1, y1], [x2 - x1, y2 - y1])
+        };
+        let sides = if meets_axis { &[1.0][..] } else { self.sides() };
+        sides.iter().map(|side| rectangle(side * left, side * right)).collect()
+    }
+
+    /// Outlines the focal region (solid) and the protected one (dashed): a white line with a dark edge, to be seen on
+    /// every colour.
+    pub fn regions(&self, svg: &mut Svg, width: f64) {
+        let target = &self.outcome.target;
+        for (region, dash) in [(&target.focus, ""), (&target.protect, r#"stroke-dasharray="5 3""#)] {
+            for (corner, size) in self.rectangles(region) {
+                svg.rectangle(corner, size, &format!(r##"fill="none" stroke="#222" stroke-width="{}""##, width + 1.6));
+                svg.rectangle(corner, size, &format!(r##"fill="none" stroke="#fff" stroke-width="{width}" {dash}"##));
+            }
+        }
+    }
+
+    /// Writes the regions' names into them, or above them where they are too low for a line of text.
+    pub fn name_regions(&self, svg: &mut Svg, size: f64) {
+        let target = &self.outcome.target;
+        for (region, name) in [(&target.focus, "focal"), (&target.protect, "protected")] {
+            for ([x, y], [width, height]) in self.rectangles(region) {
+                let middle = if height > 2.0 * size { y + height / 2.0 + size * 0.35 } else { y - size * 0.5 };
+                halo(svg, [x + width / 2.0, middle], size, Anchor::Middle, name);
+            }
+        }
+    }
+
+    /// The rays of the proposal, cut off at the frame.
+    pub fn rays(&self, svg: &mut Svg, proposal: &Proposal, attributes: &str) {
+        svg.clipped(self.corner(), self.size(), |svg| {
+            for ray in &proposal.rays {
+                self.mirrored(svg, ray, attributes);
+            }
+        });
+    }
+
+    /// The ideal faces of the lens: curved front and flat back.
+    pub fn faces(&self, svg: &mut Svg, proposal: &Proposal, attributes: &str) {
+        self.mirrored(svg, &proposal.front, attributes);
+        let edge = if self.extent == Extent::Half { 0.0 } else { -proposal.aperture };
+        let back = [[edge, proposal.back], [proposal.aperture, proposal.back]].map(|p| self.place(p));
+        svg.polyline(&back, attributes);
+    }
+
+    fn mirrored(&self, svg: &mut Svg, line: &[[f64; 2]], attributes: &str) {
+        for side in self.sides() {
+            let points: Vec<_> = line.iter().map(|&[x, z]| self.place([side * x, z])).collect();
+            svg.polyline(&points, attributes);
+        }
+    }
+
+    /// Row numbers to the left of the frame: row 1 and every `every`-th.
+    pub fn row_numbers(&self, svg: &mut Svg, every: u32, size: f64) {
+        let left = self.corner()[0] - 4.0;
+        for site in self.outcome.sites.iter().filter(|s| s.column == 1 && (s.row == 1 || s.row % every == 0)) {
+            let y = self.place([0.0, site.z])[1];
+            svg.line([left, y], [left + 3.0, y], r##"stroke="#555""##);
+            svg.text([left - 3.0, y + size * 0.36], size, Anchor::End, "", &site.row.to_string());
+        }
+    }
+}
+
+/// Text on a white halo, legible on any background.
+pub fn halo(svg: &mut Svg, at: [f64; 2], size: f64, anchor: Anchor, text: &str) {
+    let attributes =
+        r##"font-weight="bold" stroke="#fff" stroke-width="3.5" stroke-linejoin="round" paint-order="stroke""##;
+    svg.text(at, size, anchor, attributes, text);
+}

@@ -1,0 +1,216 @@
+//! Maps of what every sphere felt: greatest kinetic energy, dissipation, greatest force.
+
+use super::colour::{Scale, round_up};
+use super::crystal::{Crystal, Extent};
+use super::digits::{NONE, significant};
+use super::svg::{Anchor, Svg};
+use crate::outcome::{ArrangementOutcome, Outcome};
+
+/// Lines between materials in a map: seen when looked for.
+const SITES: &str = r##"stroke="#fff" stroke-width="0.8" stroke-opacity="0.6""##;
+/// Room for a colour bar with ticks and label [px].
+const BAR: f64 = 96.0;
+/// Room for row numbers and their label [px].
+const ROWS: f64 = 46.0;
+
+/// The finite value of a site in a list that may be short.
+pub fn at(list: &[f64], index: usize) -> Option<f64> {
+    list.get(index).copied().filter(|v| v.is_finite())
+}
+
+/// The first row behind every sphere that is not of the host, in the outcome's first arrangement; row 1 where the lens
+/// reaches the end of the crystal or there is none.
+pub fn first_row_behind(outcome: &Outcome) -> u32 {
+    let last = outcome.sites.iter().map(|s| s.row).max().unwrap_or(1);
+    let lens = outcome.arrangements.first().map_or(&[][..], |lens| &lens.layout[..]);
+    let back = outcome.sites.iter().zip(lens).filter(|&(_, &m)| m != 0).map(|(site, _)| site.row).max().unwrap_or(0);
+    if back + 5 > last { 1 } else { back + 1 }
+}
+
+/// The arrangements that maps and profiles show: one of each kind, of the random ones that with the first seed.
+pub fn one_of_each_kind(outcome: &Outcome) -> Vec<&ArrangementOutcome> {
+    let mut shown: Vec<&ArrangementOutcome> = Vec::new();
+    for arrangement in &outcome.arrangements {
+        if !shown.iter().any(|other| other.kind == arrangement.kind) {
+            shown.push(arrangement);
+        }
+    }
+    shown
+}
+
+/// The colour scale of all kinetic-energy maps: linear from zero, ending where all but one in a hundred values behind the
+/// lens are below. In front of the lens energies are ten times larger and say little about focusing.
+pub fn kinetic_scale(outcome: &Outcome) -> Scale {
+    let behind = first_row_behind(outcome);
+    let mut values: Vec<f64> = Vec::new();
+    for arrangement in one_of_each_kind(outcome) {
+        let list = &arrangement.record.max_kinetic;
+        let sites = outcome.sites.iter().enumerate().filter(|(_, site)| site.row >= behind);
+        values.extend(sites.filter_map(|(index, _)| at(list, index)));
+    }
+    values.sort_by(f64::total_cmp);
+    let high = values.get((values.len() * 99) / 100).copied().unwrap_or(0.0);
+    // Rounded up to two digits, so that the bar ends near a number one can say.
+    let step = round_up(high / 20.0);
+    Scale::linear((high / step).ceil() * step)
+}
+
+/// Greatest kinetic energy of every sphere, one map per kind of arrangement, all on one colour scale.
+pub fn kinetic(outcome: &Outcome) -> String {
+    const PER_DIAMETER: f64 = 7.2;
+    const TOP: f64 = 52.0;
+    const BELOW: f64 = 46.0;
+    const PER_LINE: usize = 7;
+    let shown = one_of_each_kind(outcome);
+    let scale = kinetic_scale(outcome);
+    let [width, height] = Crystal::new(outcome, Extent::Half, [0.0, 0.0], PER_DIAMETER).size();
+    let column = width.max(112.0) + 12.0;
+    let line = TOP + height + BELOW;
+    let lines = shown.len().div_ceil(PER_LINE).max(1);
+    let full = ROWS + column * shown.len().clamp(1, PER_LINE) as f64 + BAR;
+    let title = format!("{}: greatest kinetic energy of every sphere, by arrangement", outcome.manifest.name);
+    let mut svg = Svg::new(full, line * lines as f64, &title);
+    for (k, arrangement) in shown.iter().enumerate() {
+        let corner = [ROWS + column * (k % PER_LINE) as f64, TOP + line * (k / PER_LINE) as f64];
+        let crystal = Crystal::new(outcome, Extent::Half, corner, PER_DIAMETER);
+        let middle = corner[0] + width / 2.0;
+        svg.text([middle, corner[1] - 24.0], 13.0, Anchor::Middle, r#"font-weight="bold""#, &arrangement.kind);
+        if let Some(seed) = arrangement.seed {
+            svg.text([middle, corner[1] - 9.0], 11.0, Anchor::Middle, "", &format!("seed {seed}"));
+        }
+        crystal.map(&mut svg, &scale, |index| at(&arrangement.record.max_kinetic, index));
+        crystal.boundaries(&mut svg, &arrangement.layout, SITES);
+        crystal.regions(&mut svg, 1.4);
+        if k % PER_LINE == 0 {
+            crystal.row_numbers(&mut svg, 10, 11.0);
+            svg.text_upwards([14.0, corner[1] + height / 2.0], 12.0, "", "row");
+        }
+        let scores = &arrangement.scores;
+        let energies =
+            format!("F {}  P {} J", significant(scores.focal_mean, 3), significant(scores.protected_mean, 3));
+        svg.text([middle, corner[1] + height + 17.0], 11.0, Anchor::Middle, "", &energies);
+        let contrast = format!("F/P {}", scores.contrast.map_or(NONE.to_owned(), |c| format!("{c:.2}")));
+        svg.text([middle, corner[1] + height + 33.0], 11.0, Anchor::Middle, "", &contrast);
+    }
+    let lists = shown.iter().map(|a| &a.record.max_kinetic[..]);
+    let right = full - BAR + 16.0;
+    scale.bar(&mut svg, [right, TOP], height, "greatest kinetic energy (J)", 1.0, [above(&scale, lists), false]);
+    svg.finish()
+}
+
+/// The first arrangement's greatest kinetic energies, large, with both halves and the rays that proposed it.
+pub fn kinetic_lens(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
+    let scale = kinetic_scale(outcome);
+    let values: Values = Box::new(|index| at(&lens.record.max_kinetic, index));
+    let panel = Panel { heading: "", scale, label: "greatest kinetic energy (J)", unit: 1.0, arrangement: lens };
+    let title = format!("{}: greatest kinetic energy of every sphere and rays", outcome.manifest.name);
+    let above = above(&scale, [&lens.record.max_kinetic[..]]);
+    panels(outcome, &title, 16.0, true, [(panel, values, [above, false])])
+}
+
+/// Energy dissipated per sphere, in the lens and, where there is one, in the crystal without a lens; logarithmic.
+pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
+    let host = outcome.arrangements.iter().find(|a| a.kind == "all-host" && a.name != lens.name);
+    let shown: Vec<_> = std::iter::once(lens).chain(host).collect();
+    let high = shown.iter().flat_map(|a| &a.record.dissipated).copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let scale = Scale::logarithmic(high, 3);
+    let title = format!("{}: energy dissipated at every sphere", outcome.manifest.name);
+    let all = shown.iter().map(|a| {
+        let list = &a.record.dissipated[..];
+        let label = "dissipated energy per sphere (mJ)";
+        let panel = Panel { heading: a.name.as_str(), scale, label, unit: 1e-3, arrangement: *a };
+        (panel, Box::new(move |index| at(list, index)) as Values, [false, below(&scale, list)])
+    });
+    panels(outcome, &title, 10.0, false, all)
+}
+
+/// Greatest net force on every sphere of the lens: as it is (logarithmic), and over the greatest of its row, which takes
+/// the decay with depth away and leaves the focusing.
+pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
+    let list = &lens.record.max_net_force[..];
+    let high = list.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let absolute = Scale::logarithmic(high, 2);
+    let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0) as usize;
+    let mut greatest = vec![0.0_f64; rows + 1];
+    for (index, site) in outcome.sites.iter().enumerate() {
+        let row = site.row as usize;
+        greatest[row] = greatest[row].max(at(list, index).unwrap_or(0.0));
+    }
+    let share = move |index: usize| {
+        let greatest = greatest[outcome.sites[index].row as usize];
+        // A row that the wave has not reached has nothing to be a share of.
+        at(list, index).filter(|_| greatest > 1e-6 * high).map(|force| force / greatest)
+    };
+    let title = format!("{}: greatest net force on every sphere", outcome.manifest.name);
+    let first =
+        Panel { heading: "as it is", scale: absolute, label: "greatest net force (kN)", unit: 1e3, arrangement: lens };
+    let second = Panel {
+        heading: "over the greatest of its row",
+        scale: Scale::linear(1.0),
+        label: "share of the row's greatest net force",
+        unit: 1.0,
+        arrangement: lens,
+    };
+    let shown: [(Panel, Values, [bool; 2]); 2] = [
+        (first, Box::new(|index| at(list, index)), [false, below(&absolute, list)]),
+        (second, Box::new(share), [false, false]),
+    ];
+    panels(outcome, &title, 10.0, false, shown)
+}
+
+/// Whether a value in the lists lies above the scale.
+fn above<'a>(scale: &Scale, lists: impl IntoIterator<Item = &'a [f64]>) -> bool {
+    lists.into_iter().flatten().any(|&v| v > scale.high())
+}
+
+fn below(scale: &Scale, list: &[f64]) -> bool {
+    list.iter().any(|&v| v < scale.low())
+}
+
+type Values<'a> = Box<dyn Fn(usize) -> Option<f64> + 'a>;
+
+/// One large map.
+struct Panel<'a> {
+    heading: &'a str,
+    scale: Scale,
+    label: &'a str,
+    /// What one unit of the label is in SI.
+    unit: f64,
+    arrangement: &'a ArrangementOutcome,
+}
+
+/// Large maps of both halves side by side, each with its colour bar.
+fn panels<'a>(
+    outcome: &'a Outcome,
+    title: &str,
+    per_diameter: f64,
+    with_rays: bool,
+    shown: impl IntoIterator<Item = (Panel<'a>, Values<'a>, [bool; 2])>,
+) -> String {
+    const TOP: f64 = 36.0;
+    let shown: Vec<_> = shown.into_iter().collect();
+    let [width, height] = Crystal::new(outcome, Extent::Both, [0.0, 0.0], per_diameter).size();
+    let column = ROWS + width + BAR;
+    let mut svg = Svg::new(column * shown.len() as f64, TOP + height + 20.0, title);
+    for (k, (panel, value, beyond)) in shown.iter().enumerate() {
+        let left = column * k as f64;
+        let corner = [left + ROWS, TOP];
+        let crystal = Crystal::new(outcome, Extent::Both, corner, per_diameter);
+        svg.text([corner[0] + width / 2.0, 20.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, panel.heading);
+        crystal.map(&mut svg, &panel.scale, value);
+        crystal.boundaries(&mut svg, &panel.arrangement.layout, SITES);
+        if let (true, Some(proposal)) = (with_rays, &outcome.proposal) {
+            crystal.rays(&mut svg, proposal, r##"stroke="#fff" stroke-width="1" stroke-opacity="0.75""##);
+            crystal.faces(&mut svg, proposal, r##"stroke="#111" stroke-width="2.5" stroke-linecap="round""##);
+        }
+        crystal.regions(&mut svg, 2.0);
+        if k == 0 {
+            crystal.name_regions(&mut svg, 12.0);
+        }
+        crystal.row_numbers(&mut svg, 10, 11.0);
+        svg.text_upwards([left + 14.0, TOP + height / 2.0], 12.0, "", "row");
+        let bar = [corner[0] + width + 14.0, TOP + 12.0];
+        panel.scale.bar(&mut svg, bar, height - 24.0, panel.label, panel.unit, *beyond);
+    }
+    svg.finish()
+}

@@ -1,0 +1,31 @@
+//! Reports: pictures, tables and a page, drawn from one stored outcome alone; nothing here simulates.
+//!
+//! In: an [`Outcome`](crate::outcome::Outcome). Out: [`table`] for a terminal; [`files`], or [`write`] into a directory:
+//! `report.html` (everything on one page that needs no network), the pictures as SVG, the numbers as CSV and JSON, the
+//! manifest, and the outcome itself. The same outcome gives the same bytes.
+//!
+//! - `svg`, `colour`, `digits`: a picture as text, colours for numbers, numbers for readers
+//! - `crystal`: the crystal on paper; `drawing`, `maps`, `profiles`: the pictures
+//! - `summary`: the comparison, random arrangements folded over seeds; `table`: it on a terminal
+//! - `claims`: what was published of such lenses, measured on this outcome
+//! - `page`, `files`: what is written
+//! - `contact_curve`: a contact law as a picture
+
+mod claims;
+mod colour;
+mod contact_curve;
+mod crystal;
+mod digits;
+mod drawing;
+mod files;
+mod maps;
+mod page;
+mod profiles;
+mod summary;
+mod svg;
+mod table;
+
+pub use claims::{Claim, claims};
+pub use contact_curve::contact_curve;
+pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, write, write_numbers};
+pub use table::table;

@@ -1,0 +1,250 @@
+//! The page: everything of an outcome in one HTML file that needs no network.
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{AutoEscape, Environment, Value, context};
+
+use super::claims::claims;
+use super::digits::{NONE, significant};
+use super::files::ReportError;
+use super::maps::{first_row_behind, kinetic_scale};
+use super::profiles::rows;
+use super::summary::{
+    CONTRAST, DISSIPATED, EQ_5_6, EXIT_FORCE, EXIT_MOMENTUM, FOCAL, GAIN, Line, PROTECTED, PROTECTION, Quantity,
+    RESIDUAL, lines, worst_residual,
+};
+use crate::outcome::{Manifest, Outcome, Proposal};
+use crate::target::Region;
+use crate::units::Dimension;
+
+/// Columns of the comparison.
+const COLUMNS: [&Quantity; 10] =
+    [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &DISSIPATED, &EQ_5_6, &EXIT_MOMENTUM, &EXIT_FORCE, &RESIDUAL];
+
+/// A label and what it labels.
+type Fact = (&'static str, String);
+
+/// Fills the page in, with the pictures inlined.
+///
+/// # Errors
+/// If the template does not fit its content.
+pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<String, ReportError> {
+    let all = lines(outcome);
+    let random = outcome.arrangements.iter().filter(|a| a.seed.is_some());
+    let single = random.map(|a| Line { name: &a.name, members: vec![a] });
+    let manifest = &outcome.manifest;
+    let figures = pictures.iter().map(|(file, svg)| context! { file => *file, svg, caption => caption(outcome, file) });
+    let claims = claims(outcome).into_iter().map(|c| {
+        context! { claim => c.claim, source => c.source, measured => c.measured, holds => c.holds }
+    });
+    // Text, ready to be read; the template escapes it.
+    let content = context! {
+        name => &manifest.name,
+        version => &manifest.version,
+        design_file => &manifest.design_file,
+        design => &manifest.design,
+        asked => asked(outcome),
+        proposed => outcome.proposal.as_ref().map(|p| proposed(outcome, p)).unwrap_or_default(),
+        validity => outcome.proposal.as_ref().map(|p| &p.validity),
+        headings => COLUMNS.map(heading).to_vec(),
+        comparison => all.iter().map(compared).collect::<Vec<_>>(),
+        seeds => single.map(|line| compared(&line)).collect::<Vec<_>>(),
+        claims => claims.collect::<Value>(),
+        figures => figures.collect::<Value>(),
+        ledger => all.iter().map(ledger).collect::<Vec<_>>(),
+        worst_residual => worst_residual(outcome).map_or(NONE.to_owned(), |r| significant(r, 2)),
+        warnings => outcome.warnings.clone(),
+        repeat => repeat(manifest),
+    };
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
+    environment.set_syntax(syntax);
+    Ok(environment.render_named_str("page.html", include_str!("page.html"), content)?)
+}
+
+fn heading(quantity: &Quantity) -> String {
+    if quantity.unit.is_empty() { quantity.name.to_owned() } else { format!("{} [{}]", quantity.name, quantity.unit) }
+}
+
+fn compared(line: &Line) -> Vec<String> {
+    let name = match line.members.len() {
+        1 => line.name.to_owned(),
+        seeds => format!("{} ({seeds} seeds)", line.name),
+    };
+    [name, line.spheres()].into_iter().chain(COLUMNS.iter().map(|column| line.show(column))).collect()
+}
+
+/// Where the work of the load went, with its share.
+fn ledger(line: &Line) -> Vec<String> {
+    let mean = |of: fn(&crate::outcome::Scores) -> f64| {
+        line.members.iter().map(|m| of(&m.scores)).sum::<f64>() / line.members.len() as f64
+    };
+    let work = mean(|s| s.work_in);
+    let shared = |value: f64| {
+        if work > 0.0 {
+            format!("{} ({} %)", significant(value, 4), significant(100.0 * value / work, 3))
+        } else {
+            significant(value, 4)
+        }
+    };
+    vec![
+        line.name.to_owned(),
+        significant(work, 5),
+        shared(mean(|s| s.dissipated)),
+        shared(mean(|s| s.kinetic)),
+        shared(mean(|s| s.stored)),
+        line.show(&RESIDUAL),
+    ]
+}
+
+fn pair(label: &'static str, value: impl Into<String>) -> Fact {
+    (label, value.into())
+}
+
+fn asked(outcome: &Outcome) -> Vec<Fact> {
+    let region = |region: &Region| {
+        let sites = outcome.sites.iter().filter(|site| region.contains(site, outcome.diameter)).count();
+        let [from, to] = region.x.map(|x| significant(x / outcome.diameter, 3));
+        format!("rows {} to {}, x from {from} D to {to} D: {sites} spheres", region.rows[0], region.rows[1])
+    };
+    let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0);
+    let half_width = significant(outcome.half_width / outcome.diameter, 3);
+    let role = |k: usize| ["host", "lens"].get(k).map_or(String::new(), |role| format!(" ({role})"));
+    let materials: Vec<String> =
+        outcome.materials.iter().enumerate().map(|(k, name)| format!("{name}{}", role(k))).collect();
+    vec![
+        pair("Impact", &outcome.manifest.impact),
+        pair("Focal region", region(&outcome.target.focus)),
+        pair("Protected region", region(&outcome.target.protect)),
+        pair("Materials", materials.join(", ")),
+        pair(
+            "Crystal",
+            format!(
+                "hexagonal sheet of {} spheres in the simulated half, D = {}, {rows} rows, half width {half_width} D, mirrored about the axis and at its rim",
+                outcome.sites.len(),
+                Dimension::Length.show(outcome.diameter)
+            ),
+        ),
+    ]
+}
+
+fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
+    let speed = |v: f64| format!("{} m/s", significant(v, 4));
+    let degrees = |angle: f64| format!("{:.1}°", angle.to_degrees());
+    let diameters = |x: f64| format!("{} ({} D)", millimetres(x), significant(x / outcome.diameter, 3));
+    let crossing = |z: Option<f64>| z.map_or("does not cross it".to_owned(), millimetres);
+    let percent = |f: f64| format!("{} %", significant(100.0 * f, 3));
+    vec![
+        pair("Wave-speed bound, host", speed(proposal.host_speed)),
+        pair("Wave-speed bound, lens", speed(proposal.lens_speed)),
+        pair("Speed ratio", significant(proposal.speed_ratio, 3)),
+        pair("Critical angle, lens to host", proposal.critical_angle.map_or("none".to_owned(), degrees)),
+        pair(
+            "Contact force of row 1 over F_p",
+            format!(
+                "{} (host), {} (lens)",
+                significant(proposal.amplitude_host, 3),
+                significant(proposal.amplitude_lens, 3)
+            ),
+        ),
+        pair("Rows of the lens", format!("apex {}, back {}", proposal.apex_row, proposal.back_row)),
+        pair("Radius of the curved face", diameters(proposal.radius)),
+        pair("Half aperture", diameters(proposal.aperture)),
+        pair("Angle of the face at the rim", degrees(proposal.rim_angle)),
+        pair("Spheres of lens material", format!("{} in the simulated half", proposal.spheres)),
+        pair(
+            "Struck width whose rays reach the focal region",
+            format!("{} with the lens, {} straight on", percent(proposal.fraction), percent(proposal.fraction_without)),
+        ),
+        pair(
+            "Depth at which rays cross the axis",
+            format!("innermost {}, outermost {}", crossing(proposal.crossing[0]), crossing(proposal.crossing[1])),
+        ),
+    ]
+}
+
+fn millimetres(length: f64) -> String {
+    format!("{} mm", significant(length * 1e3, 4))
+}
+
+fn caption(outcome: &Outcome, file: &str) -> String {
+    let regions = "The focal region is outlined solid, the protected one dashed; faint lines part the materials.";
+    let beyond = format!(
+        "The scale ends where 99 % of the values behind the lens (from row {}) are below, at {} J; spheres above it, nearly all before and in the lens, take the top colour.",
+        first_row_behind(outcome),
+        significant(kinetic_scale(outcome).high(), 2)
+    );
+    let [before, at, behind] = rows(outcome);
+    let rays = if outcome.proposal.is_some() {
+        " Blue: the ideal faces that the spheres approximate; red: rays refracted at them by Snell's law with the wave-speed bounds."
+    } else {
+        ""
+    };
+    match file {
+        "layout.svg" => format!("The lens as it would be built, both halves, spheres in true proportion.{rays}"),
+        "kinetic-lens.svg" => format!(
+            "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves. Where rays (white) gather, the energy behind the lens should be high; where they leave, low. {beyond} {regions}"
+        ),
+        "kinetic.svg" => format!(
+            "The same for the lens and one arrangement of each kind it is compared with (of random ones the first seed), the simulated half only (axis at the left), all on one colour scale. A useful lens is brighter than its neighbours in the solid box and darker in the dashed one. {beyond}"
+        ),
+        "profiles.svg" => format!(
+            "Greatest kinetic energy across rows {before}, {at} and {behind}, from the axis to the rim. Arrangements without structure across x are flat lines; the lens should rise towards the axis and fall below them at the rim. Each panel row has its own energy scale."
+        ),
+        "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic over three decades; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
+        "forces.svg" => "Greatest net contact force on each sphere of the lens arrangement. Left: as it is, logarithmic; the decay with depth masks the focusing. Right: over the greatest of its row, which takes the decay away; a row where all is bright carries the force evenly. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left.".to_owned(),
+        _ => String::new(),
+    }
+}
+
+fn repeat(manifest: &Manifest) -> Vec<Fact> {
+    let [first, count] = manifest.seeds;
+    let seeds = match count {
+        0 => "none".to_owned(),
+        1 => format!("{first}"),
+        _ => format!("{first} to {} ({count} of each random kind)", first.saturating_add(count - 1)),
+    };
+    vec![
+        pair("granulens", &manifest.version),
+        pair("Step", format!("{}: {}", Dimension::Time.show(manifest.step_s), manifest.step_reason)),
+        pair("Window", format!("{}: {}", Dimension::Time.show(manifest.window_s), manifest.window_reason)),
+        pair("Integrator", &manifest.integrator),
+        pair("Contact law", &manifest.law),
+        pair("Fitted constants", &manifest.constants),
+        pair("Random seeds", seeds),
+        pair("Begun", date(manifest.started_unix_s)),
+        pair(
+            "Took",
+            format!(
+                "{} s on {} threads; the results do not depend on them",
+                significant(manifest.seconds, 3),
+                manifest.threads
+            ),
+        ),
+    ]
+}
+
+/// Date and time of day in UTC. The date is by H. Hinnant's algorithm for the proleptic Gregorian calendar, with years that
+/// begin in March so that the leap day comes last.
+fn date(unix: u64) -> String {
+    let (days, seconds) = (unix / 86_400 + 719_468, unix % 86_400);
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let (day, month) = (day - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
+    let year = era * 400 + year + u64::from(month <= 2);
+    format!("{year}-{month:02}-{day:02} {:02}:{:02} UTC", seconds / 3_600, seconds / 60 % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        assert_eq!(date(0), "1970-01-01 00:00 UTC");
+        assert_eq!(date(951_782_400), "2000-02-29 00:00 UTC");
+        assert_eq!(date(1_767_225_599), "2025-12-31 23:59 UTC");
+    }
+}

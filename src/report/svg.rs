@@ -1,0 +1,212 @@
+//! A picture as SVG text: elements in the order in which they are painted, text escaped, numbers kept short.
+//!
+//! Attributes are passed as they stand in SVG (`stroke="#333" stroke-width="1.5"`); they come from this crate only.
+//! Whatever a user may have named goes through [`Svg::text`], which escapes it.
+
+use std::fmt::{self, Write as _};
+
+/// A coordinate in pixels: two decimals at most, no trailing zeros, and never anything but a finite number.
+#[derive(Clone, Copy, Debug)]
+pub struct Px(pub f64);
+
+impl fmt::Display for Px {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded = (self.0 * 100.0).round() / 100.0;
+        // Adding zero turns −0 into 0.
+        write!(f, "{}", if rounded.is_finite() { rounded + 0.0 } else { 0.0 })
+    }
+}
+
+/// Text with the characters that mean something to XML and HTML replaced, and those that XML forbids left out.
+pub fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            '\t' | '\n' | '\r' => escaped.push(' '),
+            c if c.is_control() => {}
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// Where a text is anchored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// The point is the left end.
+    Start,
+    /// The point is the middle.
+    Middle,
+    /// The point is the right end.
+    End,
+}
+
+/// A picture under construction.
+#[derive(Clone, Debug)]
+pub struct Svg {
+    width: f64,
+    height: f64,
+    title: String,
+    body: String,
+}
+
+impl Svg {
+    /// An empty white picture; the title is what screen readers and tooltips say.
+    pub fn new(width: f64, height: f64, title: &str) -> Self {
+        Self { width, height, title: escape(title), body: String::new() }
+    }
+
+    /// A straight line.
+    pub fn line(&mut self, from: [f64; 2], to: [f64; 2], attributes: &str) {
+        let ([x1, y1], [x2, y2]) = (from.map(Px), to.map(Px));
+        let _ = writeln!(self.body, r#"<path d="M{x1} {y1}L{x2} {y2}" {attributes}/>"#);
+    }
+
+    /// An open line through the points.
+    pub fn polyline(&mut self, points: &[[f64; 2]], attributes: &str) {
+        if points.len() > 1 {
+            self.path(&through(points), &format!(r#"fill="none" {attributes}"#));
+        }
+    }
+
+    /// A closed area.
+    pub fn polygon(&mut self, points: &[[f64; 2]], attributes: &str) {
+        if points.len() > 2 {
+            self.path(&(through(points) + "z"), attributes);
+        }
+    }
+
+    /// A path in SVG's own notation; empty ones are left out.
+    pub fn path(&mut self, d: &str, attributes: &str) {
+        if !d.is_empty() {
+            let _ = writeln!(self.body, r#"<path d="{d}" {attributes}/>"#);
+        }
+    }
+
+    /// A rectangle by its upper left corner and its size.
+    pub fn rectangle(&mut self, corner: [f64; 2], size: [f64; 2], attributes: &str) {
+        let ([x, y], [width, height]) = (corner.map(Px), size.map(|s| Px(s.max(0.0))));
+        let _ = writeln!(self.body, r#"<rect x="{x}" y="{y}" width="{width}" height="{height}" {attributes}/>"#);
+    }
+
+    /// A circle.
+    pub fn circle(&mut self, [x, y]: [f64; 2], radius: f64, attributes: &str) {
+        let (x, y, radius) = (Px(x), Px(y), Px(radius));
+        let _ = writeln!(self.body, r#"<circle cx="{x}" cy="{y}" r="{radius}" {attributes}/>"#);
+    }
+
+    /// A line of text of the given size, escaped; the point lies on its baseline.
+    pub fn text(&mut self, [x, y]: [f64; 2], size: f64, anchor: Anchor, attributes: &str, text: &str) {
+        let (x, y, size, text) = (Px(x), Px(y), Px(size), escape(text));
+        let anchor = match anchor {
+            Anchor::Start => "",
+            Anchor::Middle => r#" text-anchor="middle""#,
+            Anchor::End => r#" text-anchor="end""#,
+        };
+        let _ = writeln!(self.body, r#"<text x="{x}" y="{y}" font-size="{size}"{anchor} {attributes}>{text}</text>"#);
+    }
+
+    /// A text that reads upwards, centred on the point.
+    pub fn text_upwards(&mut self, [x, y]: [f64; 2], size: f64, attributes: &str, text: &str) {
+        let turn = format!(r#"transform="rotate(-90 {} {})" {attributes}"#, Px(x), Px(y));
+        self.text([x, y], size, Anchor::Middle, &turn, text);
+    }
+
+    /// What `paint` adds, with attributes for all of it.
+    pub fn group(&mut self, attributes: &str, paint: impl FnOnce(&mut Self)) {
+        let _ = writeln!(self.body, "<g {attributes}>");
+        paint(self);
+        self.body.push_str("</g>\n");
+    }
+
+    /// What `paint` adds, cut off outside a rectangle. An inner `svg` clips without an id, which an HTML page that holds
+    /// several pictures would otherwise have to keep unique.
+    pub fn clipped(&mut self, corner: [f64; 2], size: [f64; 2], paint: impl FnOnce(&mut Self)) {
+        let ([x, y], [width, height]) = (corner.map(Px), size.map(Px));
+        let _ = writeln!(
+            self.body,
+            r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#
+        );
+        paint(self);
+        self.body.push_str("</svg>\n");
+    }
+
+    /// The picture as the text of an SVG file.
+    pub fn finish(self) -> String {
+        let (width, height) = (Px(self.width.ceil()), Px(self.height.ceil()));
+        format!(
+            r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" role="img" font-family="Helvetica, Arial, 'Liberation Sans', sans-serif" fill="#222">
+<title>{}</title>
+<rect width="{width}" height="{height}" fill="#fff"/>
+{}</svg>
+"##,
+            self.title, self.body
+        )
+    }
+}
+
+/// Path data through the points.
+fn through(points: &[[f64; 2]]) -> String {
+    let mut d = String::new();
+    for (k, point) in points.iter().enumerate() {
+        let [x, y] = point.map(Px);
+        let _ = write!(d, "{}{x} {y}", if k == 0 { 'M' } else { 'L' });
+    }
+    d
+}
+
+/// Path data of many small shapes, gathered so that a thousand cells of one colour are one element.
+#[derive(Clone, Debug, Default)]
+pub struct Shapes {
+    d: String,
+}
+
+impl Shapes {
+    /// A closed shape: where it starts, then steps from corner to corner.
+    pub fn closed(&mut self, [x, y]: [f64; 2], steps: &[[f64; 2]]) {
+        let _ = write!(self.d, "M{} {}", Px(x), Px(y));
+        for step in steps {
+            let [dx, dy] = step.map(Px);
+            let _ = write!(self.d, "l{dx} {dy}");
+        }
+        self.d.push('z');
+    }
+
+    /// A straight segment.
+    pub fn segment(&mut self, from: [f64; 2], to: [f64; 2]) {
+        let ([x1, y1], [x2, y2]) = (from.map(Px), to.map(Px));
+        let _ = write!(self.d, "M{x1} {y1}L{x2} {y2}");
+    }
+
+    /// The path data.
+    pub fn data(&self) -> &str {
+        &self.d
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_are_short_and_finite() {
+        let shown = |x: f64| Px(x).to_string();
+        assert_eq!(shown(1.0 / 3.0), "0.33");
+        assert_eq!(shown(-0.001), "0");
+        assert_eq!(shown(12.0), "12");
+        assert_eq!(shown(f64::NAN), "0");
+    }
+
+    #[test]
+    fn names_cannot_open_elements() {
+        let mut svg = Svg::new(10.0, 10.0, "a & b");
+        svg.text([0.0, 0.0], 10.0, Anchor::Start, "", "<b>\u{0}\"");
+        let text = svg.finish();
+        assert!(text.contains("&lt;b&gt;&quot;</text>") && text.contains("a &amp; b"));
+    }
+}

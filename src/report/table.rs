@@ -1,0 +1,75 @@
+//! The comparison for a terminal, at most a hundred columns wide.
+
+use std::fmt::Write as _;
+
+use super::digits::significant;
+use super::summary::{
+    CONTRAST, DISSIPATED, EXIT_FORCE, FOCAL, GAIN, Line, PROTECTED, PROTECTION, Quantity, lines, worst_residual,
+};
+use crate::outcome::Outcome;
+
+const COLUMNS: [&Quantity; 7] = [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &DISSIPATED, &EXIT_FORCE];
+
+/// Longest name that keeps the table within a hundred columns.
+const NAME: usize = 18;
+
+/// The comparison as aligned columns with what they mean below; ends with a line feed.
+///
+/// ```text
+/// arrangement         spheres        F [J]  ...
+/// lens                    139        0.331  ...
+/// random-lens-rows      102±8  0.264±0.026  ...
+/// ```
+pub fn table(outcome: &Outcome) -> String {
+    let lines = lines(outcome);
+    let head: Vec<String> =
+        ["arrangement", "spheres"].into_iter().chain(COLUMNS.iter().map(|c| c.head)).map(str::to_owned).collect();
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(lines.iter().map(row)).collect();
+    let widths: Vec<usize> =
+        (0..rows[0].len()).map(|k| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0)).collect();
+    let mut text = String::new();
+    for row in &rows {
+        let mut line = format!("{:<width$}", row[0], width = widths[0]);
+        for (cell, width) in row.iter().zip(&widths).skip(1) {
+            let _ = write!(line, "  {cell:>width$}");
+        }
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    text.push('\n');
+    let [focus, protect] = [&outcome.target.focus, &outcome.target.protect];
+    let span = |x: [f64; 2]| {
+        let [from, to] = x.map(|x| significant(x / outcome.diameter, 2));
+        format!("x {from} to {to} D")
+    };
+    let _ = writeln!(
+        text,
+        "F, P: mean over the focal (rows {}-{}, {}) and the protected region\n(rows {}-{}, {}) of each sphere's greatest kinetic energy.",
+        focus.rows[0],
+        focus.rows[1],
+        span(focus.x),
+        protect.rows[0],
+        protect.rows[1],
+        span(protect.x)
+    );
+    text.push_str("C = F/P; G = F/F(all-host); Q = P/P(all-lens); lost: dissipated in all contacts;\n");
+    text.push_str("exit: peak force on the last row. Spheres and energies are those of the simulated half.\n");
+    if let Some(seeds) = lines.iter().map(|line| line.members.len()).max().filter(|&n| n > 1) {
+        let _ = writeln!(text, "±: standard deviation over {seeds} seeds.");
+    }
+    if let Some(residual) = worst_residual(outcome) {
+        let _ = writeln!(text, "Energy ledger closes to {} of the work put in.", significant(residual, 2));
+    }
+    for warning in &outcome.warnings {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
+}
+
+fn row(line: &Line) -> Vec<String> {
+    let name = if line.name.chars().count() > NAME {
+        line.name.chars().take(NAME - 1).chain(std::iter::once('…')).collect()
+    } else {
+        line.name.to_owned()
+    };
+    [name, line.spheres()].into_iter().chain(COLUMNS.iter().map(|column| line.show(column))).collect()
+}
