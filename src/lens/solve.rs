@@ -248,12 +248,13 @@ impl Search<'_> {
         }
         let low = if scan.best > 0 { scan.curvatures[scan.best - 1] } else { 0.1 * start };
         let high = scan.curvatures[(scan.best + 1).min(last)];
+        // On the side of the caustic the fraction falls like a square root: 1e-5 of it takes 1e-10 of the curvature.
         let cost = Loss { search: self, rows: scan.rows };
         // Both fail only for empty intervals and starts outside them, which these are not; the grid's best stands then.
-        let Ok(section) = GoldenSectionSearch::new(low, high).and_then(|s| s.with_tolerance(1e-6)) else {
+        let Ok(section) = GoldenSectionSearch::new(low, high).and_then(|s| s.with_tolerance(1e-10)) else {
             return start;
         };
-        let run = Executor::new(cost, section).configure(|state| state.param(start).max_iters(40)).run();
+        let run = Executor::new(cost, section).configure(|state| state.param(start).max_iters(60)).run();
         let refined = run.ok().and_then(|result| result.state().get_best_param().copied());
         refined
             .filter(|&curvature| self.fraction(scan.rows, curvature) > self.fraction(scan.rows, start))
