@@ -87,8 +87,8 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
     if !is_range(focus.rows) {
         return Err(LensError::FocusRows { given: focus.rows, rows: lattice.rows() });
     }
-    // Written so that NaN fails.
-    if !(focus.x[0] <= focus.x[1]) {
+    // A comparison with NaN has no order.
+    if focus.x[0].partial_cmp(&focus.x[1]).is_none_or(|order| order.is_gt()) {
         return Err(LensError::FocusWidth(focus.x));
     }
     let max_angle = request.max_interface_angle;

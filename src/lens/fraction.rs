@@ -92,7 +92,8 @@ impl Fan {
         }
         let beside = (half_width - aperture).max(0.0);
         let straight = if beside > 0.0 { beside * within.share(aperture, half_width) } else { 0.0 };
-        (radius * sum + straight) / half_width
+        // Sums of shares may exceed the whole by round-off.
+        ((radius * sum + straight) / half_width).clamp(0.0, 1.0)
     }
 
     /// The sum of `between` over 64 intervals.

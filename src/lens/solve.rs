@@ -26,6 +26,12 @@ pub(super) const LEAST_GAIN: f64 = 0.01;
 /// rim's rays on one side and those from halfway out on the other (0.04 for the published target).
 const WORTH_REFINING: f64 = 0.1;
 
+/// On the side of the caustic the fraction falls like a square root: to have 1e-5 of it takes 1e-10 of the curvature.
+const CURVATURE: f64 = 1e-10;
+
+/// By the same root a curvature to 1e-4 leaves 1e-2 of the fraction open; three times that for its factor.
+const WORTH_FINISHING: f64 = 0.03;
+
 /// How finely to search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
@@ -191,7 +197,12 @@ impl Search<'_> {
             return self.choose(scans.iter().map(|scan| (scan, scan.curvatures[scan.best])).collect());
         }
         let worth = scans.iter().filter(|scan| scan.fractions[scan.best] >= best_of_grid - WORTH_REFINING);
-        let mut best = self.choose(worth.map(|scan| (scan, self.refine(scan))).collect())?;
+        // First roughly, to 1e-4 of the curvature; then those to the end that may still win.
+        let rough: Vec<(&Scan, f64)> = worth.map(|scan| (scan, self.refine(scan, 1e-4))).collect();
+        let fractions: Vec<f64> = rough.iter().map(|(scan, c)| self.fraction(scan.rows, *c)).collect();
+        let leader = fractions.iter().copied().max_by(f64::total_cmp)?;
+        let may_win = rough.iter().zip(&fractions).filter(|(_, fraction)| **fraction >= leader - WORTH_FINISHING);
+        let mut best = self.choose(may_win.map(|((scan, _), _)| (*scan, self.refine(scan, CURVATURE))).collect())?;
         let mut stride = stride.max(other_stride) / 2;
         while stride >= 1 {
             best = self.descend(best, stride, apex_rows, back_rows);
@@ -227,7 +238,7 @@ impl Search<'_> {
                     scans.extend(self.scan([a, b]));
                 }
             }
-            match self.choose(scans.iter().map(|scan| (scan, self.refine(scan))).collect()) {
+            match self.choose(scans.iter().map(|scan| (scan, self.refine(scan, CURVATURE))).collect()) {
                 Some(better) if better.shape != best.shape && self.is_better(&better, &best) => best = better,
                 _ => return best,
             }
@@ -240,24 +251,23 @@ impl Search<'_> {
         gain > TIE || (gain >= 0.0 && new.shape.count(lattice) < old.shape.count(lattice))
     }
 
-    /// The curvature near the best of the grid at which the fraction is greatest.
-    fn refine(&self, scan: &Scan) -> f64 {
+    /// The curvature near the best of the grid at which the fraction is greatest, to a relative `tolerance`.
+    fn refine(&self, scan: &Scan, tolerance: f64) -> f64 {
         let (start, last) = (scan.curvatures[scan.best], scan.curvatures.len() - 1);
-        if last == 0 {
+        let at_start = self.fraction(scan.rows, start);
+        if last == 0 || at_start >= 1.0 - 0.1 * TIE {
             return start;
         }
         let low = if scan.best > 0 { scan.curvatures[scan.best - 1] } else { 0.1 * start };
         let high = scan.curvatures[(scan.best + 1).min(last)];
         let cost = Loss { search: self, rows: scan.rows };
         // Both fail only for empty intervals and starts outside them, which these are not; the grid's best stands then.
-        let Ok(section) = GoldenSectionSearch::new(low, high).and_then(|s| s.with_tolerance(1e-6)) else {
+        let Ok(section) = GoldenSectionSearch::new(low, high).and_then(|s| s.with_tolerance(tolerance)) else {
             return start;
         };
-        let run = Executor::new(cost, section).configure(|state| state.param(start).max_iters(40)).run();
+        let run = Executor::new(cost, section).configure(|state| state.param(start).max_iters(60)).run();
         let refined = run.ok().and_then(|result| result.state().get_best_param().copied());
-        refined
-            .filter(|&curvature| self.fraction(scan.rows, curvature) > self.fraction(scan.rows, start))
-            .unwrap_or(start)
+        refined.filter(|&curvature| self.fraction(scan.rows, curvature) > at_start).unwrap_or(start)
     }
 
     /// Of lenses that are equal to the best, the one of fewest spheres; then the one that reaches least deep.

@@ -80,7 +80,7 @@ fn paraxial_crossing_is_the_limit_of_traced_rays() {
 
 /// The target at the published lens's focus is served at least as well as that lens serves it, and no lens on a grid 32
 /// times as fine in curvature, over all pairs of rows, is better than the solution by more than 1e-5, what golden section
-/// leaves at a cusp. Four times the rays change the solution's fraction by less than 1e-4.
+/// leaves at a cusp with a square root on one side. Four times the rays change the solution's fraction by less than 1e-4.
 #[test]
 fn no_lens_of_a_fine_grid_beats_the_solution() {
     let crystal = crystal();
