@@ -42,8 +42,10 @@ impl Check {
         let plan = Plan::new(&design, self.motion.overrides(common), &layout.palette)
             .map_err(|error| Failure::of_plan(&design, &error))?;
         let begun = Instant::now();
-        let Evaluation { mut scores, record, warnings } = evaluate(&design, &layout, &plan, interrupt())?;
+        let evaluation = evaluate(&design, &layout, &plan, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
+        let warnings = evaluation.warnings("this layout");
+        let Evaluation { mut scores, record, .. } = evaluation;
         if self.strict
             && design.thresholds.iter().any(|t| matches!(t.measure, Measure::FocalGain | Measure::Protection))
         {

@@ -5,7 +5,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use rayon::prelude::*;
 
-use super::{Evaluation, Overrides, Plan, PlanError, evaluate, validity};
+use super::{Doubts, Evaluation, Overrides, Plan, PlanError, evaluate, validity};
 use crate::dem::{OverlapAtRest, Stop};
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
@@ -131,10 +131,11 @@ pub fn compare(
         .collect::<Result<_, OverlapAtRest>>()?;
 
     let mut warnings = plan.warnings.clone();
+    let mut doubts = Doubts::default();
     let mut arrangements = Vec::new();
     for ((name, kind, seed, layout), evaluation) in jobs.into_iter().zip(evaluations) {
-        let Some(Evaluation { scores, record, warnings: own }) = evaluation else { continue };
-        warnings.extend(own.into_iter().map(|warning| format!("{name}: {warning}")));
+        let Some(Evaluation { scores, record, doubts: own }) = evaluation else { continue };
+        doubts = doubts.worse(own);
         warnings.extend(record.stop.iter().map(|stop| format!("{name}: FAILED: {stop}")));
         arrangements.push(ArrangementOutcome {
             name,
@@ -154,6 +155,7 @@ pub fn compare(
         });
     }
     relate(&mut arrangements);
+    warnings.extend(doubts.words("some arrangements"));
     let lattice = &design.lattice;
     Ok(Outcome {
         format: FORMAT,

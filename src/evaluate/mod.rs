@@ -11,8 +11,8 @@ pub use plan::{Overrides, Plan, PlanError};
 
 use std::sync::atomic::AtomicBool;
 
-use crate::contact::Pair;
-use crate::dem::{Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, Record, simulate};
+use crate::contact::{LawKind, Pair};
+use crate::dem::{ContactRecord, Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, Record, simulate};
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::score::Scores;
@@ -26,8 +26,15 @@ pub struct Evaluation {
     pub scores: Scores,
     /// What each sphere and contact felt.
     pub record: Record<2>,
+    /// What limits the trust in the numbers.
+    pub doubts: Doubts,
+}
+
+impl Evaluation {
     /// What a reader should know before trusting the numbers.
-    pub warnings: Vec<String>,
+    pub fn warnings(&self, name: &str) -> Vec<String> {
+        self.doubts.words(name)
+    }
 }
 
 /// Simulates and scores one arrangement of a design.
@@ -42,8 +49,8 @@ pub fn evaluate(
 ) -> Result<Evaluation, OverlapAtRest> {
     let record = simulate(&layout.sample(), &impact(design, plan), interrupt)?;
     let scores = Scores::new(&record, &layout.lattice, &design.target);
-    let warnings = warnings(&record, layout, design);
-    Ok(Evaluation { scores, record, warnings })
+    let doubts = Doubts::of(&record, layout, design);
+    Ok(Evaluation { scores, record, doubts })
 }
 
 /// The design's impact: a pulse on row 1, mirrors on both sides, the far end free.
@@ -74,35 +81,70 @@ pub fn validity(design: &Design, material: &crate::material::Material) -> Validi
     Validity::new(design.impact.force, &bound)
 }
 
-fn warnings(record: &Record<2>, layout: &Layout, design: &Design) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let diameter = layout.lattice.diameter();
-    if let Some(([a, b], time)) = record.missed_contact {
-        warnings.push(format!(
-            "spheres {} and {}, which do not touch at rest, may have met after {}; their contact is not simulated",
-            a + 1,
-            b + 1,
-            Time.show(time)
-        ));
-    }
-    let deepest = record.contacts.iter().max_by(|a, b| a.overlap_max.total_cmp(&b.overlap_max));
-    if let Some(contact) = deepest.filter(|contact| contact.overlap_max > OVERLAP_WARNING * diameter) {
-        warnings.push(format!(
-            "overlaps reach {} ({:.1} % of the diameter), where contacts 60 degrees apart grow into each other",
-            Length.show(contact.overlap_max),
-            100.0 * contact.overlap_max / diameter
-        ));
-    }
-    // The fits behind the plastic laws were made up to about twice δ_p (Burgoyne 2016, section 2.1.1).
-    let depth = |contact: &crate::dem::ContactRecord| {
-        let materials = contact.spheres.map(|i| &layout.palette[usize::from(layout.materials[i])]);
-        let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants);
-        contact.overlap_max / pair.regions(1.0).plastic_overlap
-    };
-    let deep = record.contacts.iter().map(depth).fold(0.0, f64::max);
-    if deep > 2.0 && !matches!(design.law, crate::contact::LawKind::Hertz | crate::contact::LawKind::HertzThesis) {
-        warnings
-            .push(format!("overlaps reach {deep:.1} delta_p; the law was fitted up to about 2 (Burgoyne 2016, 2.1.1)"));
-    }
-    warnings
+/// What limits the trust in one run's numbers, as measured on it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Doubts {
+    /// Two spheres that do not touch at rest and may have met, and when [s].
+    missed_contact: Option<([usize; 2], f64)>,
+    /// Greatest overlap [m], and over the diameter.
+    overlap: [f64; 2],
+    /// Greatest overlap over δ_p; zero for elastic laws.
+    depth: f64,
 }
+
+impl Doubts {
+    fn of(record: &Record<2>, layout: &Layout, design: &Design) -> Self {
+        let diameter = layout.lattice.diameter();
+        let overlap = record.contacts.iter().map(|contact| contact.overlap_max).fold(0.0, f64::max);
+        let depth = |contact: &ContactRecord| {
+            let materials = contact.spheres.map(|i| &layout.palette[usize::from(layout.materials[i])]);
+            let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants);
+            contact.overlap_max / pair.regions(1.0).plastic_overlap
+        };
+        let plastic = !matches!(design.law, LawKind::Hertz | LawKind::HertzThesis);
+        let depth = if plastic { record.contacts.iter().map(depth).fold(0.0, f64::max) } else { 0.0 };
+        Self { missed_contact: record.missed_contact, overlap: [overlap, overlap / diameter], depth }
+    }
+
+    /// The worst of both.
+    fn worse(self, other: Self) -> Self {
+        let overlap = if other.overlap[1] > self.overlap[1] { other.overlap } else { self.overlap };
+        let missed_contact = self.missed_contact.or(other.missed_contact);
+        Self { missed_contact, overlap, depth: self.depth.max(other.depth) }
+    }
+
+    /// In words, one doubt each; `whose` says where it was found: `lens`, `15 arrangements`.
+    fn words(&self, whose: &str) -> Vec<String> {
+        let mut words = Vec::new();
+        if let Some(([a, b], time)) = self.missed_contact {
+            words.push(format!(
+                "{whose}: spheres {} and {}, which do not touch at rest, may have met after {}; their contact is not \
+                 simulated",
+                a + 1,
+                b + 1,
+                Time.show(time)
+            ));
+        }
+        let [overlap, ratio] = self.overlap;
+        if ratio > OVERLAP_WARNING {
+            words.push(format!(
+                "{whose}: overlaps reach {} ({:.1} % of the diameter); from {:.1} % on contacts 60 degrees apart on a \
+                 sphere grow into each other",
+                Length.show(overlap),
+                100.0 * ratio,
+                100.0 * OVERLAP_WARNING
+            ));
+        }
+        if self.depth > FITTED_DEPTH {
+            words.push(format!(
+                "{whose}: overlaps reach {:.1} delta_p; the law was fitted up to about {FITTED_DEPTH} delta_p \
+                 (Burgoyne 2016, section 2.1.1) and is extrapolated along its straight line",
+                self.depth
+            ));
+        }
+        words
+    }
+}
+
+/// Overlap over δ_p up to which the plastic laws were fitted (Burgoyne 2016, section 2.1.1).
+const FITTED_DEPTH: f64 = 2.0;
