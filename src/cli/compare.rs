@@ -8,7 +8,7 @@ use granulens::layout::{self, Layout};
 use granulens::outcome::Outcome;
 use granulens::report;
 
-use super::console::{Bar, emit, emit_json, interrupt, note};
+use super::console::{Bar, emit, emit_json, interrupt};
 use super::failure::Failure;
 use super::folder::write_file;
 use super::{Common, Motion, propose};
@@ -48,7 +48,6 @@ impl Compare {
         } else {
             emit(&report::table(&outcome));
         }
-        outcome.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if outcome.arrangements.len() < comparison.len() {
             let (finished, all) = (outcome.arrangements.len(), comparison.len());
             return Err(Failure::Interrupted(format!("{finished} of {all} arrangements are finished and shown")));

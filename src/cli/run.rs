@@ -64,7 +64,6 @@ impl Run {
         } else {
             emit(&report::table(&outcome));
         }
-        outcome.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         note(common, &format!("report: {}", place.join("report.html").display()));
         super::compare::guard(&outcome)
     }
