@@ -1,6 +1,6 @@
 //! Contacts that do not yield.
 
-use super::{ForceLaw, History, NormalLaw, Pair};
+use super::{ForceLaw, History, LaneLaw, NormalLaw, Pair};
 use crate::real::Real;
 
 /// Frictionless elastic contact of two spheres.
@@ -10,9 +10,9 @@ use crate::real::Real;
 /// Holds while δ ≪ r* and the contact pressure stays below yield; past that use [`ElastoPlastic`](super::ElastoPlastic).
 /// Source: Johnson, Contact Mechanics (1985), eq. 4.23; Burgoyne 2016, eq. 3.1 (eq. 4.1 there lacks √r*).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hertz {
+pub struct Hertz<V = f64> {
     /// k [N/m^{3/2}]
-    pub coefficient: f64,
+    pub coefficient: V,
 }
 
 impl Hertz {
@@ -22,11 +22,25 @@ impl Hertz {
     }
 }
 
-impl<V: Real> ForceLaw<V> for Hertz {
+impl LaneLaw for Hertz {
+    type Lanes<V: Real> = Hertz<V>;
+    const PARAMETERS: usize = 1;
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.coefficient]
+    }
+
+    #[inline(always)]
+    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> Hertz<V> {
+        Hertz { coefficient: V::lookup(&tables[0], place) }
+    }
+}
+
+impl<V: Real> ForceLaw<V> for Hertz<V> {
     #[inline(always)]
     fn force(&self, overlap: V, _: V, _: &History<V>) -> V {
         let overlap = overlap.max(V::splat(0.0));
-        V::splat(self.coefficient) * overlap * overlap.sqrt()
+        self.coefficient * overlap * overlap.sqrt()
     }
 }
 
@@ -47,9 +61,23 @@ impl NormalLaw for Hertz {
 /// below their greatest values so far, the force is clipped at F_max. A contact that has never carried force and parts
 /// carries none (Burgoyne 2016, appendix A.2.1, lines 51 to 65).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HertzThesis(pub Hertz);
+pub struct HertzThesis<V = f64>(pub Hertz<V>);
 
-impl<V: Real> ForceLaw<V> for HertzThesis {
+impl LaneLaw for HertzThesis {
+    type Lanes<V: Real> = HertzThesis<V>;
+    const PARAMETERS: usize = 1;
+
+    fn parameters(&self) -> Vec<f64> {
+        self.0.parameters()
+    }
+
+    #[inline(always)]
+    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> HertzThesis<V> {
+        HertzThesis(Hertz::look_up(tables, place))
+    }
+}
+
+impl<V: Real> ForceLaw<V> for HertzThesis<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
         let force = self.0.force(overlap, closing_speed, history);

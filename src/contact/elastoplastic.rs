@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{ForceLaw, History, NormalLaw, Pair};
+use super::{ForceLaw, History, LaneLaw, NormalLaw, Pair};
 use crate::real::Real;
 
 /// Rate hardening of the yield stress: σ = s σ_y with
@@ -23,6 +23,10 @@ impl<V: Real> RateFactor<V> {
         // Strain rates below ε̇₀ do not harden, so the logarithm is only ever taken of numbers from 1 up.
         let one = V::splat(1.0);
         let relative = (closing_speed * self.per_speed).max(one);
+        let hardens = V::splat(0.0).lt(self.constant * (relative - one));
+        if !V::any(hardens) {
+            return one;
+        }
         one + self.constant * relative.ln()
     }
 }
@@ -54,11 +58,12 @@ impl<V: Real> Unloading<V> {
         let zero = V::splat(0.0);
         let radius = self.contact_radius(history.force_max, yield_force);
         // (δ − δ_r)/(δ_max − δ_r) = 1 − (δ_max − δ)/(δ_max − δ_r); F_max = 0 gives −∞ or NaN, and so no force.
-        let recovered = history.force_max / (self.modulus * radius);
-        let fraction = V::splat(1.0) - (history.overlap_max - overlap) / recovered;
+        let per_recovered = self.modulus * radius / history.force_max;
+        let fraction = V::splat(1.0) - (history.overlap_max - overlap) * per_recovered;
         let fraction = fraction.max(zero);
         let force = (history.force_max * (fraction * fraction.sqrt())).min(history.force_max);
-        V::select(zero.lt(history.force_max), force, zero)
+        // At low forces the law puts the residual overlap below zero; an open contact carries no force all the same.
+        V::select(zero.lt(history.force_max.min(overlap)), force, zero)
     }
 }
 
@@ -103,6 +108,9 @@ pub struct ElastoPlastic<V = f64> {
     /// δ_y and F_y at rest; they grow as s² and s³.
     yield_overlap: V,
     yield_force: V,
+    /// ln δ_y and F_y/δ_y at rest
+    yield_logarithm: V,
+    yield_secant: V,
     /// δ_p = constant + s · slope
     plastic_overlap: [V; 2],
     /// c₁ = constant − slope · s^exponent
@@ -134,6 +142,8 @@ impl ElastoPlastic {
             hertz: pair.hertz_coefficient(),
             yield_overlap: rest.yield_overlap,
             yield_force: rest.yield_force,
+            yield_logarithm: rest.yield_overlap.ln(),
+            yield_secant: rest.yield_force / rest.yield_overlap,
             plastic_overlap: [1.47e-5 * scale, 0.00428 / ratio * scale],
             pressure_ratio: [offset, 6.76 * ratio.powf(-exponent), exponent],
             pressure: PI * pair.yield_stress,
@@ -153,22 +163,71 @@ impl<V: Real> ElastoPlastic<V> {
         if !V::any(yielded) {
             return elastic;
         }
-        let plastic_overlap = self.plastic_overlap[0] + s * self.plastic_overlap[1];
+        // ln s, and s to the power of the fit; both exact where nothing hardens.
+        let hardened = V::splat(1.0).lt(s);
         let [offset, slope, exponent] = self.pressure_ratio;
-        let power = (exponent * s.ln()).exp_small();
+        let (mut ln_s, mut power) = (V::splat(0.0), V::splat(1.0));
+        if V::any(hardened) {
+            ln_s = s.ln();
+            power = (exponent * ln_s).exp_small();
+        }
         let pressure = (offset - slope * power) * self.pressure * s;
+        let plastic_overlap = self.plastic_overlap[0] + s * self.plastic_overlap[1];
         let area_offset = self.area_offset[0] + s * self.area_offset[1];
         let plastic = pressure * (self.area_slope * overlap + area_offset);
         let mixed = overlap.lt(plastic_overlap);
         let mut force = plastic;
         if V::any(mixed) {
-            // δ (α + β ln δ) = δ (F_y/δ_y + (F_p/δ_p − F_y/δ_y) ln(δ/δ_y)/ln(δ_p/δ_y))
-            let at_yield = self.yield_force * s / self.yield_overlap;
-            let at_plastic = pressure * (self.area_slope + area_offset / plastic_overlap);
-            let share = (overlap / yield_overlap).max(V::splat(1.0)).ln() / (plastic_overlap / yield_overlap).ln();
-            force = V::select(mixed, overlap * (at_yield + (at_plastic - at_yield) * share), plastic);
+            // δ (α + β ln δ) = δ (F_y/δ_y + (F_p/δ_p − F_y/δ_y) ln(δ/δ_y)/ln(δ_p/δ_y)), with one quotient.
+            let secant = self.yield_secant * s;
+            let plastic_force = pressure * (self.area_slope * plastic_overlap + area_offset);
+            let ln_yield = self.yield_logarithm + ln_s + ln_s;
+            let rise = (plastic_force - secant * plastic_overlap) * (overlap.max(yield_overlap).ln() - ln_yield);
+            let run = plastic_overlap * (plastic_overlap.ln() - ln_yield);
+            force = V::select(mixed, overlap * (secant + rise / run), plastic);
         }
         V::select(yielded, force, elastic)
+    }
+}
+
+impl LaneLaw for ElastoPlastic {
+    type Lanes<V: Real> = ElastoPlastic<V>;
+    const PARAMETERS: usize = 18;
+
+    fn parameters(&self) -> Vec<f64> {
+        let mut list = vec![self.rate.constant, self.rate.per_speed];
+        list.extend([self.unloading.area_per_force, self.unloading.modulus, self.hertz]);
+        list.extend([self.yield_overlap, self.yield_force, self.yield_logarithm, self.yield_secant]);
+        list.extend(self.plastic_overlap);
+        list.extend(self.pressure_ratio);
+        list.extend([self.pressure, self.area_slope]);
+        list.extend(self.area_offset);
+        list
+    }
+
+    #[inline(always)]
+    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> ElastoPlastic<V> {
+        ElastoPlastic {
+            rate: RateFactor { constant: V::lookup(&tables[0], place), per_speed: V::lookup(&tables[1], place) },
+            unloading: Unloading {
+                area_per_force: V::lookup(&tables[2], place),
+                modulus: V::lookup(&tables[3], place),
+            },
+            hertz: V::lookup(&tables[4], place),
+            yield_overlap: V::lookup(&tables[5], place),
+            yield_force: V::lookup(&tables[6], place),
+            yield_logarithm: V::lookup(&tables[7], place),
+            yield_secant: V::lookup(&tables[8], place),
+            plastic_overlap: [V::lookup(&tables[9], place), V::lookup(&tables[10], place)],
+            pressure_ratio: [
+                V::lookup(&tables[11], place),
+                V::lookup(&tables[12], place),
+                V::lookup(&tables[13], place),
+            ],
+            pressure: V::lookup(&tables[14], place),
+            area_slope: V::lookup(&tables[15], place),
+            area_offset: [V::lookup(&tables[16], place), V::lookup(&tables[17], place)],
+        }
     }
 }
 
@@ -228,6 +287,33 @@ impl LinearPlastic {
     }
 }
 
+impl LaneLaw for LinearPlastic {
+    type Lanes<V: Real> = LinearPlastic<V>;
+    const PARAMETERS: usize = 9;
+
+    fn parameters(&self) -> Vec<f64> {
+        let mut list = vec![self.rate.constant, self.rate.per_speed];
+        list.extend([self.unloading.area_per_force, self.unloading.modulus, self.yield_force]);
+        list.extend(self.pressure_ratio);
+        list.push(self.stiffness);
+        list
+    }
+
+    #[inline(always)]
+    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> LinearPlastic<V> {
+        LinearPlastic {
+            rate: RateFactor { constant: V::lookup(&tables[0], place), per_speed: V::lookup(&tables[1], place) },
+            unloading: Unloading {
+                area_per_force: V::lookup(&tables[2], place),
+                modulus: V::lookup(&tables[3], place),
+            },
+            yield_force: V::lookup(&tables[4], place),
+            pressure_ratio: [V::lookup(&tables[5], place), V::lookup(&tables[6], place), V::lookup(&tables[7], place)],
+            stiffness: V::lookup(&tables[8], place),
+        }
+    }
+}
+
 impl<V: Real> ForceLaw<V> for LinearPlastic<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
@@ -240,7 +326,7 @@ impl<V: Real> ForceLaw<V> for LinearPlastic<V> {
             V::or(overlap.lt(history.overlap_max), loading.lt(history.force_max)),
         );
         let unloading = self.unloading.force(overlap, self.yield_force * s * s * s, history);
-        V::select(below, V::select(V::splat(0.0).lt(overlap), unloading, V::splat(0.0)), loading)
+        V::select(below, unloading, loading)
     }
 }
 

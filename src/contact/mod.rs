@@ -81,3 +81,15 @@ pub trait NormalLaw: ForceLaw<f64> {
     /// step.
     fn stiffness_max(&self, force_max: f64) -> f64;
 }
+
+/// A law whose parameters can be looked up for several designs side by side.
+pub trait LaneLaw: NormalLaw + Copy + Send + Sync {
+    /// The law of a contact, with a parameter set for each design.
+    type Lanes<V: Real>: ForceLaw<V>;
+    /// How many parameters there are.
+    const PARAMETERS: usize;
+    /// The parameters in the order of `look_up`'s tables.
+    fn parameters(&self) -> Vec<f64>;
+    /// The law with parameter k of each design from its place in table k.
+    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> Self::Lanes<V>;
+}

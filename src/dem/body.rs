@@ -63,7 +63,11 @@ impl<V: Real, const D: usize> Grains<V, D> {
     #[inline(always)]
     pub fn acceleration_of(&self, sphere: usize, force: &[V; D]) -> [V; D] {
         let inverse = self.inverse_mass[sphere];
-        std::array::from_fn(|k| force[k] * inverse * V::splat(self.mobility[sphere][k]))
+        let mut acceleration = *force;
+        for k in 0..D {
+            acceleration[k] = acceleration[k] * (inverse * V::splat(self.mobility[sphere][k]));
+        }
+        acceleration
     }
 
     /// v² of a sphere.
@@ -76,15 +80,9 @@ impl<V: Real, const D: usize> Grains<V, D> {
 /// |a|²
 #[inline(always)]
 pub(super) fn square<V: Real, const D: usize>(a: &[V; D]) -> V {
-    dot(a, a)
-}
-
-/// a · b
-#[inline(always)]
-pub(super) fn dot<V: Real, const D: usize>(a: &[V; D], b: &[V; D]) -> V {
-    let mut sum = a[0] * b[0];
+    let mut sum = a[0] * a[0];
     for k in 1..D {
-        sum = sum + a[k] * b[k];
+        sum = sum + a[k] * a[k];
     }
     sum
 }

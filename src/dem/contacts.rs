@@ -1,22 +1,25 @@
-//! All contacts of a packing: geometry at rest, law, history and energy, as parallel arrays.
+//! All contacts of a packing: geometry at rest, law, history and energy, as parallel arrays; and the force sweep.
 
-use super::body::{Grains, dot, square};
+use super::body::{Grains, square};
 use super::neighbour::{SelfTouch, Touch, Touching};
-use crate::contact::{ForceLaw, History};
+use crate::contact::{ForceLaw, History, NormalLaw};
 use crate::real::Real;
 
 /// The law of every contact.
 pub(super) trait Laws<V: Real>: Sync {
     /// The law's type, the same for all contacts.
     type Law: ForceLaw<V>;
+    /// The law of one design.
+    type One: NormalLaw;
     /// The law of a contact; images follow the pairs.
     fn of(&self, contact: usize) -> Self::Law;
+    /// The law of a contact in one of the designs.
+    fn one(&self, contact: usize, lane: usize) -> Self::One;
 }
 
-/// What a contact remembers, and its part of the energy ledger.
+/// A contact's part of the energy ledger.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Memory<V> {
-    pub history: History<V>,
+pub(super) struct Account<V> {
     /// Overlap and force at the last accepted step; zero while open.
     pub overlap: V,
     pub force: V,
@@ -24,10 +27,10 @@ pub(super) struct Memory<V> {
     pub work: V,
 }
 
-impl<V: Real> Memory<V> {
+impl<V: Real> Account<V> {
     fn new() -> Self {
         let zero = V::splat(0.0);
-        Self { history: History::new(), overlap: zero, force: zero, work: zero }
+        Self { overlap: zero, force: zero, work: zero }
     }
 
     /// Advances the work by one accepted step; `overlap` is not negative.
@@ -37,27 +40,27 @@ impl<V: Real> Memory<V> {
         self.work = self.work + half * (self.force + force) * (overlap - self.overlap);
         (self.overlap, self.force) = (overlap, force);
     }
+}
 
-    /// The force in a closed contact; with `ACCEPT` history and work advance.
-    #[inline(always)]
-    fn push<const ACCEPT: bool>(&mut self, law: &impl ForceLaw<V>, overlap: V, closing_speed: V) -> V {
-        if ACCEPT {
-            let (force, history) = law.respond(overlap, closing_speed, &self.history);
-            self.history = history;
-            self.accept(overlap, force);
-            force
-        } else {
-            law.force(overlap, closing_speed, &self.history)
-        }
-    }
+/// What a sweep does besides adding up forces.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sweep {
+    /// Nothing: the state is not accepted.
+    Try,
+    /// Histories advance.
+    Accept,
+    /// Histories and energy accounts advance.
+    AcceptAndAccount,
 }
 
 /// Contacts as parallel arrays: row c of each is contact c, in order of the first sphere.
 pub(super) struct Contacts<V, const D: usize, L> {
     pub pairs: Vec<Touch<D>>,
     pub images: Vec<SelfTouch>,
-    /// Pairs, then images.
-    pub memory: Vec<Memory<V>>,
+    /// What each contact remembers: pairs, then images.
+    pub history: Vec<History<V>>,
+    /// Its part of the energy ledger; empty where none is kept.
+    pub account: Vec<Account<V>>,
     /// Pairs weigh 1, or 1/2 where they lie in a mirror; images 1/2.
     pub weight: Vec<f64>,
     pub laws: L,
@@ -65,8 +68,13 @@ pub(super) struct Contacts<V, const D: usize, L> {
     first_pair: Vec<usize>,
 }
 
+/// Overlap over the sum of radii from which on a contact counts as closed. At 10⁻¹⁵ it carries some 10⁻¹⁶ N. Without it the
+/// numerical fore-runner of a wave would cross a row per step, with denormal numbers in it, and nothing be left to skip.
+const CLOSED: f64 = 1e-15;
+
 impl<V: Real, const D: usize, L: Laws<V>> Contacts<V, D, L> {
-    pub fn new(touching: Touching<D>, grains: &Grains<V, D>, laws: L) -> Self {
+    /// With `accounts` false no energy ledger is kept.
+    pub fn new(touching: Touching<D>, grains: &Grains<V, D>, laws: L, accounts: bool) -> Self {
         let Touching { pairs, images } = touching;
         let spheres = grains.weight.len();
         // A pair in a mirror plane is shared by both halves: both of its spheres lie on the same plane.
@@ -77,74 +85,106 @@ impl<V: Real, const D: usize, L: Laws<V>> Contacts<V, D, L> {
         let weight = pairs.iter().map(|touch| if in_plane(touch) { 0.5 } else { 1.0 });
         let weight: Vec<f64> = weight.chain(images.iter().map(|_| 0.5)).collect();
         let first_pair = (0..=spheres).map(|i| pairs.partition_point(|touch| touch.pair[0] < i)).collect();
-        let memory = vec![Memory::new(); weight.len()];
-        Self { pairs, images, memory, weight, laws, first_pair }
+        let history = vec![History::new(); weight.len()];
+        let account = if accounts { vec![Account::new(); weight.len()] } else { Vec::new() };
+        Self { pairs, images, history, account, weight, laws, first_pair }
+    }
+
+    /// The force in a closed contact; its memories advance as `sweep` says.
+    #[inline(always)]
+    fn push(&mut self, contact: usize, overlap: V, closing_speed: V, sweep: Sweep) -> V {
+        let law = self.laws.of(contact);
+        if sweep == Sweep::Try {
+            return law.force(overlap, closing_speed, &self.history[contact]);
+        }
+        let (force, history) = law.respond(overlap, closing_speed, &self.history[contact]);
+        self.history[contact] = history;
+        if sweep == Sweep::AcceptAndAccount {
+            self.account[contact].accept(overlap, force);
+        }
+        force
+    }
+
+    /// An open contact does no work from here on.
+    #[inline(always)]
+    fn open(&mut self, contact: usize, sweep: Sweep) {
+        let zero = V::splat(0.0);
+        if sweep == Sweep::AcceptAndAccount && V::any(zero.lt(self.account[contact].overlap)) {
+            self.account[contact].accept(zero, zero);
+        }
     }
 
     /// Adds up the contact forces on the simulated part of every sphere, at the given displacements and velocities, for all
-    /// spheres that the wave has reached; extends `grains.reached` to those it reaches now. With `ACCEPT` the
-    /// contacts' memories advance.
+    /// spheres that the wave has reached; extends `reached` to those it reaches now.
     #[inline(always)]
-    pub fn sweep<const ACCEPT: bool>(
+    pub fn sweep(
         &mut self,
         displacement: &[[V; D]],
         velocity: &[[V; D]],
         force: &mut [[V; D]],
         reached: &mut usize,
+        sweep: Sweep,
     ) {
         let zero = V::splat(0.0);
         let two = V::splat(2.0);
-        force[..*reached].fill([zero; D]);
+        for sum in &mut force[..*reached] {
+            *sum = [zero; D];
+        }
         let mut touched = *reached;
         for c in 0..self.first_pair[*reached] {
             let Touch { pair: [a, b], offset, gap, reach } = self.pairs[c];
-            let offset = offset.map(V::splat);
-            let shift: [V; D] = std::array::from_fn(|k| displacement[b][k] - displacement[a][k]);
+            let (from, to) = (displacement[a], displacement[b]);
+            let mut between = [zero; D];
             // S² − |Δ|² with Δ = offset + shift, without the cancellation of two nearly equal squares.
-            let excess = -(V::splat(gap) + two * dot(&offset, &shift) + square(&shift));
-            let memory = &mut self.memory[c];
-            if !V::any(zero.lt(excess)) {
-                if ACCEPT && V::any(zero.lt(memory.overlap)) {
-                    memory.accept(zero, zero);
-                }
+            let mut excess = -V::splat(gap);
+            for k in 0..D {
+                let shift = to[k] - from[k];
+                excess = excess - shift * (V::splat(2.0 * offset[k]) + shift);
+                between[k] = V::splat(offset[k]) + shift;
+            }
+            let closed = V::splat(2.0 * CLOSED * reach * reach).lt(excess);
+            if !V::any(closed) {
+                self.open(c, sweep);
                 continue;
             }
-            let between: [V; D] = std::array::from_fn(|k| offset[k] + shift[k]);
             let distance = square(&between).sqrt();
-            let overlap = (excess / (V::splat(reach) + distance)).max(zero);
-            let normal: [V; D] = between.map(|x| x / distance);
-            let closing: [V; D] = std::array::from_fn(|k| velocity[a][k] - velocity[b][k]);
-            let closing_speed = dot(&closing, &normal);
-            let magnitude = memory.push::<ACCEPT>(&self.laws.of(c), overlap, closing_speed);
-            if b >= touched {
-                force[touched..=b].fill([zero; D]);
-                touched = b + 1;
-            }
-            let push = magnitude * V::splat(self.weight[c]);
+            // One quotient for both: overlap = (S² − |Δ|²)/(S + |Δ|), and 1/|Δ| for the normal.
+            let sum = V::splat(reach) + distance;
+            let quotient = V::splat(1.0) / (sum * distance);
+            let overlap = V::select(closed, excess * (quotient * distance), zero);
+            let inverse = quotient * sum;
+            let (of_a, of_b) = (velocity[a], velocity[b]);
+            let mut closing_speed = zero;
             for k in 0..D {
-                force[a][k] = force[a][k] - push * normal[k];
-                force[b][k] = force[b][k] + push * normal[k];
+                between[k] = between[k] * inverse;
+                closing_speed = closing_speed + (of_a[k] - of_b[k]) * between[k];
+            }
+            let push = self.push(c, overlap, closing_speed, sweep) * V::splat(self.weight[c]);
+            while touched <= b {
+                force[touched] = [zero; D];
+                touched += 1;
+            }
+            for k in 0..D {
+                force[a][k] = force[a][k] - push * between[k];
+                force[b][k] = force[b][k] + push * between[k];
             }
         }
-        let pairs = self.pairs.len();
-        for (k, touch) in self.images.iter().enumerate() {
-            let SelfTouch { sphere, axis, inward } = *touch;
+        for k in 0..self.images.len() {
+            let (contact, SelfTouch { sphere, axis, inward, reach }) = (self.pairs.len() + k, self.images[k]);
             if sphere >= *reached {
                 break;
             }
             let inward = V::splat(inward);
             let overlap = -(two * inward * displacement[sphere][axis]);
-            let memory = &mut self.memory[pairs + k];
-            if !V::any(zero.lt(overlap)) {
-                if ACCEPT && V::any(zero.lt(memory.overlap)) {
-                    memory.accept(zero, zero);
-                }
+            let closed = V::splat(CLOSED * reach).lt(overlap);
+            if !V::any(closed) {
+                self.open(contact, sweep);
                 continue;
             }
-            let overlap = overlap.max(zero);
+            let overlap = V::select(closed, overlap, zero);
             let closing_speed = -(two * inward * velocity[sphere][axis]);
-            let magnitude = memory.push::<ACCEPT>(&self.laws.of(pairs + k), overlap, closing_speed);
-            force[sphere][axis] = force[sphere][axis] + inward * magnitude;
+            let push = self.push(contact, overlap, closing_speed, sweep);
+            force[sphere][axis] = force[sphere][axis] + inward * push;
         }
         *reached = touched;
     }
@@ -158,10 +198,10 @@ impl<V: Real, const D: usize, L: Laws<V>> Contacts<V, D, L> {
     }
 
     /// Radii sum by which an overlap of this contact is judged [m].
-    pub fn reach(&self, contact: usize, radius_of: impl Fn(usize) -> f64) -> f64 {
+    pub fn reach(&self, contact: usize) -> f64 {
         match self.pairs.get(contact) {
             Some(touch) => touch.reach,
-            None => 2.0 * radius_of(self.images[contact - self.pairs.len()].sphere),
+            None => self.images[contact - self.pairs.len()].reach,
         }
     }
 

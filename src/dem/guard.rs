@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::body::{Grains, square};
+use super::body::Grains;
 use super::contacts::{Contacts, Laws};
-use super::table::LawTable;
-use crate::contact::NormalLaw;
+use super::step::Stepper;
+use crate::contact::NormalLaw as _;
+use crate::real::Real;
 
 /// Overlap over the sum of radii beyond which a run is stopped: with a² = 2 r* δ the contact's radius is then 0.7 R, and
 /// nothing is left of small contacts on spheres.
@@ -86,31 +87,33 @@ pub fn stable_step<const D: usize>(stiffness: f64, mass: f64) -> f64 {
     2.0 / (2.0 * (D as f64 + 1.0) * stiffness / mass).sqrt()
 }
 
-/// Checks a run in progress.
-pub(super) fn check<const D: usize, L: NormalLaw + Copy + Sync>(
-    time: f64,
-    step: f64,
-    grains: &Grains<f64, D>,
-    contacts: &Contacts<f64, D, LawTable<L>>,
-    radius_of: impl Fn(usize) -> f64 + Copy,
-) -> Result<(), Stop>
-where
-    LawTable<L>: Laws<f64, Law = L>,
-{
-    if let Some(i) = (0..grains.reached).find(|&i| !square(&grains.velocity[i]).is_finite()) {
-        return Err(Stop::NotFinite { sphere: i + 1, time_s: time });
+/// Checks one design of a run in progress.
+pub(super) fn check<V: Real, const D: usize, L: Laws<V>>(
+    stepper: &Stepper<V, D>,
+    grains: &Grains<V, D>,
+    contacts: &Contacts<V, D, L>,
+    lane: usize,
+) -> Result<(), Stop> {
+    let (time_s, step_s) = (stepper.time(), stepper.step);
+    if let Some(i) = (0..grains.reached).find(|&i| !grains.speed_squared(i).lane(lane).is_finite()) {
+        return Err(Stop::NotFinite { sphere: i + 1, time_s });
     }
-    for (c, memory) in contacts.memory.iter().enumerate().filter(|(_, memory)| memory.history.force_max > 0.0) {
-        let [a, b] = contacts.spheres(c);
-        let overlap_ratio = memory.history.overlap_max / contacts.reach(c, radius_of);
-        if overlap_ratio > OVERLAP_LIMIT {
-            return Err(Stop::Overlap { spheres: [a + 1, b + 1], overlap_ratio, time_s: time });
+    for (c, history) in contacts.history.iter().enumerate() {
+        let (overlap_max, force_max) = (history.overlap_max.lane(lane), history.force_max.lane(lane));
+        if force_max <= 0.0 {
+            continue;
         }
-        let stiffness = contacts.laws.of(c).stiffness_max(memory.history.force_max);
-        let lighter = 1.0 / grains.inverse_mass[a].max(grains.inverse_mass[b]);
-        let limit = stable_step::<D>(stiffness, lighter);
-        if step > limit {
-            return Err(Stop::Step { step_s: step, limit_s: limit, stiffness, spheres: [a + 1, b + 1], time_s: time });
+        let [a, b] = contacts.spheres(c);
+        let spheres = [a + 1, b + 1];
+        let overlap_ratio = overlap_max / contacts.reach(c);
+        if overlap_ratio > OVERLAP_LIMIT {
+            return Err(Stop::Overlap { spheres, overlap_ratio, time_s });
+        }
+        let stiffness = contacts.laws.one(c, lane).stiffness_max(force_max);
+        let lighter = 1.0 / grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));
+        let limit_s = stable_step::<D>(stiffness, lighter);
+        if step_s > limit_s {
+            return Err(Stop::Step { step_s, limit_s, stiffness, spheres, time_s });
         }
     }
     Ok(())

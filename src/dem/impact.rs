@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::Integrator;
 use super::body::Grains;
 use super::boundary::Mirror;
-use super::contacts::{Contacts, Laws};
+use super::contacts::{Contacts, Laws, Sweep};
 use super::guard::{self, RESIDUAL_LIMIT, Stop};
 use super::ledger::Ledger;
 use super::load::ForcePulse;
@@ -127,19 +127,18 @@ fn follow<const D: usize, L: NormalLaw + Copy + Sync>(
     let touching = Touching::find(sample, &impact.mirrors)?;
     let laws = LawTable::new(sample, &touching, impact.constants, law);
     let mut grains = Grains::<f64, D>::at_rest(&[sample], &impact.mirrors);
-    let mut contacts = Contacts::new(touching, &grains, laws);
-    let mut drive = Drive { pulse: impact.pulse, struck: impact.struck.clone(), work: 0.0 };
+    let mut contacts = Contacts::new(touching, &grains, laws, true);
+    let mut drive = Drive::new(impact.pulse, &impact.struck);
     for &(i, speed) in &impact.moving {
         grains.velocity[i][D - 1] = speed;
         grains.reached = grains.reached.max(i + 1);
         // What moves at the start has been put in before it.
         drive.work += 0.5 * grains.weight[i] / grains.inverse_mass[i] * speed * speed;
     }
-    let mut stepper = Stepper::new(impact.integrator, impact.step, sample.spheres.len());
+    let mut stepper = Stepper::new(impact.integrator, Sweep::AcceptAndAccount, impact.step, sample.spheres.len());
     let mut felt = Felt::<D>::new(sample.spheres.len(), impact.exit.clone());
 
     let steps = steps_in(impact.window, impact.step);
-    let radius_of = |i: usize| sample.spheres[i].radius;
     let mut stop = None;
     let mut missed_contact = None;
     let least_radius = sample.spheres.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
@@ -149,7 +148,7 @@ fn follow<const D: usize, L: NormalLaw + Copy + Sync>(
             stepper.advance(&mut grains, &mut contacts, &mut drive);
             felt.accepted(stepper.time(), &grains);
         }
-        stop = guard::check(stepper.time(), stepper.step, &grains, &contacts, radius_of).err();
+        stop = guard::check(&stepper, &grains, &contacts, 0).err();
         if missed_contact.is_none() {
             let ahead = steps_until_next_look(&grains, impact.step, least_radius) as f64 * impact.step;
             let margin = 4.0 * fastest(&grains) * ahead;
@@ -182,7 +181,7 @@ fn fastest<const D: usize>(grains: &Grains<f64, D>) -> f64 {
 /// be pushed to twice today's greatest speed.
 fn steps_until_next_look<const D: usize>(grains: &Grains<f64, D>, step: f64, least_radius: f64) -> u64 {
     let travel = 4.0 * fastest(grains) * step;
-    if travel > 0.0 { ((0.2 * least_radius / travel) as u64).clamp(1, WATCH) } else { WATCH }
+    if travel > 0.0 { ((0.6 * least_radius / travel) as u64).clamp(1, WATCH) } else { WATCH }
 }
 
 /// Two spheres, no contact of the packing at rest, whose surfaces are nearer than `margin` [m].
@@ -213,23 +212,24 @@ fn collect<const D: usize, L: NormalLaw + Copy + Sync>(
     let mut max_contact_force = vec![0.0_f64; spheres];
     let mut dissipated = vec![0.0; spheres];
     let mut records = Vec::new();
-    for (c, memory) in contacts.memory.iter().enumerate().filter(|(_, memory)| memory.history.overlap_max > 0.0) {
-        let ends = contacts.spheres(c);
-        let stored = contacts.laws.of(c).stored(memory.overlap, &memory.history);
+    let ever_closed = (0..contacts.history.len()).filter(|&c| contacts.history[c].overlap_max > 0.0);
+    for c in ever_closed {
+        let (ends, history, account) = (contacts.spheres(c), contacts.history[c], contacts.account[c]);
+        let stored = contacts.laws.of(c).stored(account.overlap, &history);
         for i in ends {
-            max_contact_force[i] = max_contact_force[i].max(memory.history.force_max);
-            dissipated[i] += 0.5 * (memory.work - stored) * contacts.weight[c] / grains.weight[i];
+            max_contact_force[i] = max_contact_force[i].max(history.force_max);
+            dissipated[i] += 0.5 * (account.work - stored) * contacts.weight[c] / grains.weight[i];
         }
         records.push(ContactRecord {
             spheres: ends,
             weight: contacts.weight[c],
-            overlap_max: memory.history.overlap_max,
-            force_max: memory.history.force_max,
-            work: memory.work,
+            overlap_max: history.overlap_max,
+            force_max: history.force_max,
+            work: account.work,
             stored,
         });
     }
-    let mass = |i: usize| 1.0 / grains.inverse_mass[i];
+    let mass = |i: usize| sample.mass(i);
     Record {
         max_kinetic: (0..spheres).map(|i| 0.5 * mass(i) * felt.speed_squared[i]).collect(),
         max_net_force: (0..spheres).map(|i| mass(i) * felt.acceleration_squared[i].sqrt()).collect(),

@@ -37,12 +37,12 @@ impl Ledger {
         for i in 0..grains.reached {
             ledger.kinetic += 0.5 * grains.weight[i] / grains.inverse_mass[i] * grains.speed_squared(i);
         }
-        for (c, memory) in contacts.memory.iter().enumerate() {
+        for (c, (history, account)) in contacts.history.iter().zip(&contacts.account).enumerate() {
             let weight = contacts.weight[c];
-            let stored = contacts.laws.of(c).stored(memory.overlap, &memory.history);
+            let stored = contacts.laws.of(c).stored(account.overlap, history);
             ledger.stored += weight * stored;
-            ledger.dissipated += weight * (memory.work - stored);
-            ledger.estimate += weight * 0.5 * memory.history.overlap_max * memory.history.force_max;
+            ledger.dissipated += weight * (account.work - stored);
+            ledger.estimate += weight * 0.5 * history.overlap_max * history.force_max;
         }
         ledger
     }

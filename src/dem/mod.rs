@@ -10,10 +10,12 @@
 //! - `record`, `ledger`: what was felt, where the energy went
 //! - `guard`: what stops a run
 //! - `impact`: one run from start to end
+//! - `batch`: many designs on one lattice at once
 //!
 //! Only spheres that the wave has reached are stepped. Those beyond are exactly at rest (displacements are held, not
 //! positions), so leaving them out changes no bit.
 
+mod batch;
 mod body;
 mod boundary;
 mod contacts;
@@ -26,6 +28,7 @@ mod record;
 mod step;
 mod table;
 
+pub use batch::{BatchError, Brief, simulate_batch};
 pub use boundary::Mirror;
 pub use guard::{OVERLAP_LIMIT, OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
 pub use impact::{ContactRecord, Impact, Record, simulate, steps_in};

@@ -22,9 +22,12 @@ pub(super) struct SelfTouch {
     pub sphere: usize,
     pub axis: usize,
     pub inward: f64,
+    /// Its diameter [m]
+    pub reach: f64,
 }
 
 /// The contacts of a packing at rest.
+#[derive(Clone, Debug)]
 pub(super) struct Touching<const D: usize> {
     /// In order of the first sphere, then the second.
     pub pairs: Vec<Touch<D>>,
@@ -75,7 +78,12 @@ impl<const D: usize> Touching<D> {
                     return Err(OverlapAtRest { pair: [i, i], overlap: -2.0 * gap });
                 }
                 if gap <= TOUCHING * sphere.radius {
-                    images.push(SelfTouch { sphere: i, axis: mirror.axis, inward: mirror.inward });
+                    images.push(SelfTouch {
+                        sphere: i,
+                        axis: mirror.axis,
+                        inward: mirror.inward,
+                        reach: 2.0 * sphere.radius,
+                    });
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! What each sphere felt, and when.
 
 use super::body::{Grains, square};
+use crate::real::Real;
 
 /// Looks at the spheres after every accepted step.
 pub(super) trait Observer<V, const D: usize> {
@@ -100,5 +101,17 @@ impl<const D: usize> Observer<f64, D> for Felt<D> {
         }
         self.exit_momentum = self.exit_momentum.max(momentum);
         self.exit_force = self.exit_force.max(force);
+    }
+}
+
+/// Maxima of v² only, of every design side by side.
+pub(super) struct Fastest<V>(pub Vec<V>);
+
+impl<V: Real, const D: usize> Observer<V, D> for Fastest<V> {
+    #[inline(always)]
+    fn accepted(&mut self, _: f64, grains: &Grains<V, D>) {
+        for i in 0..grains.reached {
+            self.0[i] = grains.speed_squared(i).max(self.0[i]);
+        }
     }
 }

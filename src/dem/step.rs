@@ -7,7 +7,7 @@
 
 use super::Integrator;
 use super::body::Grains;
-use super::contacts::{Contacts, Laws};
+use super::contacts::{Contacts, Laws, Sweep};
 use super::load::ForcePulse;
 use crate::real::Real;
 
@@ -15,13 +15,24 @@ use crate::real::Real;
 pub(super) struct Drive<V> {
     pub pulse: ForcePulse,
     pub struck: Vec<usize>,
+    /// One more than the last struck sphere.
+    reach: usize,
     /// Work on the simulated parts [J]
     pub work: V,
+}
+
+impl<V: Real> Drive<V> {
+    pub fn new(pulse: ForcePulse, struck: &[usize]) -> Self {
+        let reach = struck.iter().max().map_or(0, |last| last + 1);
+        Self { pulse, struck: struck.to_vec(), reach, work: V::splat(0.0) }
+    }
 }
 
 /// Advances spheres and contacts by steps of one length.
 pub(super) struct Stepper<V, const D: usize> {
     integrator: Integrator,
+    /// What the sweep of an accepted state advances.
+    accept: Sweep,
     pub step: f64,
     pub count: u64,
     force: Vec<[V; D]>,
@@ -37,14 +48,14 @@ struct Stages<V, const D: usize> {
 }
 
 impl<V: Real, const D: usize> Stepper<V, D> {
-    pub fn new(integrator: Integrator, step: f64, spheres: usize) -> Self {
+    pub fn new(integrator: Integrator, accept: Sweep, step: f64, spheres: usize) -> Self {
         let zeros = || vec![[V::splat(0.0); D]; spheres];
         let stages = (integrator == Integrator::Rk4).then(|| Stages {
             displacement: zeros(),
             velocity_sum: zeros(),
             acceleration_sum: zeros(),
         });
-        Self { integrator, step, count: 0, force: zeros(), trial: zeros(), stages }
+        Self { integrator, accept, step, count: 0, force: zeros(), trial: zeros(), stages }
     }
 
     /// Time [s] at the last accepted step.
@@ -60,9 +71,7 @@ impl<V: Real, const D: usize> Stepper<V, D> {
         contacts: &mut Contacts<V, D, L>,
         drive: &mut Drive<V>,
     ) {
-        if let Some(&last) = drive.struck.iter().max() {
-            grains.reached = grains.reached.max(last + 1);
-        }
+        grains.reached = grains.reached.max(drive.reach);
         match self.integrator {
             Integrator::Verlet => self.verlet(grains, contacts, drive),
             Integrator::Rk4 => self.runge_kutta(grains, contacts, drive),
@@ -98,7 +107,7 @@ impl<V: Real, const D: usize> Stepper<V, D> {
                 self.trial[i][D - 1] = self.trial[i][D - 1] + h * push;
             }
         }
-        contacts.sweep::<true>(&grains.displacement, &self.trial, &mut self.force, &mut grains.reached);
+        contacts.sweep(&grains.displacement, &self.trial, &mut self.force, &mut grains.reached, self.accept);
         for i in 0..grains.reached {
             let new = grains.acceleration_of(i, &self.force[i]);
             for k in 0..D {
@@ -132,7 +141,7 @@ impl<V: Real, const D: usize> Stepper<V, D> {
         for (share, ahead) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
             let share = V::splat(share);
             let ahead = V::splat(ahead * self.step);
-            contacts.sweep::<false>(&stages.displacement, &self.trial, &mut self.force, &mut grains.reached);
+            contacts.sweep(&stages.displacement, &self.trial, &mut self.force, &mut grains.reached, Sweep::Try);
             for i in 0..grains.reached {
                 let mut acceleration = grains.acceleration_of(i, &self.force[i]);
                 if load > 0.0 && drive.struck.contains(&i) {
@@ -158,7 +167,7 @@ impl<V: Real, const D: usize> Stepper<V, D> {
                 grains.velocity[i][k] = grains.velocity[i][k] + sixth * stages.acceleration_sum[i][k];
             }
         }
-        contacts.sweep::<true>(&grains.displacement, &grains.velocity, &mut self.force, &mut grains.reached);
+        contacts.sweep(&grains.displacement, &grains.velocity, &mut self.force, &mut grains.reached, self.accept);
         for i in 0..grains.reached {
             grains.acceleration[i] = grains.acceleration_of(i, &self.force[i]);
         }

@@ -1,0 +1,144 @@
+//! Many designs on one lattice at once, each in a lane of the vector registers.
+//!
+//! All layouts on one lattice share their contact graph, so lane k is design k, nothing is gathered, and a contact's branch
+//! is taken if any design takes it. Recorded is what an optimiser asks for: each sphere's greatest kinetic energy. The
+//! bits are those of [`simulate`](super::simulate), whatever the width and whichever designs stand together.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::body::Grains;
+use super::contacts::{Contacts, Sweep};
+use super::guard::{self, Stop};
+use super::impact::{Impact, steps_in};
+use super::neighbour::{OverlapAtRest, Touching};
+use super::record::{Fastest, Observer};
+use super::step::{Drive, Stepper};
+use super::table::LaneTable;
+use crate::contact::{ElastoPlastic, Hertz, HertzThesis, LaneLaw, LawKind, LinearPlastic, Pair};
+use crate::real::{Kernel, Real, Width};
+use crate::sample::Sample;
+
+/// What is kept of one design of a batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Brief {
+    /// Greatest kinetic energy of each sphere [J], over accepted steps.
+    pub max_kinetic: Vec<f64>,
+    /// Why the run ended early or is not to be trusted, if so. No energy ledger is kept in a batch.
+    pub stop: Option<Stop>,
+}
+
+/// Samples that cannot be simulated side by side.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BatchError {
+    /// Centres or radii differ from those of the first sample.
+    #[error("sample {0} of the batch has other centres or radii than the first")]
+    Geometry(usize),
+    /// Spheres overlap before the impact.
+    #[error(transparent)]
+    Overlap(#[from] OverlapAtRest),
+    /// A pair of materials for each of more than 16 kinds.
+    #[error("the designs have more than 16 kinds of pairs of materials and radii; simulate them one by one")]
+    Kinds,
+}
+
+/// Follows the same impact on samples that differ in materials only. `interrupt` is looked at now and then; when it is set
+/// the runs end with what they have.
+///
+/// # Errors
+/// See [`BatchError`]. A run that a guard stops is no error: its brief says why.
+pub fn simulate_batch<const D: usize>(
+    samples: &[Sample<D>],
+    impact: &Impact,
+    width: Width,
+    interrupt: &AtomicBool,
+) -> Result<Vec<Brief>, BatchError> {
+    let Some(first) = samples.first() else { return Ok(Vec::new()) };
+    let alike = |sample: &Sample<D>| {
+        sample.spheres.len() == first.spheres.len()
+            && sample.spheres.iter().zip(&first.spheres).all(|(a, b)| a.centre == b.centre && a.radius == b.radius)
+    };
+    if let Some(other) = samples.iter().position(|sample| !alike(sample)) {
+        return Err(BatchError::Geometry(other));
+    }
+    let touching = Touching::find(first, &impact.mirrors)?;
+    let mut briefs = Vec::with_capacity(samples.len());
+    for group in samples.chunks(width.lanes()) {
+        let group: Vec<&Sample<D>> = group.iter().collect();
+        briefs.extend(follow(&Group { samples: &group, touching: &touching, impact, interrupt }, width)?);
+    }
+    Ok(briefs)
+}
+
+/// As many designs as lanes, or fewer.
+#[derive(Clone, Copy)]
+struct Group<'a, const D: usize> {
+    samples: &'a [&'a Sample<D>],
+    touching: &'a Touching<D>,
+    impact: &'a Impact,
+    interrupt: &'a AtomicBool,
+}
+
+/// Chooses the law once for the group.
+fn follow<const D: usize>(group: &Group<'_, D>, width: Width) -> Result<Vec<Brief>, BatchError> {
+    let law = group.impact.law;
+    let rate = matches!(law, LawKind::Thesis | LawKind::Linear);
+    match law {
+        LawKind::Thesis | LawKind::ThesisStatic => {
+            width.run(Under { group, law: |pair: &Pair| ElastoPlastic::new(pair, rate) })
+        }
+        LawKind::Linear | LawKind::LinearStatic => {
+            width.run(Under { group, law: |pair: &Pair| LinearPlastic::new(pair, rate) })
+        }
+        LawKind::Hertz => width.run(Under { group, law: Hertz::new }),
+        LawKind::HertzThesis => width.run(Under { group, law: |pair: &Pair| HertzThesis(Hertz::new(pair)) }),
+    }
+}
+
+/// A group under one law.
+struct Under<'a, 'b, const D: usize, F> {
+    group: &'a Group<'b, D>,
+    law: F,
+}
+
+/// Steps between two looks at guards and the request to stop.
+const WATCH: u64 = 64;
+
+impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, F> {
+    type Output = Result<Vec<Brief>, BatchError>;
+
+    #[inline(always)]
+    fn run<V: Real>(self) -> Self::Output {
+        let Group { samples, touching, impact, interrupt } = *self.group;
+        let laws = LaneTable::<L, V>::new(samples, touching, impact.constants, self.law).ok_or(BatchError::Kinds)?;
+        let spheres = samples[0].spheres.len();
+        let mut grains = Grains::<V, D>::at_rest(samples, &impact.mirrors);
+        let mut contacts = Contacts::new(touching.clone(), &grains, laws, false);
+        let mut drive = Drive::new(impact.pulse, &impact.struck);
+        let mut stepper = Stepper::new(impact.integrator, Sweep::Accept, impact.step, spheres);
+        for &(i, speed) in &impact.moving {
+            grains.velocity[i][D - 1] = V::splat(speed);
+            grains.reached = grains.reached.max(i + 1);
+        }
+        let mut fastest = Fastest(vec![V::splat(0.0); spheres]);
+        let mut stops: Vec<Option<Stop>> = vec![None; samples.len()];
+        let steps = steps_in(impact.window, impact.step);
+        while stepper.count < steps && stops.iter().any(Option::is_none) {
+            for _ in 0..WATCH.min(steps - stepper.count) {
+                stepper.advance(&mut grains, &mut contacts, &mut drive);
+                fastest.accepted(stepper.time(), &grains);
+            }
+            let interrupted = interrupt.load(Ordering::Relaxed);
+            for (lane, stop) in stops.iter_mut().enumerate().filter(|(_, stop)| stop.is_none()) {
+                *stop = guard::check(&stepper, &grains, &contacts, lane).err();
+                if stop.is_none() && interrupted {
+                    *stop = Some(Stop::Interrupted { time_s: stepper.time() });
+                }
+            }
+        }
+        let brief = |(lane, stop): (usize, Option<Stop>)| {
+            let energy = |i: usize| 0.5 * samples[lane].mass(i) * fastest.0[i].lane(lane);
+            Brief { max_kinetic: (0..spheres).map(energy).collect(), stop }
+        };
+        Ok(stops.into_iter().enumerate().map(brief).collect())
+    }
+}

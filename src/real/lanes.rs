@@ -1,0 +1,373 @@
+//! Four and eight numbers in AVX2 and AVX-512 registers: the one module with unsafe code.
+//!
+//! Everything unsafe here is a call of a vector instruction. Its only precondition is that the processor has it, and the
+//! types below are made by [`Width::run`] alone, which has asked the processor.
+
+/// How many designs stand side by side in one register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Width {
+    /// One at a time; every processor can.
+    Scalar,
+    /// Four, AVX2.
+    Four,
+    /// Eight, AVX-512.
+    Eight,
+}
+
+/// Something to compute with numbers of whichever width.
+pub trait Kernel {
+    /// What comes out.
+    type Output;
+    /// Computes it. Must be `#[inline(always)]`, as must be all it calls in its hot part: only then is it compiled for the
+    /// width's instructions.
+    fn run<V: super::Real>(self) -> Self::Output;
+}
+
+impl Width {
+    /// Number of designs.
+    pub const fn lanes(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+
+    /// Those that this processor has, widest last.
+    pub fn available() -> Vec<Self> {
+        let mut widths = vec![Self::Scalar];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx2") {
+                widths.push(Self::Four);
+            }
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+            {
+                widths.push(Self::Eight);
+            }
+        }
+        widths
+    }
+
+    /// The widest that this processor has.
+    pub fn widest() -> Self {
+        Self::available().last().copied().unwrap_or(Self::Scalar)
+    }
+
+    /// Runs a kernel at this width, or one design at a time where the processor lacks it. The bits are the same.
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        #[cfg(target_arch = "x86_64")]
+        if Self::available().contains(&self) {
+            return x86::run(self, kernel);
+        }
+        kernel.run::<f64>()
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[expect(unsafe_code, reason = "vector instructions; see the module's page")]
+mod x86 {
+    use std::arch::x86_64::*;
+    use std::fmt;
+    use std::ops::{Add, Div, Mul, Neg, Sub};
+
+    use super::{Kernel, Width};
+    use crate::real::Real;
+
+    /// The caller has asked the processor for this width.
+    pub fn run<K: Kernel>(width: Width, kernel: K) -> K::Output {
+        match width {
+            Width::Scalar => kernel.run::<f64>(),
+            // Safety: `Width::run` has found the instructions present.
+            Width::Four => unsafe { four(kernel) },
+            Width::Eight => unsafe { eight(kernel) },
+        }
+    }
+
+    #[target_feature(enable = "avx2")]
+    fn four<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<F64x4>()
+    }
+
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+    fn eight<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<F64x8>()
+    }
+
+    /// Four numbers.
+    #[derive(Clone, Copy)]
+    #[repr(transparent)]
+    pub struct F64x4(__m256d);
+
+    /// Eight numbers.
+    #[derive(Clone, Copy)]
+    #[repr(transparent)]
+    pub struct F64x8(__m512d);
+
+    macro_rules! operator {
+        ($type:ident, $trait:ident, $method:ident, $instruction:ident) => {
+            impl $trait for $type {
+                type Output = Self;
+                #[inline(always)]
+                fn $method(self, other: Self) -> Self {
+                    // Safety: see the module's page.
+                    Self(unsafe { $instruction(self.0, other.0) })
+                }
+            }
+        };
+    }
+
+    macro_rules! number {
+        ($type:ident, $lanes:literal, $splat:ident, $xor:ident) => {
+            impl $type {
+                fn array(self) -> [f64; $lanes] {
+                    // Safety: both are plain numbers of the same size.
+                    unsafe { std::mem::transmute(self) }
+                }
+                fn from_array(array: [f64; $lanes]) -> Self {
+                    // Safety: both are plain numbers of the same size.
+                    unsafe { std::mem::transmute(array) }
+                }
+            }
+            impl fmt::Debug for $type {
+                fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                    self.array().fmt(f)
+                }
+            }
+            impl Neg for $type {
+                type Output = Self;
+                #[inline(always)]
+                fn neg(self) -> Self {
+                    // Safety: see the module's page.
+                    Self(unsafe { $xor(self.0, $splat(-0.0)) })
+                }
+            }
+        };
+    }
+
+    operator!(F64x4, Add, add, _mm256_add_pd);
+    operator!(F64x4, Sub, sub, _mm256_sub_pd);
+    operator!(F64x4, Mul, mul, _mm256_mul_pd);
+    operator!(F64x4, Div, div, _mm256_div_pd);
+    number!(F64x4, 4, _mm256_set1_pd, _mm256_xor_pd);
+    operator!(F64x8, Add, add, _mm512_add_pd);
+    operator!(F64x8, Sub, sub, _mm512_sub_pd);
+    operator!(F64x8, Mul, mul, _mm512_mul_pd);
+    operator!(F64x8, Div, div, _mm512_div_pd);
+    number!(F64x8, 8, _mm512_set1_pd, _mm512_xor_pd);
+
+    const MANTISSA: i64 = 0x000f_ffff_ffff_ffff;
+    const ONE: i64 = 0x3ff0_0000_0000_0000;
+    /// 2^52: an integer below it, put into its low bits, becomes that integer on subtraction.
+    const TWO_52: f64 = 4_503_599_627_370_496.0;
+    const TWO_52_BITS: i64 = 0x4330_0000_0000_0000;
+
+    // Safety of every block below: see the module's page. Slices are checked to be long enough.
+    impl Real for F64x4 {
+        type Mask = __m256d;
+        type Index = __m128i;
+        const LANES: usize = 4;
+
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            Self(unsafe { _mm256_set1_pd(value) })
+        }
+        fn lane(self, lane: usize) -> f64 {
+            self.array()[lane]
+        }
+        fn set_lane(&mut self, lane: usize, value: f64) {
+            let mut array = self.array();
+            array[lane] = value;
+            *self = Self::from_array(array);
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm256_sqrt_pd(self.0) })
+        }
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            Self(unsafe { _mm256_min_pd(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            Self(unsafe { _mm256_max_pd(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn lt(self, other: Self) -> __m256d {
+            unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn select(mask: __m256d, yes: Self, no: Self) -> Self {
+            Self(unsafe { _mm256_blendv_pd(no.0, yes.0, mask) })
+        }
+        #[inline(always)]
+        fn or(a: __m256d, b: __m256d) -> __m256d {
+            unsafe { _mm256_or_pd(a, b) }
+        }
+        #[inline(always)]
+        fn any(mask: __m256d) -> bool {
+            unsafe { _mm256_movemask_pd(mask) != 0 }
+        }
+        #[inline(always)]
+        fn all(mask: __m256d) -> bool {
+            unsafe { _mm256_movemask_pd(mask) == 15 }
+        }
+        #[inline(always)]
+        fn index(places: &[u8]) -> __m128i {
+            let bytes: [u8; 4] = [places[0] & 15, places[1] & 15, places[2] & 15, places[3] & 15];
+            unsafe { _mm_cvtepu8_epi32(_mm_cvtsi32_si128(i32::from_le_bytes(bytes))) }
+        }
+        #[inline(always)]
+        fn lookup(table: &[f64; 16], place: __m128i) -> Self {
+            // Places are below 16.
+            Self(unsafe { _mm256_i32gather_pd::<8>(table.as_ptr(), place) })
+        }
+        #[inline(always)]
+        fn exponent_mantissa(self) -> (Self, Self, __m128i) {
+            unsafe {
+                let bits = _mm256_castpd_si256(self.0);
+                // Positive: no sign bit stands above the exponent.
+                let exponent = _mm256_or_si256(_mm256_srli_epi64::<52>(bits), _mm256_set1_epi64x(TWO_52_BITS));
+                let exponent = _mm256_sub_pd(_mm256_castsi256_pd(exponent), _mm256_set1_pd(TWO_52 + 1023.0));
+                let mantissa = _mm256_and_si256(bits, _mm256_set1_epi64x(MANTISSA));
+                let mantissa = _mm256_or_si256(mantissa, _mm256_set1_epi64x(ONE));
+                let place = _mm256_and_si256(_mm256_srli_epi64::<48>(bits), _mm256_set1_epi64x(15));
+                let even = _mm256_permutevar8x32_epi32(place, _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6));
+                (Self(exponent), Self(_mm256_castsi256_pd(mantissa)), _mm256_castsi256_si128(even))
+            }
+        }
+    }
+
+    impl Real for F64x8 {
+        type Mask = __mmask8;
+        type Index = __m512i;
+        const LANES: usize = 8;
+
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            Self(unsafe { _mm512_set1_pd(value) })
+        }
+        fn lane(self, lane: usize) -> f64 {
+            self.array()[lane]
+        }
+        fn set_lane(&mut self, lane: usize, value: f64) {
+            let mut array = self.array();
+            array[lane] = value;
+            *self = Self::from_array(array);
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm512_sqrt_pd(self.0) })
+        }
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            Self(unsafe { _mm512_min_pd(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            Self(unsafe { _mm512_max_pd(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn lt(self, other: Self) -> __mmask8 {
+            unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn select(mask: __mmask8, yes: Self, no: Self) -> Self {
+            Self(unsafe { _mm512_mask_blend_pd(mask, no.0, yes.0) })
+        }
+        #[inline(always)]
+        fn or(a: __mmask8, b: __mmask8) -> __mmask8 {
+            a | b
+        }
+        #[inline(always)]
+        fn any(mask: __mmask8) -> bool {
+            mask != 0
+        }
+        #[inline(always)]
+        fn all(mask: __mmask8) -> bool {
+            mask == 255
+        }
+        #[inline(always)]
+        fn index(places: &[u8]) -> __m512i {
+            let mut bytes = [0; 8];
+            bytes.copy_from_slice(&places[..8]);
+            unsafe { _mm512_cvtepu8_epi64(_mm_cvtsi64_si128(i64::from_le_bytes(bytes))) }
+        }
+        #[inline(always)]
+        fn lookup(table: &[f64; 16], place: __m512i) -> Self {
+            unsafe {
+                let low = _mm512_loadu_pd(table.as_ptr());
+                let high = _mm512_loadu_pd(table.as_ptr().add(8));
+                Self(_mm512_permutex2var_pd(low, place, high))
+            }
+        }
+        #[inline(always)]
+        fn exponent_mantissa(self) -> (Self, Self, __m512i) {
+            unsafe {
+                let bits = _mm512_castpd_si512(self.0);
+                let exponent = _mm512_sub_epi64(_mm512_srli_epi64::<52>(bits), _mm512_set1_epi64(1023));
+                let mantissa = _mm512_and_si512(bits, _mm512_set1_epi64(MANTISSA));
+                let mantissa = _mm512_or_si512(mantissa, _mm512_set1_epi64(ONE));
+                // permutex2var looks at the low four bits of a place only.
+                let place = _mm512_srli_epi64::<48>(bits);
+                (Self(_mm512_cvtepi64_pd(exponent)), Self(_mm512_castsi512_pd(mantissa)), place)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Kernel, Width};
+    use crate::real::Real;
+
+    /// Many operations on many numbers; lane k of a group holds number k.
+    struct Everything<'a>(&'a [f64]);
+
+    impl Kernel for Everything<'_> {
+        type Output = Vec<u64>;
+        #[inline(always)]
+        fn run<V: Real>(self) -> Vec<u64> {
+            let table: [f64; 16] = std::array::from_fn(|k| k as f64);
+            let mut out = Vec::new();
+            for group in self.0.chunks(V::LANES) {
+                let mut x = V::splat(1.0);
+                let mut places = [0; 8];
+                for (lane, &value) in group.iter().enumerate() {
+                    x.set_lane(lane, value);
+                    places[lane] = (value.to_bits() >> 7) as u8 & 15;
+                }
+                let half = x.lt(V::splat(1.0));
+                let parts = x.exponent_mantissa();
+                let results = [
+                    x.ln(),
+                    (x.min(V::splat(0.5))).exp_small(),
+                    x.sqrt() / (x + V::splat(3.0)),
+                    -(x * x - x),
+                    V::select(half, x, V::splat(2.0)).max(V::splat(0.3)),
+                    V::select(V::or(half, V::splat(5.0).lt(x)), x, -x),
+                    V::lookup(&table, V::index(&places)),
+                    parts.0,
+                    parts.1,
+                    V::lookup(&table, parts.2),
+                ];
+                for lane in 0..group.len() {
+                    out.extend(results.iter().map(|r| r.lane(lane).to_bits()));
+                }
+            }
+            out
+        }
+    }
+
+    #[test]
+    fn every_width_gives_the_same_bits() {
+        let numbers: Vec<f64> =
+            (0..4001).map(|k| 1e-9 * 1.009_f64.powi(k % 3900) * (1.0 + f64::from(k) * 1e-5)).collect();
+        let scalar = Width::Scalar.run(Everything(&numbers));
+        for width in Width::available() {
+            assert!(width.run(Everything(&numbers)) == scalar, "{width:?}");
+        }
+    }
+}
