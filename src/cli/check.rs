@@ -14,10 +14,10 @@ use granulens::units::Dimension::{Energy, Time};
 use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
-use super::folder::write_file;
+use super::folder::{write_file, write_json};
 use super::{Common, Motion};
 
-/// Simulate a layout file, proposed or edited by hand, under a design's impact.
+/// Simulate a layout file, proposed or edited by hand, under a design's impact. With --out, write the numbers as JSON.
 #[derive(clap::Args)]
 pub struct Check {
     /// Layout, CSV with the header row,column,x,z,diameter,material
@@ -39,8 +39,9 @@ impl Check {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
         let layout = read_layout(&design, &self.layout)?;
-        let plan = Plan::new(&design, self.motion.overrides(common), &layout.palette)
-            .map_err(|error| Failure::of_plan(&design, &error))?;
+        let overrides = self.motion.overrides(common);
+        let plan = Plan::new(&design, overrides, &layout.palette)
+            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
         let begun = Instant::now();
         let evaluation = evaluate(&design, &layout, &plan, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
@@ -75,6 +76,7 @@ impl Check {
             warnings: plan.warnings.iter().cloned().chain(warnings).collect(),
             stop: record.stop,
         };
+        write_json(common, &checked)?;
         if common.json {
             emit_json(&checked);
         } else {
@@ -85,8 +87,16 @@ impl Check {
             Some(stop @ Stop::Interrupted { .. }) => {
                 Err(Failure::Interrupted(format!("{stop}; shown is what was computed")))
             }
-            Some(stop) => Err(Failure::Guard(stop.to_string())),
-            None if self.strict => thresholds(&design, &checked),
+            Some(stop) => Err(Failure::Guard(vec![stop.to_string()])),
+            None if self.strict => {
+                if design.thresholds.is_empty() {
+                    note(
+                        common,
+                        &format!("{} sets no [thresholds]; --strict has nothing to ask", self.design.display()),
+                    );
+                }
+                thresholds(&design, &checked)
+            }
             None => Ok(()),
         }
     }

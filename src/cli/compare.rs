@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{Comparison, compare};
+use granulens::evaluate::{Comparison, compare, stops};
 use granulens::layout::{self, Layout};
 use granulens::outcome::Outcome;
 use granulens::report;
@@ -36,7 +36,7 @@ impl Compare {
                 Comparison::of_layout(&design, name, read_layout(&design, path)?, overrides)
             }
         }
-        .map_err(|error| Failure::of_plan(&design, &error))?;
+        .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
         let bar = Bar::new(common, comparison.len());
         let outcome = compare(&comparison, interrupt(), &bar)?;
         bar.done();
@@ -65,7 +65,6 @@ pub fn read_layout(design: &Design, path: &std::path::Path) -> Result<Layout, Fa
 
 /// Fails where a guard stopped an arrangement.
 pub fn guard(outcome: &Outcome) -> Result<(), Failure> {
-    let stopped = outcome.arrangements.iter().filter_map(|a| a.stop.as_ref().map(|stop| format!("{}: {stop}", a.name)));
-    let stopped: Vec<String> = stopped.collect();
-    if stopped.is_empty() { Ok(()) } else { Err(Failure::Guard(stopped.join("; "))) }
+    let stopped = stops(&outcome.arrangements);
+    if stopped.is_empty() { Ok(()) } else { Err(Failure::Guard(stopped)) }
 }

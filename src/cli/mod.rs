@@ -54,7 +54,7 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: a folder for run, a file for the others
+    /// Where to write: run a folder, design and contact what they make, the others their JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
 }
@@ -80,8 +80,8 @@ enum Command {
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) if error.use_stderr() && std::env::args().any(|arg| arg == "--json") => {
-            return Failure::usage(error.to_string()).print(true);
+        Err(error) if error.use_stderr() && std::env::args_os().any(|arg| arg == "--json") => {
+            return Failure::usage(&error).print(true);
         }
         Err(error) => error.exit(),
     };
@@ -89,6 +89,7 @@ pub fn main() -> ExitCode {
         // Fails only if a pool exists already, and none does.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
+    failure::draw_errors();
     let common = &cli.common;
     let done = match cli.command {
         Command::Run(command) => command.run(common),
@@ -137,7 +138,10 @@ fn length(text: &str) -> Result<f64, String> {
 
 /// The design's lens, proposed.
 fn propose(design: &Design) -> Result<granulens::lens::Lens, Failure> {
-    let request = design.lens.as_ref().ok_or_else(|| Failure::input("the design has no [lens] to propose"))?;
+    let request = design.lens.as_ref().ok_or_else(|| {
+        let help = "Describe one, or compare a layout of your own: granulens compare DESIGN.toml LAYOUT.csv.";
+        design.blame("lens", "[lens] is missing: nothing is asked for.".to_owned(), help.to_owned())
+    })?;
     granulens::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants)
         .map_err(|error| Failure::of_lens(design, &error))
 }

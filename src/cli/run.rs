@@ -25,8 +25,9 @@ impl Run {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
         let lens = propose(&design)?;
-        let comparison = Comparison::of_lens(&design, &lens, self.motion.overrides(common))
-            .map_err(|error| Failure::of_plan(&design, &error))?;
+        let overrides = self.motion.overrides(common);
+        let comparison = Comparison::of_lens(&design, &lens, overrides)
+            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
         let folder = Folder::begin(&place)?;
         note(common, &super::design::words(&design, &lens));
@@ -39,8 +40,7 @@ impl Run {
         let expected = comparison.len();
         if outcome.arrangements.len() < expected {
             let finished = outcome.arrangements.len();
-            let kept = place.with_extension("interrupted");
-            let folder = Folder::begin(&kept)?;
+            let (kept, folder) = Folder::beside(&place, "interrupted")?;
             report::write_numbers(&outcome, folder.path())?;
             folder.finish()?;
             return Err(Failure::Interrupted(format!(
