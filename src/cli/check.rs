@@ -14,7 +14,7 @@ use granulens::units::Dimension::{Energy, Time};
 use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
-use super::folder::{write_file, write_json};
+use super::folder::{probe, write_file, write_json};
 use super::{Common, Motion};
 
 /// Simulate a layout file, proposed or edited by hand, under a design's impact. With --out, write the numbers as JSON.
@@ -42,6 +42,8 @@ impl Check {
         let overrides = self.motion.overrides(common);
         let plan = Plan::new(&design, overrides, &layout.palette)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        probe(self.spheres.as_ref())?;
+        probe(common.out.as_ref())?;
         let begun = Instant::now();
         let evaluation = evaluate(&design, &layout, &plan, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();

@@ -10,7 +10,7 @@ use granulens::report;
 
 use super::console::{Bar, emit, emit_json, interrupt};
 use super::failure::Failure;
-use super::folder::write_file;
+use super::folder::{probe, write_file};
 use super::{Common, Motion, propose};
 
 /// Simulate the lens, or a given layout, and all baselines; print the table. With --out, write the outcome as JSON.
@@ -37,6 +37,7 @@ impl Compare {
             }
         }
         .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        probe(common.out.as_ref())?;
         let bar = Bar::new(common, comparison.len());
         let outcome = compare(&comparison, interrupt(), &bar)?;
         bar.done();

@@ -43,9 +43,9 @@ pub fn pretty(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }
 
-/// Prints words for a person.
+/// Prints words for a person; with --json nothing but an error's object goes to stderr.
 pub fn note(common: &Common, text: &str) {
-    if !common.quiet {
+    if !common.quiet && !common.json {
         say(text);
     }
 }

@@ -25,7 +25,7 @@ pub struct Contact {
     #[arg(long, default_value_t = LawKind::Thesis)]
     law: LawKind,
     /// Diameter of both spheres, or of each: "6.35 mm,9.5 mm"
-    #[arg(long, default_value = "6.35 mm")]
+    #[arg(long, default_value = "6.35 mm", allow_hyphen_values = true)]
     diameter: String,
     /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
     #[arg(long, default_value_t = Constants::Code)]
@@ -118,9 +118,8 @@ impl Contact {
         let names: Vec<&str> = self.pair.split(',').map(str::trim).collect();
         let [a, b] = names.as_slice() else {
             return Err(Failure::input(format!(
-                "--pair \"{}\" names {} materials, expected two: 440c,brass",
-                self.pair,
-                names.len()
+                "--pair \"{}\": expected two materials, such as 440c,brass",
+                self.pair
             )));
         };
         let parse = |text: &str| length(text).map_err(|error| Failure::input(format!("--diameter: {error}")));

@@ -75,9 +75,15 @@ impl Failure {
     /// A file that cannot be written.
     pub fn write(path: &std::path::Path, error: &std::io::Error) -> Self {
         // Of a temporary file's error only the reason counts: its name is nothing the user gave.
-        let reason = error
-            .raw_os_error()
-            .map_or_else(|| error.to_string(), |code| io::Error::from_raw_os_error(code).to_string());
+        let says = |error: &io::Error| match error.raw_os_error() {
+            Some(code) => io::Error::from_raw_os_error(code).to_string(),
+            None => error.to_string(),
+        };
+        let reason = match path.ancestors().skip(1).find(|parent| parent.exists()) {
+            _ if error.kind() == io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+            Some(parent) if parent.is_file() => format!("{} is a file", parent.display()),
+            _ => says(error),
+        };
         Self::Input(Box::new(Input {
             file: Some(path.display().to_string()),
             message: format!("{}: cannot be written: {reason}", path.display()),
@@ -96,7 +102,7 @@ impl Failure {
             LensError::ApexRow { .. } => ("lens.apex_row", "Leave it out to have it solved."),
             LensError::BackRow { .. } => ("lens.back_row", "Leave it out to have it solved."),
             LensError::RadiusSign(_) | LensError::Radius { .. } => ("lens.radius", "Leave it out to have it solved."),
-            LensError::Unreachable(_) => ("lens", "Move target.focus or widen it, or relax what binds."),
+            LensError::Unreachable(_) => ("lens", "Change what binds, or move or widen target.focus."),
         };
         let words = error.to_string();
         let words = words.trim_end_matches('.');

@@ -4,6 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use granulens::outcome::Manifest;
+
 use super::Common;
 use super::console::pretty;
 use super::failure::Failure;
@@ -18,6 +20,20 @@ pub fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
         make_readable(temporary.path())?;
         temporary.persist(path)?;
         Ok(())
+    };
+    attempt().map_err(|error| Failure::write(path, &error))
+}
+
+/// Whether a file can be written there: found out before a simulation rather than after it.
+pub fn probe(path: Option<&PathBuf>) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    let attempt = || -> io::Result<()> {
+        if path.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        let parent = parent_of(path);
+        fs::create_dir_all(&parent)?;
+        tempfile::NamedTempFile::new_in(&parent).map(drop)
     };
     attempt().map_err(|error| Failure::write(path, &error))
 }
@@ -69,6 +85,13 @@ impl Folder {
                 "Choose another place with --out.",
             ));
         }
+        if fs::canonicalize(place).is_ok_and(|place| std::env::current_dir().is_ok_and(|here| here.starts_with(place)))
+        {
+            return Err(Failure::input_with_help(
+                format!("{} is the current folder or holds it, and cannot be replaced", place.display()),
+                "Name a folder in it with --out.",
+            ));
+        }
         let parent = parent_of(place);
         let making = fs::create_dir_all(&parent)
             .and_then(|()| tempfile::Builder::new().prefix(".granulens-").tempdir_in(&parent))
@@ -117,7 +140,9 @@ impl Folder {
     }
 }
 
+/// A folder with a manifest of ours, or an empty one. Others write files of that name too.
 fn is_results(place: &Path) -> bool {
     let empty = || fs::read_dir(place).is_ok_and(|mut entries| entries.next().is_none());
-    place.is_dir() && (place.join(MARK).is_file() || empty())
+    let manifest = || fs::read_to_string(place.join(MARK)).ok().map(|text| serde_json::from_str::<Manifest>(&text));
+    place.is_dir() && (matches!(manifest(), Some(Ok(_))) || empty())
 }

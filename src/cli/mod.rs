@@ -42,7 +42,7 @@ struct Cli {
 /// Options of every subcommand.
 #[derive(Args)]
 struct Common {
-    /// Print one JSON object on stdout; errors become one JSON object on stderr
+    /// Print one JSON object on stdout, and no words; errors become one JSON object on stderr
     #[arg(long, global = true)]
     json: bool,
     /// No progress, no notes
@@ -113,10 +113,10 @@ struct Motion {
     #[arg(long, value_name = "NAME")]
     integrator: Option<granulens::dem::Integrator>,
     /// Time step, such as "5e-8 s"
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     step: Option<f64>,
     /// Window, such as "250 us"
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     window: Option<f64>,
 }
 

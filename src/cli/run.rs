@@ -12,7 +12,8 @@ use super::failure::Failure;
 use super::folder::Folder;
 use super::{Common, Motion, propose};
 
-/// The whole job: propose a lens from the target, simulate it and its baselines, score, report.
+/// The whole job: propose a lens from the target, simulate it and its baselines, score, report. The output folder,
+/// reports/NAME unless --out names another, appears when it is complete; an earlier report there is replaced as a whole.
 #[derive(clap::Args)]
 pub struct Run {
     /// Design file, such as designs/quickstart.toml

@@ -20,7 +20,7 @@ pub struct Speed {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3))]
     dimension: u8,
     /// Sphere diameter; the speed does not depend on it
-    #[arg(long, default_value = "6.35 mm", value_parser = length)]
+    #[arg(long, default_value = "6.35 mm", allow_hyphen_values = true, value_parser = length)]
     diameter: f64,
     /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
     #[arg(long, default_value_t = Constants::Code)]

@@ -79,8 +79,14 @@ struct Source<'a> {
 impl Source<'_> {
     /// A complaint about the line that holds the byte `at`, or about one of its columns.
     fn error(&self, at: usize, key: Option<usize>, message: String) -> LayoutFileError {
-        let end = self.text[at..].find('\n').map_or(self.text.len(), |length| at + length);
-        let end = at + self.text[at..end].trim_end().len();
+        let line = self.text[at..].lines().next().unwrap_or_default().trim_end();
+        // The cell, where commas separate cells only.
+        let mut cells = line.split(',').scan(at, |begin, cell| {
+            let place = *begin..*begin + cell.len();
+            *begin = place.end + 1;
+            Some(place)
+        });
+        let place = key.and_then(|key| cells.nth(key)).filter(|cell| !cell.is_empty());
         LayoutFileError {
             path: self.path.to_owned(),
             line: Some(self.line(at)),
@@ -89,7 +95,7 @@ impl Source<'_> {
             help: None,
             excerpt: Some(Box::new(Excerpt {
                 text: NamedSource::new(self.path.display().to_string(), self.text.to_owned()),
-                place: at..end,
+                place: place.unwrap_or(at..at + line.len()),
             })),
         }
     }
@@ -241,13 +247,14 @@ pub fn read(
     }
     if let Some(missing) = given.iter().position(Option::is_none) {
         let Site { row, column, .. } = sites[missing];
-        let left = match given.iter().filter(|m| m.is_none()).count() {
-            1 => "it alone".to_owned(),
-            count => format!("{count} of {} sites", sites.len()),
+        let others = match given.iter().filter(|m| m.is_none()).count() - 1 {
+            0 => String::new(),
+            1 => ", and one other".to_owned(),
+            others => format!(", and {others} others"),
         };
         let before = given[..missing].iter().rev().flatten().next();
         let at = before.map_or(source.begin(header.position()), |&(_, at)| at);
-        let message = format!("row {row}, column {column} is missing ({left}); it belongs behind this line.");
+        let message = format!("row {row}, column {column} is missing{others}; it belongs behind this line.");
         let site = &sites[missing];
         let help = format!("Add {row},{column},{},{},{},MATERIAL.", site.x, site.z, lattice.diameter());
         return Err(source.error(at, None, message).trying(help));
@@ -302,7 +309,7 @@ fn sphere(
             let help = match k {
                 2 if value < 0.0 => simulated_half,
                 4 => "One crystal has one diameter, crystal.diameter of the design file, to 1e-6 of it.",
-                _ => "Positions follow from row and column, to 1e-6 D; only the materials are free.",
+                _ => "Positions follow from row and column, in metres, to 1e-6 D; only the materials are free.",
             };
             return Err(fail(Some(k), message).trying(help));
         }

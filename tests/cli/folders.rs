@@ -9,17 +9,26 @@ fn what_is_no_folder_of_results_is_left_alone() {
     std::fs::create_dir(desk.path("foreign")).unwrap();
     desk.write("foreign/thesis.tex", "mine");
     std::fs::create_dir(desk.path("empty")).unwrap();
+    std::fs::create_dir(desk.path("extension")).unwrap();
+    desk.write("extension/manifest.json", "{ \"name\": \"of another program\", \"version\": \"1\" }");
     let before = desk.names();
-    let calls: [&[&str]; 6] = [
+    let calls: [&[&str]; 9] = [
         &["run", "small.toml", "--out", "file"],
         &["run", "small.toml", "--out", "foreign"],
+        &["run", "small.toml", "--out", "extension"],
+        &["run", "small.toml", "--out", "."],
+        &["run", "../small.toml", "--out", "../empty"],
         &["run", "small.toml", "--out", "file/below"],
         &["design", "small.toml", "--out", "foreign"],
         &["compare", "small.toml", "--quiet", "--out", "file/below.json"],
         &["check", "small.csv", "--design", "small.toml", "--spheres", "file/below.csv"],
     ];
     let heard = calls.map(|call| {
-        let ran = desk.run(call);
+        let mut command = desk.command(call);
+        if call[1].starts_with("..") {
+            command.current_dir(desk.path("empty"));
+        }
+        let ran = super::Ran::of(command);
         assert_eq!(ran.code, 2, "{call:?}");
         assert_eq!(ran.stdout, "", "{call:?}: data only when the output is in place");
         format!("$ granulens {}\n{}\n", call.join(" "), ran.stderr)
