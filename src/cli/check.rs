@@ -17,7 +17,9 @@ use super::failure::Failure;
 use super::folder::{probe, write_file, write_json};
 use super::{Common, Motion};
 
-/// Simulate a layout file, proposed or edited by hand, under a design's impact. With --out, write the numbers as JSON.
+/// Simulate a layout file, proposed or edited by hand, under a design's impact
+///
+/// With --out, the numbers are written as JSON too.
 #[derive(clap::Args)]
 pub struct Check {
     /// Layout, CSV with the header row,column,x,z,diameter,material

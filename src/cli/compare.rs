@@ -13,7 +13,9 @@ use super::failure::Failure;
 use super::folder::{probe, write_file};
 use super::{Common, Motion, propose};
 
-/// Simulate the lens, or a given layout, and all baselines; print the table. With --out, write the outcome as JSON.
+/// Simulate the lens, or a given layout, and all baselines; print the table
+///
+/// With --out, the whole outcome is written as JSON too, sphere by sphere.
 #[derive(clap::Args)]
 pub struct Compare {
     /// Design file

@@ -14,8 +14,10 @@ use super::failure::Failure;
 use super::folder::write_file;
 use super::{Common, length};
 
-/// Draw a contact's force-displacement curve with its regions and an unloading (--out FILE.svg), or evaluate the law at
-/// given states (--states FILE.csv).
+/// Draw a contact's force-displacement curve, or evaluate the law at given states
+///
+/// The curve, with its regions and an unloading, goes to the file of --out as SVG. With --states, the forces and the histories
+/// after a step go to stdout as CSV, or to the file of --out.
 #[derive(clap::Args)]
 pub struct Contact {
     /// The two materials, such as 440c,brass

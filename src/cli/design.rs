@@ -14,8 +14,9 @@ use super::failure::Failure;
 use super::folder::write_file;
 use super::{Common, propose};
 
-/// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated. With --out, write its
-/// layout as CSV.
+/// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated
+///
+/// The layout goes to stdout as CSV, or to the file of --out.
 #[derive(clap::Args)]
 pub struct Propose {
     /// Design file, such as designs/quickstart.toml

@@ -12,8 +12,10 @@ use super::console::{emit, emit_json};
 use super::failure::Failure;
 use super::folder::write_json;
 
-/// List the materials, with their sources. Own ones are written into a design file as [materials.NAME], with density,
-/// youngs_modulus, poisson_ratio, yield_stress, rate_constant and source.
+/// List the materials, with their sources
+///
+/// Own ones are written into a design file as [materials.NAME], with density, youngs_modulus, poisson_ratio, yield_stress,
+/// rate_constant and source. With --out, the list is written as JSON too.
 #[derive(clap::Args)]
 pub struct Materials {
     /// Design file whose own materials are listed too

@@ -28,16 +28,20 @@ use failure::Failure;
 /// Design impact lenses: packings of metal spheres that steer an impact wave to where it does no harm.
 #[derive(Parser)]
 #[command(name = "granulens", version, max_term_width = 100)]
-#[command(
-    after_help = "Exit codes: 0 done; 1 a guard stopped a run; 2 usage or input; 3 a threshold of the design file is not \
-                        met (check --strict); 130 interrupted, with what was finished kept."
-)]
+#[command(after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
     #[command(flatten)]
     common: Common,
 }
+
+const EXIT_CODES: &str = "Exit codes:
+  0    done
+  1    a guard stopped a run
+  2    usage or input
+  3    a threshold of the design file is not met (check --strict)
+  130  interrupted; what was finished is kept";
 
 /// Options of every subcommand.
 #[derive(Args)]
@@ -59,21 +63,15 @@ struct Common {
     out: Option<PathBuf>,
 }
 
+/// What each does is said at its own arguments, from where the help takes it.
 #[derive(Subcommand)]
 enum Command {
-    /// The whole job: propose a lens, simulate it and its baselines, score, report
     Run(run::Run),
-    /// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated
     Design(design::Propose),
-    /// Simulate a layout file, proposed or edited by hand, under a design's impact
     Check(check::Check),
-    /// Simulate the lens, or given layouts, and all baselines; print the table
     Compare(compare::Compare),
-    /// List the materials, with their sources
     Materials(materials::Materials),
-    /// Draw a contact's force-displacement curve, or evaluate the law at given states
     Contact(contact::Contact),
-    /// The closed-form bound of the wave speed
     Speed(speed::Speed),
 }
 

@@ -12,8 +12,10 @@ use super::failure::Failure;
 use super::folder::Folder;
 use super::{Common, Motion, propose};
 
-/// The whole job: propose a lens from the target, simulate it and its baselines, score, report. The output folder,
-/// reports/NAME unless --out names another, appears when it is complete; an earlier report there is replaced as a whole.
+/// The whole job: propose a lens, simulate it and its baselines, score, report
+///
+/// The output folder, reports/NAME unless --out names another, appears when it is complete; an earlier report there is
+/// replaced as a whole. Of an interrupted run the finished numbers are kept beside it.
 #[derive(clap::Args)]
 pub struct Run {
     /// Design file, such as designs/quickstart.toml

@@ -10,7 +10,9 @@ use super::failure::Failure;
 use super::folder::write_json;
 use super::{Common, length};
 
-/// The closed-form bound of the wave speed (Burgoyne 2016, eqs 4.7 and 5.3).
+/// The closed-form bound of the wave speed (Burgoyne 2016, eqs 4.7 and 5.3)
+///
+/// With --out, the numbers are written as JSON too.
 #[derive(clap::Args)]
 pub struct Speed {
     /// Material; give two for a dimer with mixed contacts

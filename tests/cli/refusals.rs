@@ -40,9 +40,17 @@ fn without_a_subcommand_there_is_help() {
     assert!(bare.stderr.contains("Usage: granulens"), "{}", bare.stderr);
     assert_eq!(desk.run(&["--json"]).json_error()["kind"], "input");
     let help = desk.run(&["--help"]).ok();
-    for words in ["run", "design", "check", "compare", "materials", "contact", "speed", "Exit codes: 0 done", "130"] {
+    for words in
+        ["run", "design", "check", "compare", "materials", "contact", "speed", "Exit codes:", "130  interrupted"]
+    {
         assert!(help.stdout.contains(words), "{words}");
     }
+    let run = desk.run(&["run", "--help"]).ok();
+    assert!(
+        run.stdout.contains("appears when it is complete") && run.stdout.contains("--window <TIME>"),
+        "{}",
+        run.stdout
+    );
     assert!(desk.run(&["--version"]).ok().stdout.starts_with("granulens "));
 }
 
