@@ -49,18 +49,27 @@ impl Check {
         let begun = Instant::now();
         let evaluation = evaluate(&design, &layout, &plan, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
-        let warnings = evaluation.warnings("this layout");
-        let Evaluation { mut scores, record, .. } = evaluation;
+        let mut warnings = evaluation.warnings("this layout");
+        let Evaluation { mut scores, mut record, .. } = evaluation;
         if self.strict
+            && record.stop.is_none()
             && design.thresholds.iter().any(|t| matches!(t.measure, Measure::FocalGain | Measure::Protection))
         {
-            let uniform = |baseline: Baseline| -> Result<_, Failure> {
+            let mut uniform = |baseline: Baseline| -> Result<_, Failure> {
                 if layout.palette.len() < 2 {
                     return Ok(None);
                 }
-                Ok(Some(evaluate(&design, &baseline.layout(&layout, [1, 1]), &plan, interrupt())?.scores))
+                let uniform = evaluate(&design, &baseline.layout(&layout, [1, 1]), &plan, interrupt())?;
+                match uniform.record.stop {
+                    None => return Ok(Some(uniform.scores)),
+                    Some(stop @ Stop::Interrupted { .. }) => record.stop = Some(stop),
+                    // Ratios to it would mean nothing; a threshold on one is not met.
+                    Some(stop) => warnings.push(format!("FAILED: {}: {stop}", baseline.name())),
+                }
+                Ok(None)
             };
-            scores.relate(uniform(Baseline::AllHost)?.as_ref(), uniform(Baseline::AllLens)?.as_ref());
+            let [host, lens] = [uniform(Baseline::AllHost)?, uniform(Baseline::AllLens)?];
+            scores.relate(host.as_ref(), lens.as_ref());
         }
         if let Some(path) = &self.spheres {
             write_file(path, &spheres(&layout, &record))?;

@@ -228,9 +228,9 @@ pub fn stops(arrangements: &[ArrangementOutcome]) -> Vec<String> {
     reasons.into_iter().map(words).collect()
 }
 
-/// Adds to every arrangement its ratios to the uniform ones.
+/// Adds to every arrangement its ratios to the uniform ones, where no guard stopped these.
 fn relate(arrangements: &mut [ArrangementOutcome]) {
-    let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind).map(|a| a.scores.clone());
+    let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind && a.stop.is_none()).map(|a| a.scores.clone());
     let (host, lens): (Option<Scores>, Option<Scores>) = (of("all-host"), of("all-lens"));
     for arrangement in arrangements {
         arrangement.scores.relate(host.as_ref(), lens.as_ref());

@@ -179,6 +179,19 @@ fn strict_asks_for_the_thresholds() {
     assert!(missed.stdout.contains("contrast F/P"), "the numbers are shown all the same");
     let json = check("missed.toml", &["--strict", "--json"]);
     assert_eq!((json.code, &json.json_error()["kind"]), (3, &"threshold".into()));
+    // Aluminium alone gives way under this impact: nothing is left to measure protection by.
+    let soft = |text: &str| text.replace("brass-260", "aluminium-2017").replace("16 kN", "26 kN");
+    desk.write("soft.toml", soft(&desk.read("missed.toml")));
+    desk.write("soft.csv", soft(&desk.read("small.csv")));
+    let gone = desk.run(&["check", "soft.csv", "--design", "soft.toml", "--strict"]);
+    assert_eq!(gone.code, 3, "{}", gone.stderr);
+    assert!(gone.stderr.contains("warning: FAILED: all-lens: spheres"), "{}", gone.stderr);
+    assert!(gone.stderr.contains("protection has no value here"), "{}", gone.stderr);
+    let compared = desk.run(&["compare", "soft.toml", "--json"]);
+    assert_eq!(
+        (compared.code, &compared.json()["arrangements"][0]["scores"]["protection"]),
+        (1, &serde_json::Value::Null)
+    );
     let nothing = check("small.toml", &["--strict"]).ok();
     assert!(nothing.stderr.contains("sets no [thresholds]"), "{}", nothing.stderr);
 }
