@@ -182,8 +182,7 @@ fn states(path: &Path, law: &AnyLaw) -> Result<Vec<[f64; 7]>, Failure> {
         }
         let [d, v, dmax, fmax] = values;
         let history = History { overlap_max: dmax, force_max: fmax };
-        let force = law.force(d, v, &history);
-        let after = history.advanced(d.max(0.0), force);
+        let (force, after) = law.respond(d.max(0.0), v, &history);
         rows.push([d, v, dmax, fmax, force, after.overlap_max, after.force_max]);
     }
     Ok(rows)

@@ -157,6 +157,14 @@ impl ForceLaw<f64> for AnyLaw {
             Self::HertzThesis(law) => law.force(overlap, closing_speed, history),
         }
     }
+    fn respond(&self, overlap: f64, closing_speed: f64, history: &History) -> (f64, History) {
+        match self {
+            Self::ElastoPlastic(law) => law.respond(overlap, closing_speed, history),
+            Self::Linear(law) => law.respond(overlap, closing_speed, history),
+            Self::Hertz(law) => law.respond(overlap, closing_speed, history),
+            Self::HertzThesis(law) => law.respond(overlap, closing_speed, history),
+        }
+    }
 }
 
 impl NormalLaw for AnyLaw {

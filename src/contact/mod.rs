@@ -62,6 +62,14 @@ pub trait ForceLaw<V: Real> {
     /// Repulsive force [N] at an overlap [m] and closing speed [m/s] (positive while the spheres approach). Zero where the
     /// overlap is not positive.
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V;
+
+    /// The force, and the history after an accepted step in this state. A published law remembers its greatest overlap and
+    /// force.
+    #[inline(always)]
+    fn respond(&self, overlap: V, closing_speed: V, history: &History<V>) -> (V, History<V>) {
+        let force = self.force(overlap, closing_speed, history);
+        (force, history.advanced(overlap, force))
+    }
 }
 
 /// A normal contact law between two given spheres.

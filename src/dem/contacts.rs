@@ -30,13 +30,25 @@ impl<V: Real> Memory<V> {
         Self { history: History::new(), overlap: zero, force: zero, work: zero }
     }
 
-    /// Advances history and work by one accepted step; `overlap` is not negative.
+    /// Advances the work by one accepted step; `overlap` is not negative.
     #[inline(always)]
     fn accept(&mut self, overlap: V, force: V) {
         let half = V::splat(0.5);
         self.work = self.work + half * (self.force + force) * (overlap - self.overlap);
-        self.history = self.history.advanced(overlap, force);
         (self.overlap, self.force) = (overlap, force);
+    }
+
+    /// The force in a closed contact; with `ACCEPT` history and work advance.
+    #[inline(always)]
+    fn push<const ACCEPT: bool>(&mut self, law: &impl ForceLaw<V>, overlap: V, closing_speed: V) -> V {
+        if ACCEPT {
+            let (force, history) = law.respond(overlap, closing_speed, &self.history);
+            self.history = history;
+            self.accept(overlap, force);
+            force
+        } else {
+            law.force(overlap, closing_speed, &self.history)
+        }
     }
 }
 
@@ -103,10 +115,7 @@ impl<V: Real, const D: usize, L: Laws<V>> Contacts<V, D, L> {
             let normal: [V; D] = between.map(|x| x / distance);
             let closing: [V; D] = std::array::from_fn(|k| velocity[a][k] - velocity[b][k]);
             let closing_speed = dot(&closing, &normal);
-            let magnitude = self.laws.of(c).force(overlap, closing_speed, &memory.history);
-            if ACCEPT {
-                memory.accept(overlap, magnitude);
-            }
+            let magnitude = memory.push::<ACCEPT>(&self.laws.of(c), overlap, closing_speed);
             if b >= touched {
                 force[touched..=b].fill([zero; D]);
                 touched = b + 1;
@@ -134,10 +143,7 @@ impl<V: Real, const D: usize, L: Laws<V>> Contacts<V, D, L> {
             }
             let overlap = overlap.max(zero);
             let closing_speed = -(two * inward * velocity[sphere][axis]);
-            let magnitude = self.laws.of(pairs + k).force(overlap, closing_speed, &memory.history);
-            if ACCEPT {
-                memory.accept(overlap, magnitude);
-            }
+            let magnitude = memory.push::<ACCEPT>(&self.laws.of(pairs + k), overlap, closing_speed);
             force[sphere][axis] = force[sphere][axis] + inward * magnitude;
         }
         *reached = touched;

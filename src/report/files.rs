@@ -110,8 +110,11 @@ fn write_all(files: &[(String, String)], directory: &Path) -> Result<(), ReportE
     Ok(())
 }
 
+/// How a column is taken from the scores.
+type Value = fn(&Scores) -> Option<f64>;
+
 /// Columns of `numbers.csv` after name, kind, seed and spheres; SI, as in the JSON files.
-const COLUMNS: [(&str, fn(&Scores) -> Option<f64>); 13] = [
+const COLUMNS: [(&str, Value); 13] = [
     ("focal_mean_J", |s| Some(s.focal_mean)),
     ("protected_mean_J", |s| Some(s.protected_mean)),
     ("contrast", |s| s.contrast),

@@ -66,7 +66,7 @@ fn fully_plastic_force_depends_on_the_set_of_constants() {
     assert!((force(Constants::Text) - 583.3).abs() < 0.05);
     assert!((force(Constants::SixteenthInch) - 583.97).abs() < 0.005);
     let static_440c = pair("440c", "440c").plastic_force();
-    assert!((static_440c - 3061.296_819_737_445).abs() < 1e-8);
+    assert!((static_440c - 3_061.296_819_737_445).abs() < 1e-8);
 }
 
 /// ∫F dδ along the quasistatic unloading curve, by Simpson's rule on 2000 intervals of a curve that behaves as x^{3/2} at its

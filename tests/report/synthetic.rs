@@ -157,6 +157,7 @@ fn arrangement(
         },
         layout,
         record,
+        stop: None,
     }
 }
 
