@@ -43,8 +43,11 @@ fn the_whole_piece_has_both_halves() {
     assert!(refused.stderr.contains("the simulated half, x >= 0, not the whole piece"), "{}", refused.stderr);
 }
 
+/// An edit of the layout's text.
+type Edit<'a> = &'a dyn Fn(&str) -> String;
+
 /// Hears what is said of each edit of the small layout; every answer names file and line, where there is one to blame.
-fn page(edits: &[(&str, &dyn Fn(&str) -> String)]) -> String {
+fn page(edits: &[(&str, Edit<'_>)]) -> String {
     let desk = Desk::with_layout();
     let text = desk.read("small.csv");
     let mut page = String::new();
