@@ -14,10 +14,12 @@ use granulens::units::Dimension::{Energy, Time};
 use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
-use super::folder::write_file;
+use super::folder::{probe, write_file, write_json};
 use super::{Common, Motion};
 
-/// Simulate a layout file, proposed or edited by hand, under a design's impact.
+/// Simulate a layout file, proposed or edited by hand, under a design's impact
+///
+/// With --out, the numbers are written as JSON too.
 #[derive(clap::Args)]
 pub struct Check {
     /// Layout, CSV with the header row,column,x,z,diameter,material
@@ -39,23 +41,35 @@ impl Check {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
         let layout = read_layout(&design, &self.layout)?;
-        let plan = Plan::new(&design, self.motion.overrides(common), &layout.palette)
-            .map_err(|error| Failure::of_plan(&design, &error))?;
+        let overrides = self.motion.overrides(common);
+        let plan = Plan::new(&design, overrides, &layout.palette)
+            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        probe(self.spheres.as_ref())?;
+        probe(common.out.as_ref())?;
         let begun = Instant::now();
         let evaluation = evaluate(&design, &layout, &plan, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
-        let warnings = evaluation.warnings("this layout");
-        let Evaluation { mut scores, record, .. } = evaluation;
+        let mut warnings = evaluation.warnings("this layout");
+        let Evaluation { mut scores, mut record, .. } = evaluation;
         if self.strict
+            && record.stop.is_none()
             && design.thresholds.iter().any(|t| matches!(t.measure, Measure::FocalGain | Measure::Protection))
         {
-            let uniform = |baseline: Baseline| -> Result<_, Failure> {
+            let mut uniform = |baseline: Baseline| -> Result<_, Failure> {
                 if layout.palette.len() < 2 {
                     return Ok(None);
                 }
-                Ok(Some(evaluate(&design, &baseline.layout(&layout, [1, 1]), &plan, interrupt())?.scores))
+                let uniform = evaluate(&design, &baseline.layout(&layout, [1, 1]), &plan, interrupt())?;
+                match uniform.record.stop {
+                    None => return Ok(Some(uniform.scores)),
+                    Some(stop @ Stop::Interrupted { .. }) => record.stop = Some(stop),
+                    // Ratios to it would mean nothing; a threshold on one is not met.
+                    Some(stop) => warnings.push(format!("FAILED: {}: {stop}", baseline.name())),
+                }
+                Ok(None)
             };
-            scores.relate(uniform(Baseline::AllHost)?.as_ref(), uniform(Baseline::AllLens)?.as_ref());
+            let [host, lens] = [uniform(Baseline::AllHost)?, uniform(Baseline::AllLens)?];
+            scores.relate(host.as_ref(), lens.as_ref());
         }
         if let Some(path) = &self.spheres {
             write_file(path, &spheres(&layout, &record))?;
@@ -75,6 +89,7 @@ impl Check {
             warnings: plan.warnings.iter().cloned().chain(warnings).collect(),
             stop: record.stop,
         };
+        write_json(common, &checked)?;
         if common.json {
             emit_json(&checked);
         } else {
@@ -85,8 +100,16 @@ impl Check {
             Some(stop @ Stop::Interrupted { .. }) => {
                 Err(Failure::Interrupted(format!("{stop}; shown is what was computed")))
             }
-            Some(stop) => Err(Failure::Guard(stop.to_string())),
-            None if self.strict => thresholds(&design, &checked),
+            Some(stop) => Err(Failure::Guard(vec![stop.to_string()])),
+            None if self.strict => {
+                if design.thresholds.is_empty() {
+                    note(
+                        common,
+                        &format!("{} sets no [thresholds]; --strict has nothing to ask", self.design.display()),
+                    );
+                }
+                thresholds(&design, &checked)
+            }
             None => Ok(()),
         }
     }

@@ -3,17 +3,19 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{Comparison, compare};
+use granulens::evaluate::{Comparison, compare, stops};
 use granulens::layout::{self, Layout};
 use granulens::outcome::Outcome;
 use granulens::report;
 
 use super::console::{Bar, emit, emit_json, interrupt};
 use super::failure::Failure;
-use super::folder::write_file;
+use super::folder::{probe, write_file};
 use super::{Common, Motion, propose};
 
-/// Simulate the lens, or a given layout, and all baselines; print the table. With --out, write the outcome as JSON.
+/// Simulate the lens, or a given layout, and all baselines; print the table
+///
+/// With --out, the whole outcome is written as JSON too, sphere by sphere.
 #[derive(clap::Args)]
 pub struct Compare {
     /// Design file
@@ -36,7 +38,8 @@ impl Compare {
                 Comparison::of_layout(&design, name, read_layout(&design, path)?, overrides)
             }
         }
-        .map_err(|error| Failure::of_plan(&design, &error))?;
+        .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        probe(common.out.as_ref())?;
         let bar = Bar::new(common, comparison.len());
         let outcome = compare(&comparison, interrupt(), &bar)?;
         bar.done();
@@ -65,7 +68,6 @@ pub fn read_layout(design: &Design, path: &std::path::Path) -> Result<Layout, Fa
 
 /// Fails where a guard stopped an arrangement.
 pub fn guard(outcome: &Outcome) -> Result<(), Failure> {
-    let stopped = outcome.arrangements.iter().filter_map(|a| a.stop.as_ref().map(|stop| format!("{}: {stop}", a.name)));
-    let stopped: Vec<String> = stopped.collect();
-    if stopped.is_empty() { Ok(()) } else { Err(Failure::Guard(stopped.join("; "))) }
+    let stopped = stops(&outcome.arrangements);
+    if stopped.is_empty() { Ok(()) } else { Err(Failure::Guard(stopped)) }
 }

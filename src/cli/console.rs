@@ -34,15 +34,25 @@ pub fn emit(text: &str) {
 
 /// Prints one JSON value as data.
 pub fn emit_json(value: &impl serde::Serialize) {
-    // The values printed here have string keys and finite or null numbers, so serialising cannot fail.
-    emit(&serde_json::to_string_pretty(value).unwrap_or_default());
+    emit(&pretty(value));
 }
 
-/// Prints words for a person.
+/// A JSON value as text for people and programs.
+pub fn pretty(value: &impl serde::Serialize) -> String {
+    // The values printed here have string keys, and numbers that are not finite become null: this cannot fail.
+    serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
+}
+
+/// Prints words for a person; with --json nothing but an error's object goes to stderr.
 pub fn note(common: &Common, text: &str) {
-    if !common.quiet {
-        eprintln!("{text}");
+    if !common.quiet && !common.json {
+        say(text);
     }
+}
+
+/// Prints a line on stderr, if anyone still reads it.
+pub fn say(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
 /// A bar on stderr that counts finished arrangements; hidden where stderr is no terminal.

@@ -14,8 +14,10 @@ use super::failure::Failure;
 use super::folder::write_file;
 use super::{Common, length};
 
-/// Draw a contact's force-displacement curve with its regions and an unloading (--out FILE.svg), or evaluate the law at
-/// given states (--states FILE.csv).
+/// Draw a contact's force-displacement curve, or evaluate the law at given states
+///
+/// The curve, with its regions and an unloading, goes to the file of --out as SVG. With --states, the forces and the histories
+/// after a step go to stdout as CSV, or to the file of --out.
 #[derive(clap::Args)]
 pub struct Contact {
     /// The two materials, such as 440c,brass
@@ -25,12 +27,12 @@ pub struct Contact {
     #[arg(long, default_value_t = LawKind::Thesis)]
     law: LawKind,
     /// Diameter of both spheres, or of each: "6.35 mm,9.5 mm"
-    #[arg(long, default_value = "6.35 mm")]
+    #[arg(long, default_value = "6.35 mm", allow_hyphen_values = true)]
     diameter: String,
     /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
     #[arg(long, default_value_t = Constants::Code)]
     constants: Constants,
-    /// CSV with the columns d,v,dmax,Fmax in SI, v > 0 closing; forces and histories go to stdout
+    /// CSV with the columns d,v,dmax,Fmax in SI, v > 0 closing; forces and histories go to stdout, or to the file of --out
     #[arg(long, value_name = "FILE")]
     states: Option<PathBuf>,
 }
@@ -40,14 +42,37 @@ impl Contact {
         let pair = self.pair()?;
         let law = AnyLaw::new(self.law, &pair);
         if let Some(path) = &self.states {
-            let text = states(path, &law)?;
-            match &common.out {
-                Some(out) => write_file(out, &text)?,
-                None => emit(&text),
+            let rows = states(path, &law)?;
+            if let Some(out) = &common.out {
+                write_file(out, &csv(&rows))?;
+            }
+            match (common.json, &common.out) {
+                (true, _) => {
+                    let rows: Vec<_> = rows
+                        .iter()
+                        .map(|row| {
+                            COLUMNS
+                                .into_iter()
+                                .map(str::to_owned)
+                                .zip(row.map(serde_json::Value::from))
+                                .collect::<Row>()
+                        })
+                        .collect();
+                    let law = self.law.name();
+                    emit_json(&json!({ "format": granulens::outcome::FORMAT, "law": law, "states": rows }));
+                }
+                (false, None) => emit(&csv(&rows)),
+                (false, Some(out)) => note(common, &format!("states: {}", out.display())),
             }
             return Ok(());
         }
         if let Some(path) = &common.out {
+            if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+                return Err(Failure::input_with_help(
+                    format!("--out {}: the curve is drawn as SVG only", path.display()),
+                    "Let the name end in .svg.",
+                ));
+            }
             let title = format!("{} ({}, {} constants)", self.pair.replace(',', " on "), self.law, self.constants);
             write_file(path, &report::contact_curve(&law, &pair, &title))?;
             note(common, &format!("curve: {}", path.display()));
@@ -95,9 +120,8 @@ impl Contact {
         let names: Vec<&str> = self.pair.split(',').map(str::trim).collect();
         let [a, b] = names.as_slice() else {
             return Err(Failure::input(format!(
-                "--pair \"{}\" names {} materials, expected two: 440c,brass",
-                self.pair,
-                names.len()
+                "--pair \"{}\": expected two materials, such as 440c,brass",
+                self.pair
             )));
         };
         let parse = |text: &str| length(text).map_err(|error| Failure::input(format!("--diameter: {error}")));
@@ -113,36 +137,57 @@ impl Contact {
     }
 }
 
-/// The law at every state of a CSV file.
-fn states(path: &Path, law: &AnyLaw) -> Result<String, Failure> {
-    let fail = |message: String| Failure::input(format!("{}: {message}", path.display()));
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| fail(error.to_string()))?;
-    let header = reader.headers().map_err(|error| fail(error.to_string()))?.clone();
-    let mut places = [0; 4];
-    for (place, name) in places.iter_mut().zip(["d", "v", "dmax", "Fmax"]) {
-        *place = header
-            .iter()
-            .position(|column| column == name)
-            .ok_or_else(|| fail(format!("has no column \"{name}\"; expected d,v,dmax,Fmax")))?;
+/// The columns written for states: the state, the force, and the history after a step accepted there.
+const COLUMNS: [&str; 7] = ["d", "v", "dmax", "Fmax", "F", "dmax_after", "Fmax_after"];
+
+/// One state as a JSON object.
+type Row = serde_json::Map<String, serde_json::Value>;
+
+fn csv(rows: &[[f64; 7]]) -> String {
+    let mut text = COLUMNS.join(",") + "\n";
+    for row in rows {
+        let _ = writeln!(text, "{}", row.map(|value| value.to_string()).join(","));
     }
-    let mut text = String::from("d,v,dmax,Fmax,F,dmax_after,Fmax_after\n");
-    for record in reader.records() {
-        let record = record.map_err(|error| fail(error.to_string()))?;
-        let line = record.position().map_or(0, csv::Position::line);
+    text
+}
+
+/// The law at every state of a CSV file.
+fn states(path: &Path, law: &AnyLaw) -> Result<Vec<[f64; 7]>, Failure> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::of_file(path, None, &format!("cannot be read: {error}")))?;
+    // Counted here: the reader takes the place behind the record before for a record's place, comments and all.
+    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
+    let Some((line, header)) = lines.next() else {
+        return Err(Failure::of_file(path, None, "holds no lines but comments; expected the columns d,v,dmax,Fmax"));
+    };
+    let columns: Vec<&str> = cells(header);
+    let mut places = [0; 4];
+    for (place, name) in places.iter_mut().zip(COLUMNS) {
+        *place = columns.iter().position(|&column| column == name).ok_or_else(|| {
+            Failure::of_file(path, Some(line), &format!("has no column \"{name}\"; expected d,v,dmax,Fmax"))
+        })?;
+    }
+    let mut rows = Vec::new();
+    for (line, text) in lines {
+        let cells = cells(text);
         let mut values = [0.0; 4];
         for (value, &place) in values.iter_mut().zip(&places) {
-            *value = record[place].parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
-                fail(format!("line {line}: {} = \"{}\" is not a finite number", &header[place], &record[place]))
-            })?;
+            let fail = |message: String| Failure::of_file(path, Some(line), &format!("{}{message}", columns[place]));
+            let cell = cells.get(place).ok_or_else(|| fail(" is missing in this line".to_owned()))?;
+            *value = cell
+                .parse()
+                .ok()
+                .filter(|value: &f64| value.is_finite())
+                .ok_or_else(|| fail(format!(" = \"{cell}\" is not a finite number")))?;
         }
         let [d, v, dmax, fmax] = values;
         let history = History { overlap_max: dmax, force_max: fmax };
         let (force, after) = law.respond(d.max(0.0), v, &history);
-        let _ = writeln!(text, "{d},{v},{dmax},{fmax},{force},{},{}", after.overlap_max, after.force_max);
+        rows.push([d, v, dmax, fmax, force, after.overlap_max, after.force_max]);
     }
-    Ok(text)
+    Ok(rows)
+}
+
+fn cells(line: &str) -> Vec<&str> {
+    line.split(',').map(|cell| cell.trim().trim_matches('"')).collect()
 }

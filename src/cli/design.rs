@@ -14,8 +14,9 @@ use super::failure::Failure;
 use super::folder::write_file;
 use super::{Common, propose};
 
-/// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated. With --out, write its
-/// layout as CSV.
+/// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated
+///
+/// The layout goes to stdout as CSV, or to the file of --out.
 #[derive(clap::Args)]
 pub struct Propose {
     /// Design file, such as designs/quickstart.toml
@@ -56,8 +57,9 @@ pub fn words(design: &Design, lens: &Lens) -> String {
     let in_diameters = |length: f64| format!("{:.2} D", length / diameter);
     let critical = granulens::wave::critical_angle([lens.host_speed, lens.lens_speed])
         .map_or_else(|| "none".to_owned(), |angle| format!("{:.1} deg", angle.to_degrees()));
-    let crossing = |depth: Option<f64>| {
-        depth.map_or_else(|| "does not".to_owned(), |z| format!("{:.1}", z / design.lattice.row_spacing() + 1.0))
+    let crossing = |depth: Option<f64>| match depth {
+        Some(z) => format!("crosses the axis at row {:.1}", z / design.lattice.row_spacing() + 1.0),
+        None => "does not cross the axis".to_owned(),
     };
     let [mid, x] = [design.target.focus.mid_row(), design.target.focus.x[1] / diameter];
     format!(
@@ -65,7 +67,7 @@ pub fn words(design: &Design, lens: &Lens) -> String {
          impact: {} per sphere, {} per contact; {}: {}; {}: {}\n\
          lens: rows {} to {}, radius {} ({}), rim angle {:.1} deg, half aperture {}, {} spheres\n\
          rays: {:.1} % of the struck width reach the focus (row {mid}, x <= {x:.1} D), {:.1} % without the lens; innermost \
-         ray crosses the axis at row {}, rim ray at row {}",
+         ray {}, rim ray {}",
         host.name,
         lens.host_speed,
         material.name,

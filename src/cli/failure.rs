@@ -1,19 +1,22 @@
 //! What went wrong, as text or as JSON, and the exit codes.
 
+use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
 
 use granulens::design::{Design, DesignError};
-use granulens::evaluate::PlanError;
+use granulens::evaluate::{Overrides, PlanError};
 use granulens::layout::LayoutFileError;
 use granulens::lens::LensError;
 use serde_json::{Map, Value, json};
+
+use super::console::say;
 
 /// Why the program does not end with 0.
 pub enum Failure {
     /// Usage or input: 2.
     Input(Box<Input>),
-    /// A guard stopped a run: 1.
-    Guard(String),
+    /// A guard stopped one or more runs: 1.
+    Guard(Vec<String>),
     /// Thresholds of the design file that are not met: 3.
     Threshold(Vec<String>),
     /// Ctrl-C: 130.
@@ -32,47 +35,97 @@ pub struct Input {
     drawn: Option<miette::Report>,
 }
 
+/// How errors are drawn: wrapped for a terminal, but whole lines for a file or a pipe, so that FILE:LINE stays together.
+pub fn draw_errors() {
+    let wrap = io::stderr().is_terminal();
+    let options = move || miette::MietteHandlerOpts::new().wrap_lines(wrap).break_words(false);
+    // Fails only if a way of drawing is chosen already, and none is.
+    let _ = miette::set_hook(Box::new(move |_| Box::new(options().build())));
+}
+
 impl Failure {
     pub fn input(message: impl Into<String>) -> Self {
         Self::Input(Box::new(Input { message: message.into(), ..Input::default() }))
     }
 
-    pub fn usage(message: String) -> Self {
-        Self::input(message.trim().trim_start_matches("error: ").to_owned())
+    /// What clap says of the command line: the fault, and below it usage and hints.
+    pub fn usage(error: &clap::Error) -> Self {
+        let text = error.to_string();
+        let text = text.trim().trim_start_matches("error: ");
+        let (message, help) = match error.kind() {
+            clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => ("no subcommand is given", text),
+            _ => text.split_once("\n\n").unwrap_or((text, "")),
+        };
+        Self::input_with_help(message, help.trim())
+    }
+
+    pub fn input_with_help(message: impl Into<String>, help: impl Into<String>) -> Self {
+        let help = Some(help.into()).filter(|help| !help.is_empty());
+        Self::Input(Box::new(Input { message: message.into(), help, ..Input::default() }))
+    }
+
+    /// What is wrong with a file, or one line of it.
+    pub fn of_file(path: &std::path::Path, line: Option<u64>, message: &str) -> Self {
+        let file = path.display().to_string();
+        let at = line.map_or(String::new(), |line| format!("{line}:"));
+        let message = format!("{file}:{at} {message}");
+        Self::Input(Box::new(Input { file: Some(file), line, message, ..Input::default() }))
     }
 
     /// A file that cannot be written.
     pub fn write(path: &std::path::Path, error: &std::io::Error) -> Self {
+        // Of a temporary file's error only the reason counts: its name is nothing the user gave.
+        let says = |error: &io::Error| match error.raw_os_error() {
+            Some(code) => io::Error::from_raw_os_error(code).to_string(),
+            None => error.to_string(),
+        };
+        let reason = match path.ancestors().skip(1).find(|parent| parent.exists()) {
+            _ if error.kind() == io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+            Some(parent) if parent.is_file() => format!("{} is a file", parent.display()),
+            _ => says(error),
+        };
         Self::Input(Box::new(Input {
             file: Some(path.display().to_string()),
-            message: format!("{}: cannot be written: {error}", path.display()),
-            help: Some("Choose another place with --out.".to_owned()),
+            message: format!("{}: cannot be written: {reason}", path.display()),
+            help: Some("Choose another place.".to_owned()),
             ..Input::default()
         }))
     }
 
     /// A lens that cannot be, of a design.
     pub fn of_lens(design: &Design, error: &LensError) -> Self {
-        Self::Input(Box::new(Input {
-            file: Some(design.path.display().to_string()),
-            key: Some("lens".to_owned()),
-            message: format!("{}: lens: {error}", design.path.display()),
-            ..Input::default()
-        }))
+        let (key, help) = match error {
+            LensError::Rows { .. } => ("lens.rows", "Leave it out to have the rows up to the focal region."),
+            LensError::FocusRows { .. } => ("target.focus.rows", "Choose rows of the crystal."),
+            LensError::FocusWidth(_) => ("target.focus.x", "Give the nearer distance from the axis first."),
+            LensError::MaxAngle(_) => ("lens.max_interface_angle", "Leave it out for 60 degrees."),
+            LensError::ApexRow { .. } => ("lens.apex_row", "Leave it out to have it solved."),
+            LensError::BackRow { .. } => ("lens.back_row", "Leave it out to have it solved."),
+            LensError::RadiusSign(_) | LensError::Radius { .. } => ("lens.radius", "Leave it out to have it solved."),
+            LensError::Unreachable(_) => ("lens", "Change what binds, or move or widen target.focus."),
+        };
+        let words = error.to_string();
+        let words = words.trim_end_matches('.');
+        // Most begin with the key's own name and its value.
+        let message = match key.rsplit_once('.') {
+            Some((section, name)) if words.starts_with(&format!("{name} = ")) => format!("{section}.{words}."),
+            _ => format!("{key}: {words}."),
+        };
+        design.blame(key, message, help.to_owned()).into()
     }
 
-    /// A step or window that cannot be, of a design.
-    pub fn of_plan(design: &Design, error: &PlanError) -> Self {
-        Self::Input(Box::new(Input {
-            file: Some(design.path.display().to_string()),
-            key: Some(match error {
-                PlanError::Step { .. } => "run.step".to_owned(),
-                PlanError::Window { .. } => "run.window".to_owned(),
-            }),
-            message: format!("{}: {error}", design.path.display()),
-            help: Some(error.help()),
-            ..Input::default()
-        }))
+    /// A step or window that cannot be: of the command line where it was given there, or of the design.
+    pub fn of_plan(design: &Design, overrides: &Overrides, error: &PlanError) -> Self {
+        let (name, given) = match error {
+            PlanError::Step { .. } => ("step", overrides.step),
+            PlanError::Window { .. } => ("window", overrides.window),
+        };
+        if given.is_some() {
+            let key = Some(format!("--{name}"));
+            let (message, help) = (format!("--{error}"), Some(error.help()));
+            return Self::Input(Box::new(Input { key, message, help, ..Input::default() }));
+        }
+        design.blame(&format!("run.{name}"), format!("run.{error}."), error.help()).into()
     }
 
     /// Prints itself on stderr and gives the exit code.
@@ -95,28 +148,28 @@ impl Failure {
                     error.insert("message".to_owned(), json!(message));
                     error.insert("help".to_owned(), json!(help));
                 }
-                Self::Guard(message) | Self::Interrupted(message) => {
+                Self::Guard(messages) | Self::Threshold(messages) => {
+                    error.insert("message".to_owned(), json!(messages.join("; ")));
+                }
+                Self::Interrupted(message) => {
                     error.insert("message".to_owned(), json!(message));
                 }
-                Self::Threshold(missed) => {
-                    error.insert("message".to_owned(), json!(missed.join("; ")));
-                }
             }
-            eprintln!("{}", json!({ "format": granulens::outcome::FORMAT, "error": Value::Object(error) }));
+            say(&json!({ "format": granulens::outcome::FORMAT, "error": Value::Object(error) }).to_string());
         } else {
             match self {
                 Self::Input(input) => match *input {
-                    Input { drawn: Some(report), .. } => eprintln!("{report:?}"),
+                    Input { drawn: Some(report), .. } => say(format!("{report:?}").trim_end()),
                     Input { message, help, .. } => {
-                        eprintln!("error: {message}");
+                        say(&format!("error: {message}"));
                         if let Some(help) = help {
-                            eprintln!("  help: {help}");
+                            say(&format!("  help: {help}"));
                         }
                     }
                 },
-                Self::Guard(message) => eprintln!("failed: {message}"),
-                Self::Threshold(missed) => missed.iter().for_each(|line| eprintln!("threshold not met: {line}")),
-                Self::Interrupted(message) => eprintln!("interrupted: {message}"),
+                Self::Guard(messages) => messages.iter().for_each(|line| say(&format!("failed: {line}"))),
+                Self::Threshold(missed) => missed.iter().for_each(|line| say(&format!("threshold not met: {line}"))),
+                Self::Interrupted(message) => say(&format!("interrupted: {message}")),
             }
         }
         ExitCode::from(code)
@@ -141,8 +194,10 @@ impl From<LayoutFileError> for Failure {
         Self::Input(Box::new(Input {
             file: Some(error.path.display().to_string()),
             line: error.line,
+            key: error.key.map(str::to_owned),
             message: error.to_string(),
-            ..Input::default()
+            help: error.help.clone(),
+            drawn: Some(miette::Report::new(error)),
         }))
     }
 }

@@ -4,6 +4,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use granulens::outcome::Manifest;
+
+use super::Common;
+use super::console::pretty;
 use super::failure::Failure;
 
 /// Writes a file by way of a temporary one beside it, so that a file that was there stays until the new one is whole.
@@ -18,6 +22,28 @@ pub fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
         Ok(())
     };
     attempt().map_err(|error| Failure::write(path, &error))
+}
+
+/// Whether a file can be written there: found out before a simulation rather than after it.
+pub fn probe(path: Option<&PathBuf>) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    let attempt = || -> io::Result<()> {
+        if path.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        let parent = parent_of(path);
+        fs::create_dir_all(&parent)?;
+        tempfile::NamedTempFile::new_in(&parent).map(drop)
+    };
+    attempt().map_err(|error| Failure::write(path, &error))
+}
+
+/// Writes one JSON value to the file of --out, where that is given.
+pub fn write_json(common: &Common, value: &impl serde::Serialize) -> Result<(), Failure> {
+    match &common.out {
+        Some(path) => write_file(path, &pretty(value)),
+        None => Ok(()),
+    }
 }
 
 /// Temporary files are private; results are not.
@@ -54,16 +80,38 @@ impl Folder {
     /// stands there already is a folder of results, which alone is replaced.
     pub fn begin(place: &Path) -> Result<Self, Failure> {
         if place.exists() && !is_results(place) {
-            return Err(Failure::input(format!(
-                "{} exists and is no folder of results; it is left alone. Choose another place with --out.",
-                place.display()
-            )));
+            return Err(Failure::input_with_help(
+                format!("{} exists and is no folder of results; it is left alone", place.display()),
+                "Choose another place with --out.",
+            ));
+        }
+        if fs::canonicalize(place).is_ok_and(|place| std::env::current_dir().is_ok_and(|here| here.starts_with(place)))
+        {
+            return Err(Failure::input_with_help(
+                format!("{} is the current folder or holds it, and cannot be replaced", place.display()),
+                "Name a folder in it with --out.",
+            ));
         }
         let parent = parent_of(place);
         let making = fs::create_dir_all(&parent)
             .and_then(|()| tempfile::Builder::new().prefix(".granulens-").tempdir_in(&parent))
             .map_err(|error| Failure::write(place, &error))?;
         Ok(Self { place: place.to_owned(), making })
+    }
+
+    /// Begins a folder beside `place`: its name with an ending, and with a number where that is taken by something else.
+    pub fn beside(place: &Path, ending: &str) -> Result<(PathBuf, Self), Failure> {
+        let named = |number: u32| {
+            let mut name = place.as_os_str().to_owned();
+            name.push(format!(".{ending}"));
+            if number > 1 {
+                name.push(format!("-{number}"));
+            }
+            PathBuf::from(name)
+        };
+        let free = |place: &PathBuf| !place.exists() || is_results(place);
+        let place = (1..100).map(named).find(free).unwrap_or_else(|| named(1));
+        Ok((place.clone(), Self::begin(&place)?))
     }
 
     /// Where to write meanwhile.
@@ -92,7 +140,9 @@ impl Folder {
     }
 }
 
+/// A folder with a manifest of ours, or an empty one. Others write files of that name too.
 fn is_results(place: &Path) -> bool {
     let empty = || fs::read_dir(place).is_ok_and(|mut entries| entries.next().is_none());
-    place.is_dir() && (place.join(MARK).is_file() || empty())
+    let manifest = || fs::read_to_string(place.join(MARK)).ok().map(|text| serde_json::from_str::<Manifest>(&text));
+    place.is_dir() && (matches!(manifest(), Some(Ok(_))) || empty())
 }

@@ -10,9 +10,12 @@ use serde_json::json;
 use super::Common;
 use super::console::{emit, emit_json};
 use super::failure::Failure;
+use super::folder::write_json;
 
-/// List the materials, with their sources. Own ones are written into a design file as [materials.NAME], with density,
-/// youngs_modulus, poisson_ratio, yield_stress, rate_constant and source.
+/// List the materials, with their sources
+///
+/// Own ones are written into a design file as [materials.NAME], with density, youngs_modulus, poisson_ratio, yield_stress,
+/// rate_constant and source. With --out, the list is written as JSON too.
 #[derive(clap::Args)]
 pub struct Materials {
     /// Design file whose own materials are listed too
@@ -25,18 +28,20 @@ impl Materials {
         if let Some(path) = &self.design {
             materials.extend(Design::read(path)?.own_materials);
         }
-        if common.json {
-            let list: Vec<_> = materials
-                .iter()
-                .map(|m| {
-                    json!({
-                        "name": m.name, "aliases": aliases(&m.name), "density_kg_m3": m.density,
-                        "youngs_modulus_Pa": m.youngs_modulus, "poisson_ratio": m.poisson_ratio,
-                        "yield_stress_Pa": m.yield_stress, "rate_constant": m.rate_constant, "source": m.source,
-                    })
+        let list: Vec<_> = materials
+            .iter()
+            .map(|m| {
+                json!({
+                    "name": m.name, "aliases": aliases(&m.name), "density_kg_m3": m.density,
+                    "youngs_modulus_Pa": m.youngs_modulus, "poisson_ratio": m.poisson_ratio,
+                    "yield_stress_Pa": m.yield_stress, "rate_constant": m.rate_constant, "source": m.source,
                 })
-                .collect();
-            emit_json(&json!({ "format": granulens::outcome::FORMAT, "materials": list }));
+            })
+            .collect();
+        let list = json!({ "format": granulens::outcome::FORMAT, "materials": list });
+        write_json(common, &list)?;
+        if common.json {
+            emit_json(&list);
             return Ok(());
         }
         let mut text = format!(

@@ -28,10 +28,7 @@ use failure::Failure;
 /// Design impact lenses: packings of metal spheres that steer an impact wave to where it does no harm.
 #[derive(Parser)]
 #[command(name = "granulens", version, max_term_width = 100)]
-#[command(
-    after_help = "Exit codes: 0 done; 1 a guard stopped a run; 2 usage or input; 3 a threshold of the design file is not \
-                        met (check --strict); 130 interrupted, with what was finished kept."
-)]
+#[command(after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -39,10 +36,17 @@ struct Cli {
     common: Common,
 }
 
+const EXIT_CODES: &str = "Exit codes:
+  0    done
+  1    a guard stopped a run
+  2    usage or input
+  3    a threshold of the design file is not met (check --strict)
+  130  interrupted; what was finished is kept";
+
 /// Options of every subcommand.
 #[derive(Args)]
 struct Common {
-    /// Print one JSON object on stdout; errors become one JSON object on stderr
+    /// Print one JSON object on stdout, and no words; errors become one JSON object on stderr
     #[arg(long, global = true)]
     json: bool,
     /// No progress, no notes
@@ -54,34 +58,28 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: a folder for run, a file for the others
+    /// Where to write: run a folder, design and contact what they make, the others their JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
 }
 
+/// What each does is said at its own arguments, from where the help takes it.
 #[derive(Subcommand)]
 enum Command {
-    /// The whole job: propose a lens, simulate it and its baselines, score, report
     Run(run::Run),
-    /// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated
     Design(design::Propose),
-    /// Simulate a layout file, proposed or edited by hand, under a design's impact
     Check(check::Check),
-    /// Simulate the lens, or given layouts, and all baselines; print the table
     Compare(compare::Compare),
-    /// List the materials, with their sources
     Materials(materials::Materials),
-    /// Draw a contact's force-displacement curve, or evaluate the law at given states
     Contact(contact::Contact),
-    /// The closed-form bound of the wave speed
     Speed(speed::Speed),
 }
 
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) if error.use_stderr() && std::env::args().any(|arg| arg == "--json") => {
-            return Failure::usage(error.to_string()).print(true);
+        Err(error) if error.use_stderr() && std::env::args_os().any(|arg| arg == "--json") => {
+            return Failure::usage(&error).print(true);
         }
         Err(error) => error.exit(),
     };
@@ -89,6 +87,7 @@ pub fn main() -> ExitCode {
         // Fails only if a pool exists already, and none does.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
+    failure::draw_errors();
     let common = &cli.common;
     let done = match cli.command {
         Command::Run(command) => command.run(common),
@@ -112,10 +111,10 @@ struct Motion {
     #[arg(long, value_name = "NAME")]
     integrator: Option<granulens::dem::Integrator>,
     /// Time step, such as "5e-8 s"
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     step: Option<f64>,
     /// Window, such as "250 us"
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     window: Option<f64>,
 }
 
@@ -137,7 +136,10 @@ fn length(text: &str) -> Result<f64, String> {
 
 /// The design's lens, proposed.
 fn propose(design: &Design) -> Result<granulens::lens::Lens, Failure> {
-    let request = design.lens.as_ref().ok_or_else(|| Failure::input("the design has no [lens] to propose"))?;
+    let request = design.lens.as_ref().ok_or_else(|| {
+        let help = "Describe one, or compare a layout of your own: granulens compare DESIGN.toml LAYOUT.csv.";
+        design.blame("lens", "[lens] is missing: nothing is asked for.".to_owned(), help.to_owned())
+    })?;
     granulens::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants)
         .map_err(|error| Failure::of_lens(design, &error))
 }

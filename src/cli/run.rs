@@ -12,7 +12,10 @@ use super::failure::Failure;
 use super::folder::Folder;
 use super::{Common, Motion, propose};
 
-/// The whole job: propose a lens from the target, simulate it and its baselines, score, report.
+/// The whole job: propose a lens, simulate it and its baselines, score, report
+///
+/// The output folder, reports/NAME unless --out names another, appears when it is complete; an earlier report there is
+/// replaced as a whole. Of an interrupted run the finished numbers are kept beside it.
 #[derive(clap::Args)]
 pub struct Run {
     /// Design file, such as designs/quickstart.toml
@@ -25,8 +28,9 @@ impl Run {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
         let lens = propose(&design)?;
-        let comparison = Comparison::of_lens(&design, &lens, self.motion.overrides(common))
-            .map_err(|error| Failure::of_plan(&design, &error))?;
+        let overrides = self.motion.overrides(common);
+        let comparison = Comparison::of_lens(&design, &lens, overrides)
+            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
         let folder = Folder::begin(&place)?;
         note(common, &super::design::words(&design, &lens));
@@ -39,8 +43,7 @@ impl Run {
         let expected = comparison.len();
         if outcome.arrangements.len() < expected {
             let finished = outcome.arrangements.len();
-            let kept = place.with_extension("interrupted");
-            let folder = Folder::begin(&kept)?;
+            let (kept, folder) = Folder::beside(&place, "interrupted")?;
             report::write_numbers(&outcome, folder.path())?;
             folder.finish()?;
             return Err(Failure::Interrupted(format!(

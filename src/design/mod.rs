@@ -131,6 +131,13 @@ impl Design {
         check::design(path.as_ref(), text)
     }
 
+    /// A complaint of those who know the physics about `key`, such as `run.step`: it points to where the key stands in the
+    /// file, or, where it is left out, to its section.
+    pub fn blame(&self, key: &str, message: String, help: String) -> DesignError {
+        let source = error::Source { path: &self.path, text: &self.text };
+        source.error(syntax::place(source, key), Some(key), message, help)
+    }
+
     /// Finds a material by name or alias, among those of the file and in the library.
     ///
     /// # Errors

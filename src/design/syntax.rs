@@ -1,7 +1,9 @@
 //! Text that is no TOML, in words for someone who has not read the grammar.
 
+use std::ops::Range;
+
 use toml::Spanned;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 use super::error::{DesignError, Source};
 
@@ -75,4 +77,22 @@ pub(super) fn parse<'a>(source: Source<'a>) -> Result<Spanned<DeTable<'a>>, Desi
         };
         source.error(Some(place), None, message, help.to_owned())
     })
+}
+
+/// Where `key`, such as `run.step`, stands with its value; or, where it is left out, the name of its section.
+pub(super) fn place(source: Source<'_>, key: &str) -> Option<Range<usize>> {
+    let document = parse(source).ok()?;
+    let mut table = document.get_ref();
+    let mut place = None;
+    for part in key.split('.') {
+        let Some((name, value)) = table.iter().find(|(name, _)| name.get_ref().as_ref() == part) else { break };
+        match value.get_ref() {
+            DeValue::Table(inner) => {
+                place = Some(name.span());
+                table = inner;
+            }
+            _ => return Some(name.span().start..value.span().end),
+        }
+    }
+    place
 }

@@ -54,16 +54,31 @@ impl<'a> Comparison<'a> {
     }
 
     /// Any layout against its baselines: strips and mixtures span the rows in which it differs from the host, and are
-    /// made of its first material that is not the host.
+    /// made of the design's lens material, or, where the layout holds none of it, of its first that is not the host.
     ///
     /// # Errors
     /// A step or window with which nothing can be simulated.
     pub fn of_layout(
         design: &'a Design,
         name: String,
-        subject: Layout,
+        mut subject: Layout,
         overrides: Overrides,
     ) -> Result<Self, PlanError> {
+        // Baselines are made of the palette's first two.
+        if subject.count(1) == 0
+            && let Some(&first) = subject.materials.iter().find(|&&m| m > 0)
+        {
+            subject.palette.swap(1, usize::from(first));
+            for material in subject.materials.iter_mut() {
+                *material = if *material == first {
+                    1
+                } else if *material == 1 {
+                    first
+                } else {
+                    *material
+                };
+            }
+        }
         let plan = Plan::new(design, overrides, &subject.palette)?;
         let rows: Vec<u32> = subject
             .lattice
@@ -136,7 +151,6 @@ pub fn compare(
     for ((name, kind, seed, layout), evaluation) in jobs.into_iter().zip(evaluations) {
         let Some(Evaluation { scores, record, doubts: own }) = evaluation else { continue };
         doubts = doubts.worse(own);
-        warnings.extend(record.stop.iter().map(|stop| format!("{name}: FAILED: {stop}")));
         arrangements.push(ArrangementOutcome {
             name,
             kind,
@@ -155,6 +169,7 @@ pub fn compare(
         });
     }
     relate(&mut arrangements);
+    warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
     warnings.extend(doubts.words("some arrangements"));
     let lattice = &design.lattice;
     Ok(Outcome {
@@ -192,9 +207,30 @@ pub fn compare(
     })
 }
 
-/// Adds to every arrangement its ratios to the uniform ones.
+/// Which guards stopped which arrangements, one line for each reason: `lens, all-host: the energy ledger ...`.
+pub fn stops(arrangements: &[ArrangementOutcome]) -> Vec<String> {
+    let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
+    for arrangement in arrangements {
+        let Some(reason) = arrangement.stop.as_ref().map(Stop::to_string) else { continue };
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, names)) => names.push(&arrangement.name),
+            None => reasons.push((reason, vec![&arrangement.name])),
+        }
+    }
+    let all = |names: &[&str]| names.len() == arrangements.len() && names.len() > 1;
+    let words = |(reason, names): (String, Vec<&str>)| {
+        if all(&names) {
+            format!("all {} arrangements: {reason}", names.len())
+        } else {
+            format!("{}: {reason}", names.join(", "))
+        }
+    };
+    reasons.into_iter().map(words).collect()
+}
+
+/// Adds to every arrangement its ratios to the uniform ones, where no guard stopped these.
 fn relate(arrangements: &mut [ArrangementOutcome]) {
-    let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind).map(|a| a.scores.clone());
+    let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind && a.stop.is_none()).map(|a| a.scores.clone());
     let (host, lens): (Option<Scores>, Option<Scores>) = (of("all-host"), of("all-lens"));
     for arrangement in arrangements {
         arrangement.scores.relate(host.as_ref(), lens.as_ref());

@@ -1,0 +1,143 @@
+//! Layout files: what is written can be read and edited, and what is wrong is said with its line.
+
+use super::Desk;
+
+const HEADER: &str = "row,column,x,z,diameter,material\n";
+
+#[test]
+fn a_proposed_layout_is_read_back() {
+    let desk = Desk::with_layout();
+    let text = desk.read("small.csv");
+    assert!(text.starts_with("# granulens layout, format 1;") && text.contains(HEADER));
+    assert_eq!(text.lines().filter(|line| !line.starts_with('#')).count(), 61);
+    assert_eq!(desk.run(&["design", "small.toml"]).ok().stdout, text);
+
+    let check = |name: &str| desk.run(&["check", name, "--design", "small.toml", "--json"]).ok().json();
+    let as_written = check("small.csv");
+    // A spreadsheet's copy: byte order mark, CRLF, aliases and quotes, other rows first, fewer digits.
+    let mut rows: Vec<String> = text.lines().filter(|line| !line.starts_with('#')).skip(1).map(str::to_owned).collect();
+    rows.reverse();
+    let spreadsheet = format!("\u{feff}{HEADER}{}\n", rows.join("\n"))
+        .replace("brass-260", "\"brass\"")
+        .replace("0.019049999999999997", "0.01905")
+        .replace('\n', "\r\n");
+    desk.write("copy.csv", spreadsheet);
+    let copied = check("copy.csv");
+    for key in ["focal_mean_J", "protected_mean_J", "dissipated_J", "steps"] {
+        assert_eq!(as_written[key], copied[key], "{key}");
+    }
+    // One sphere exchanged by hand, for a material that the design does not name.
+    desk.write("edited.csv", text.replacen("brass-260", "302", 1));
+    assert_ne!(check("edited.csv")["focal_mean_J"], as_written["focal_mean_J"]);
+}
+
+#[test]
+fn the_whole_piece_has_both_halves() {
+    let desk = Desk::new();
+    desk.run(&["design", "small.toml", "--full", "--out", "full.csv"]).ok();
+    let text = desk.read("full.csv");
+    // Rows with a sphere on the axis hold 9, the others 10.
+    assert_eq!(text.lines().filter(|line| !line.starts_with('#')).count(), 1 + 6 * 9 + 6 * 10);
+    let refused = desk.run(&["check", "full.csv", "--design", "small.toml"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("the simulated half, x >= 0, not the whole piece"), "{}", refused.stderr);
+}
+
+/// An edit of the layout's text.
+type Edit<'a> = &'a dyn Fn(&str) -> String;
+
+/// Hears what is said of each edit of the small layout; every answer names file and line, where there is one to blame.
+fn page(edits: &[(&str, Edit<'_>)]) -> String {
+    let desk = Desk::with_layout();
+    let text = desk.read("small.csv");
+    let mut page = String::new();
+    for (what, edit) in edits {
+        desk.write("bad.csv", edit(&text));
+        let ran = desk.run(&["check", "bad.csv", "--design", "small.toml"]);
+        assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{what}: {}", ran.stderr);
+        let json = desk.run(&["check", "bad.csv", "--design", "small.toml", "--json"]).json_error();
+        assert_eq!((&json["kind"], &json["file"]), (&"input".into(), &"bad.csv".into()), "{what}");
+        let line = json["line"].as_u64().map_or(String::new(), |line| format!("{line}:"));
+        assert!(ran.stderr.contains(&format!("bad.csv:{line} ")), "{what}: {}", ran.stderr);
+        page += &format!("## {what} (column {})\n{}\n", json["key"], ran.stderr);
+    }
+    page
+}
+
+#[test]
+fn rows_that_are_missing_double_or_strange() {
+    let replaced = |old: &'static str, new: &'static str| {
+        move |text: &str| {
+            assert!(text.contains(old), "{old}");
+            text.replacen(old, new, 1)
+        }
+    };
+    let without = |begin: &'static str| {
+        move |text: &str| text.lines().filter(|line| !line.starts_with(begin)).map(|line| format!("{line}\n")).collect()
+    };
+    insta::assert_snapshot!(page(&[
+        ("a line is missing", &without("5,2,")),
+        ("the first line is missing", &without("1,1,")),
+        ("cut short", &|text| text[..text.find("\n7,3").unwrap()].to_owned()),
+        ("header only", &|_| HEADER.to_owned()),
+        ("given twice, behind a comment", &|text| text.replacen(
+            "\n5,3,",
+            "\n# again\n\n5,2,0.00635,0.02199704525612474,0.00635,brass\n5,3,",
+            1
+        )),
+        ("row beyond the last", &replaced("\n12,5,", "\n13,5,")),
+        ("column beyond the last", &replaced("\n5,5,", "\n5,6,")),
+        ("row 0", &replaced("\n5,5,", "\n0,5,")),
+        ("row is no number", &replaced("\n5,5,", "\nfive,5,")),
+        ("too few values", &replaced("\n5,2,0.00635,", "\n5,2,")),
+        ("too many values", &replaced("\n5,2,", "\n5,2,9,")),
+        ("one value", &replaced("\n5,3,", "\nbrass here\n5,3,")),
+    ]));
+}
+
+#[test]
+fn values_that_do_not_fit() {
+    let line = |new: &'static str| {
+        move |text: &str| {
+            let old = text.lines().find(|line| line.starts_with("5,2,")).unwrap();
+            text.replacen(old, new, 1)
+        }
+    };
+    insta::assert_snapshot!(page(&[
+        ("x off by 2e-6 D", &line("5,2,0.0063500127,0.02199704525612474,0.00635,brass")),
+        ("z in mm", &line("5,2,0.00635,21.997,0.00635,brass")),
+        ("x with a unit", &line("5,2,6.35 mm,0.02199704525612474,0.00635,brass")),
+        ("x is NaN", &line("5,2,NaN,0.02199704525612474,0.00635,brass")),
+        ("z is infinite", &line("5,2,0.00635,inf,0.00635,brass")),
+        ("another diameter", &line("5,2,0.00635,0.02199704525612474,0.0095,brass")),
+        ("negative diameter", &line("5,2,0.00635,0.02199704525612474,-0.00635,brass")),
+        ("unknown material", &line("5,2,0.00635,0.02199704525612474,0.00635,bras-260")),
+        ("unknown material like no other", &line("5,2,0.00635,0.02199704525612474,0.00635,cheese")),
+        ("no material", &line("5,2,0.00635,0.02199704525612474,0.00635,")),
+    ]));
+}
+
+#[test]
+fn files_that_are_no_layout() {
+    insta::assert_snapshot!(page(&[
+        ("empty", &|_| String::new()),
+        ("comments only", &|_| "# nothing\n\n".to_owned()),
+        ("header missing", &|text| text.replacen(HEADER, "", 1)),
+        ("columns in another order", &|text| text.replacen("row,column", "column,row", 1)),
+        ("semicolons", &|text| text.replace(',', ";")),
+        ("a design file", &|_| super::SMALL.to_owned()),
+        ("a quote is not closed", &|text| text.replacen("\n5,2,", "\n\"5,2,", 1)),
+    ]));
+}
+
+#[test]
+fn files_that_cannot_be_read() {
+    let desk = Desk::new();
+    desk.write("binary.csv", [0x72, 0x6f, 0x77, 0xff, 0xfe]);
+    let heard = ["nowhere.csv", "binary.csv", "."].map(|name| {
+        let ran = desk.run(&["check", name, "--design", "small.toml"]);
+        assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{name}");
+        ran.stderr
+    });
+    insta::assert_snapshot!(heard.concat());
+}
