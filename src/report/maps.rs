@@ -2,7 +2,7 @@
 
 use super::colour::{Scale, round_up};
 use super::crystal::{Crystal, Extent};
-use super::digits::{NONE, significant};
+use super::summary::{CONTRAST, FOCAL, Line, PROTECTED};
 use super::svg::{Anchor, Svg};
 use crate::outcome::{ArrangementOutcome, Outcome};
 
@@ -85,11 +85,10 @@ pub fn kinetic(outcome: &Outcome) -> String {
             crystal.row_numbers(&mut svg, 10, 11.0);
             svg.text_upwards([14.0, corner[1] + height / 2.0], 12.0, "", "row");
         }
-        let scores = &arrangement.scores;
-        let energies =
-            format!("F {}  P {} J", significant(scores.focal_mean, 3), significant(scores.protected_mean, 3));
+        let line = Line { name: &arrangement.name, members: vec![arrangement] };
+        let energies = format!("F {}  P {} J", line.show(&FOCAL), line.show(&PROTECTED));
         svg.text([middle, corner[1] + height + 17.0], 11.0, Anchor::Middle, "", &energies);
-        let contrast = format!("F/P {}", scores.contrast.map_or(NONE.to_owned(), |c| format!("{c:.2}")));
+        let contrast = format!("F/P {}", line.show(&CONTRAST));
         svg.text([middle, corner[1] + height + 33.0], 11.0, Anchor::Middle, "", &contrast);
     }
     let lists = shown.iter().map(|a| &a.record.max_kinetic[..]);
