@@ -21,7 +21,7 @@ pub struct Contact {
     /// The two materials, such as 440c,brass
     #[arg(long, value_name = "A,B")]
     pair: String,
-    /// thesis, thesis-static, hertz, hertz-thesis, linear or linear-static
+    /// thesis, thesis-static, consistent, hertz, hertz-thesis, linear or linear-static
     #[arg(long, default_value_t = LawKind::Thesis)]
     law: LawKind,
     /// Diameter of both spheres, or of each: "6.35 mm,9.5 mm"
@@ -140,7 +140,7 @@ fn states(path: &Path, law: &AnyLaw) -> Result<String, Failure> {
             })?;
         }
         let [d, v, dmax, fmax] = values;
-        let history = History { overlap_max: dmax, force_max: fmax };
+        let history = History::yielded_at(dmax, fmax);
         let (force, after) = law.respond(d.max(0.0), v, &history);
         let _ = writeln!(text, "{d},{v},{dmax},{fmax},{force},{},{}", after.overlap_max, after.force_max);
     }

@@ -97,7 +97,7 @@ fn one_percent(integrator: Integrator) -> f64 {
 fn overshoot(law: LawKind) -> f64 {
     match law {
         LawKind::Hertz | LawKind::HertzThesis => 3.75,
-        LawKind::Thesis | LawKind::ThesisStatic | LawKind::Linear | LawKind::LinearStatic => 1.2,
+        LawKind::Thesis | LawKind::ThesisStatic | LawKind::Consistent | LawKind::Linear | LawKind::LinearStatic => 1.2,
     }
 }
 

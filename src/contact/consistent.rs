@@ -1,0 +1,147 @@
+//! The elastic-plastic contact of two metal spheres without the published law's defects.
+//!
+//! Derivation, proof that no path creates energy, and differences from the published law: `docs/consistent-law.md`.
+
+use super::elastoplastic::PlasticLine;
+use super::{ElastoPlastic, ForceLaw, History, NormalLaw, Pair};
+use crate::real::Real;
+
+/// The energy-consistent elastic-plastic law. With U the elastic curve of the contact as it is now, and Y the force at which
+/// it yields,
+///
+///   F(δ, v) = U(δ) for δ ≤ δ_max, else min(U(δ), max(Y(δ, v), F_max))
+///
+/// - U = F_max ((δ − δ_r)/(δ_max − δ_r))^{3/2}, also beyond δ_max; a contact without a past is Hertz. Where it yields the
+///   contact gets δ_r = δ − 3F/(4 E* a), a² = (2F + F_y)/(2π 1.6 σ_y), as in [`ElastoPlastic`] but with F_y at rest: Hertz at
+///   F = F_y. Elastic loading leaves δ_r as it is.
+/// - Y is Hertz up to δ_y at rest, [`ElastoPlastic`]'s region III from δ_p on at σ = s σ_y, and between them the cubic with the
+///   values and slopes of both at its ends. s is 1 at v ≤ 0 and grows with ln v.
+/// - A contact yields only while Y and F_max lie below U, and then remembers the new (δ, F). What it has carried it keeps on
+///   carrying when the closing speed falls.
+///
+/// F is continuous and never falls with δ or v; unloading and reloading follow one curve; what is stored never exceeds the work
+/// put in. Range of validity as `ElastoPlastic`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Consistent<V = f64> {
+    published: ElastoPlastic<V>,
+}
+
+/// The state of a contact, and what became of it.
+struct Response<V: Real> {
+    force: V,
+    /// δ_max − δ_r, before the step.
+    recovered: V,
+    /// Whether the contact yields.
+    yields: V::Mask,
+    /// Whether the overlap is beyond δ_max.
+    beyond: V::Mask,
+}
+
+impl Consistent {
+    /// The law for a pair of spheres.
+    pub fn new(pair: &Pair) -> Self {
+        Self { published: ElastoPlastic::new(pair, true) }
+    }
+}
+
+impl<V: Real> Consistent<V> {
+    /// δ_max − δ_r [m]
+    #[inline(always)]
+    fn recovered(&self, history: &History<V>) -> V {
+        let law = &self.published;
+        law.unloading.recovered(history.force_max, law.yield_force) + history.elastic_excess
+    }
+
+    /// Y(δ, v) for δ > δ_y.
+    #[inline(always)]
+    fn yield_limit(&self, overlap: V, closing_speed: V) -> V {
+        let law = &self.published;
+        let s = law.rate.at(closing_speed);
+        let PlasticLine { overlap: plastic_overlap, pressure, area_offset } = law.plastic_line(s);
+        let plastic = pressure * (law.area_slope * overlap + area_offset);
+        let mixed = overlap.lt(plastic_overlap);
+        if !V::any(mixed) {
+            return plastic;
+        }
+        // Hermite's cubic on t = (δ − δ_y)/(δ_p − δ_y), written as the line of region III less a correction that has
+        // the line's value and slope at t = 1: Y = line + (1 − t)² (gap + t (2 gap + width (m_y − m_p))).
+        let one = V::splat(1.0);
+        let width = plastic_overlap - law.yield_overlap;
+        let t = ((overlap - law.yield_overlap) / width).max(V::splat(0.0)).min(one);
+        let gap = law.yield_force - pressure * (law.area_slope * law.yield_overlap + area_offset);
+        let yield_slope = V::splat(1.5) * law.yield_force / law.yield_overlap;
+        let turn = width * (yield_slope - pressure * law.area_slope);
+        let left = one - t;
+        V::select(mixed, plastic + left * left * (gap + t * (gap + gap + turn)), plastic)
+    }
+
+    #[inline(always)]
+    fn response(&self, overlap: V, closing_speed: V, history: &History<V>) -> Response<V> {
+        let zero = V::splat(0.0);
+        let law = &self.published;
+        let recovered = self.recovered(history);
+        let fraction = (V::splat(1.0) - (history.overlap_max - overlap) / recovered).max(zero);
+        let remembered = history.force_max * (fraction * fraction.sqrt());
+        let closed = overlap.max(zero);
+        let elastic = V::select(zero.lt(history.force_max), remembered, law.hertz * closed * closed.sqrt());
+        let elastic = V::select(zero.lt(overlap), elastic, zero);
+        let beyond = history.overlap_max.lt(overlap);
+        // Overlap beyond both δ_max and δ_y: there the contact may yield.
+        let strained = history.overlap_max.max(law.yield_overlap).lt(overlap);
+        if !V::any(strained) {
+            return Response { force: elastic, recovered, yields: strained, beyond };
+        }
+        let limit = self.yield_limit(overlap, closing_speed).max(history.force_max);
+        let limit = V::select(strained, limit, elastic);
+        Response { force: elastic.min(limit), recovered, yields: limit.lt(elastic), beyond }
+    }
+}
+
+impl<V: Real> ForceLaw<V> for Consistent<V> {
+    #[inline(always)]
+    fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
+        self.response(overlap, closing_speed, history).force
+    }
+
+    /// Beyond δ_max the new state is remembered, with a new residual overlap where the contact yields and the old one where it
+    /// is loaded elastically.
+    #[inline(always)]
+    fn respond(&self, overlap: V, closing_speed: V, history: &History<V>) -> (V, History<V>) {
+        let Response { force, recovered, yields, beyond } = self.response(overlap, closing_speed, history);
+        if !V::any(beyond) {
+            return (force, *history);
+        }
+        let zero = V::splat(0.0);
+        let law = &self.published;
+        // δ_r stays: δ_max − δ_r grows with δ_max. A contact without a past has δ_r = 0 = δ_max.
+        let reach = V::select(zero.lt(history.force_max), recovered, zero) + (overlap - history.overlap_max);
+        let elastic_excess = V::select(yields, zero, reach - law.unloading.recovered(force, law.yield_force));
+        let new = |new: V, old: V| V::select(beyond, new, old);
+        let history = History {
+            overlap_max: new(overlap, history.overlap_max),
+            force_max: new(force, history.force_max),
+            elastic_excess: new(elastic_excess, history.elastic_excess),
+        };
+        (force, history)
+    }
+}
+
+impl NormalLaw for Consistent {
+    /// ∫U dδ = (2/5) F (δ − δ_r).
+    fn stored(&self, overlap: f64, history: &History) -> f64 {
+        if overlap <= 0.0 {
+            return 0.0;
+        }
+        if history.force_max <= 0.0 {
+            return 0.4 * self.published.hertz * overlap * overlap * overlap.sqrt();
+        }
+        let recovered = self.recovered(history);
+        let fraction = (1.0 - (history.overlap_max - overlap) / recovered).max(0.0);
+        0.4 * history.force_max * recovered * fraction * fraction * fraction.sqrt()
+    }
+
+    /// dU/dδ = (3/2) F/(δ − δ_r) ≤ 2 E* a(F): the contact springs back no less than one that yielded at F.
+    fn stiffness_max(&self, force_max: f64) -> f64 {
+        self.published.unloading.stiffness_max(force_max, self.published.yield_force)
+    }
+}
