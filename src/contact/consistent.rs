@@ -45,11 +45,19 @@ impl Consistent {
 }
 
 impl<V: Real> Consistent<V> {
+    /// Whether the contact has stayed below F_y at rest, and so is Hertz, δ_r = 0. Told apart because the first forces of a wave's
+    /// foot are so small (10⁻³⁰⁰ N) that the curve through the last of them would be rounded beyond recognition.
+    #[inline(always)]
+    fn pristine(&self, history: &History<V>) -> V::Mask {
+        history.force_max.lt(self.published.yield_force)
+    }
+
     /// δ_max − δ_r [m]
     #[inline(always)]
     fn recovered(&self, history: &History<V>) -> V {
         let law = &self.published;
-        law.unloading.recovered(history.force_max, law.yield_force) + history.elastic_excess
+        let recovered = law.unloading.recovered(history.force_max, law.yield_force) + history.elastic_excess;
+        V::select(self.pristine(history), history.overlap_max, recovered)
     }
 
     /// Y(δ, v) for δ > δ_y.
@@ -83,7 +91,7 @@ impl<V: Real> Consistent<V> {
         let fraction = (V::splat(1.0) - (history.overlap_max - overlap) / recovered).max(zero);
         let remembered = history.force_max * (fraction * fraction.sqrt());
         let closed = overlap.max(zero);
-        let elastic = V::select(zero.lt(history.force_max), remembered, law.hertz * closed * closed.sqrt());
+        let elastic = V::select(self.pristine(history), law.hertz * closed * closed.sqrt(), remembered);
         let elastic = V::select(zero.lt(overlap), elastic, zero);
         let beyond = history.overlap_max.lt(overlap);
         // Overlap beyond both δ_max and δ_y: there the contact may yield.
@@ -113,9 +121,11 @@ impl<V: Real> ForceLaw<V> for Consistent<V> {
         }
         let zero = V::splat(0.0);
         let law = &self.published;
-        // δ_r stays: δ_max − δ_r grows with δ_max. A contact without a past has δ_r = 0 = δ_max.
-        let reach = V::select(zero.lt(history.force_max), recovered, zero) + (overlap - history.overlap_max);
-        let elastic_excess = V::select(yields, zero, reach - law.unloading.recovered(force, law.yield_force));
+        // Elastic loading leaves δ_r, so that δ_max − δ_r grows as δ_max does.
+        let reach = recovered + (overlap - history.overlap_max);
+        let elastic_excess = reach - law.unloading.recovered(force, law.yield_force);
+        let settled = V::or(yields, force.lt(law.yield_force));
+        let elastic_excess = V::select(settled, zero, elastic_excess);
         let new = |new: V, old: V| V::select(beyond, new, old);
         let history = History {
             overlap_max: new(overlap, history.overlap_max),
@@ -132,7 +142,7 @@ impl NormalLaw for Consistent {
         if overlap <= 0.0 {
             return 0.0;
         }
-        if history.force_max <= 0.0 {
+        if self.pristine(history) {
             return 0.4 * self.published.hertz * overlap * overlap * overlap.sqrt();
         }
         let recovered = self.recovered(history);
