@@ -14,8 +14,10 @@ use crate::real::Real;
 /// - U = F_max ((δ − δ_r)/(δ_max − δ_r))^{3/2}, also beyond δ_max; a contact without a past is Hertz. Where it yields the
 ///   contact gets δ_r = δ − 3F/(4 E* a), a² = (2F + F_y)/(2π 1.6 σ_y), as in [`ElastoPlastic`] but with F_y at rest: Hertz at
 ///   F = F_y. Elastic loading leaves δ_r as it is.
-/// - Y is Hertz up to δ_y at rest, [`ElastoPlastic`]'s region III from δ_p on at σ = s σ_y, and between them the cubic with the
-///   values and slopes of both at its ends. s is 1 at v ≤ 0 and grows with ln v.
+/// - Y is Hertz up to δ_y at rest, [`ElastoPlastic`]'s region III from δ_p on at σ = s σ_y, and between them Hertz times e^−g,
+///   g = t² (g_p + (1 − t)(2 g_p − h)), t = ln(δ/δ_y)/ln(δ_p/δ_y): on logarithmic scales the cubic that joins both with their
+///   slopes, so g_p = ln(Hertz/F_p) at δ_p, h = (3/2 − m) ln(δ_p/δ_y), m = d ln F/d ln δ of region III there. s is 1
+///   at v ≤ 0 and grows with ln v.
 /// - A contact yields only while Y and F_max lie below U, and then remembers the new (δ, F). What it has carried it keeps on
 ///   carrying when the closing speed falls.
 ///
@@ -64,6 +66,7 @@ impl<V: Real> Consistent<V> {
     #[inline(always)]
     fn yield_limit(&self, overlap: V, closing_speed: V) -> V {
         let law = &self.published;
+        let c = V::splat;
         let s = law.rate.at(closing_speed);
         let PlasticLine { overlap: plastic_overlap, pressure, area_offset } = law.plastic_line(s);
         let plastic = pressure * (law.area_slope * overlap + area_offset);
@@ -71,16 +74,18 @@ impl<V: Real> Consistent<V> {
         if !V::any(mixed) {
             return plastic;
         }
-        // Hermite's cubic on t = (δ − δ_y)/(δ_p − δ_y), written as the line of region III less a correction that has
-        // the line's value and slope at t = 1: Y = line + (1 − t)² (gap + t (2 gap + width (m_y − m_p))).
-        let one = V::splat(1.0);
-        let width = plastic_overlap - law.yield_overlap;
-        let t = ((overlap - law.yield_overlap) / width).max(V::splat(0.0)).min(one);
-        let gap = law.yield_force - pressure * (law.area_slope * law.yield_overlap + area_offset);
-        let yield_slope = V::splat(1.5) * law.yield_force / law.yield_overlap;
-        let turn = width * (yield_slope - pressure * law.area_slope);
-        let left = one - t;
-        V::select(mixed, plastic + left * left * (gap + t * (gap + gap + turn)), plastic)
+        let hertz = |overlap: V| law.hertz * overlap * overlap.sqrt();
+        let plastic_force = pressure * (law.area_slope * plastic_overlap + area_offset);
+        let exponent = pressure * law.area_slope * plastic_overlap / plastic_force;
+        let span = (plastic_overlap / law.yield_overlap).ln();
+        let t = (overlap / law.yield_overlap).max(c(1.0)).ln() / span;
+        let least = (hertz(plastic_overlap) / plastic_force).ln();
+        let lost = t * t * (least + (c(1.0) - t) * (least + least - (c(1.5) - exponent) * span));
+        // e^g by e^{g/8}, whose series is good to g = 4: F_p is never below a fiftieth of Hertz.
+        let root = (lost * c(0.125)).max(c(0.0)).exp_small();
+        let square = root * root;
+        let fourth = square * square;
+        V::select(mixed, hertz(overlap) / (fourth * fourth), plastic)
     }
 
     #[inline(always)]

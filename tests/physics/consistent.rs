@@ -62,7 +62,9 @@ fn chain(names: [&str; 2], law: LawKind, step: f64) -> Record<1> {
     let pair = Pair::new([&materials[0], &materials[1]], [radius; 2], Constants::Code);
     let sample = Sample {
         materials: materials.to_vec(),
-        spheres: (0..50).map(|i| Sphere { centre: [f64::from(i) * DIAMETER], radius, material: (i % 2) as usize }).collect(),
+        spheres: (0..50)
+            .map(|i| Sphere { centre: [f64::from(i) * DIAMETER], radius, material: (i % 2) as usize })
+            .collect(),
     };
     run(
         &sample,
@@ -87,9 +89,19 @@ fn explore_chains() {
         let of = |law, step| {
             let record = chain(names, law, step);
             let at = |i: usize| record.arrival[i].unwrap();
-            (30.0 * DIAMETER / (at(39) - at(9)), record.ledger.dissipated, record.max_kinetic[30], record.ledger.residual())
+            (
+                30.0 * DIAMETER / (at(39) - at(9)),
+                record.ledger.dissipated,
+                record.max_kinetic[30],
+                record.ledger.residual(),
+            )
         };
-        println!("{names:?} {:?} {:?} {:?}", of(LawKind::Thesis, 5e-8), of(LawKind::Consistent, 5e-8), of(LawKind::Consistent, 1e-8));
+        println!(
+            "{names:?} {:?} {:?} {:?}",
+            of(LawKind::Thesis, 5e-8),
+            of(LawKind::Consistent, 5e-8),
+            of(LawKind::Consistent, 1e-8)
+        );
     }
 }
 
@@ -99,7 +111,7 @@ fn explore_lens() {
     let mut runs = Vec::new();
     for (force, window) in [(26e3, 250e-6), (10.5e3, 350e-6)] {
         for law in [LawKind::Thesis, LawKind::Consistent, LawKind::ThesisStatic] {
-            for step in [4e-7, 2e-7, 1e-7, 5e-8, 2e-8] {
+            for step in [4e-7, 10.0 / 3.0 * 1e-7, 20e-6 / 70.0, 2.5e-7, 2e-7, 1e-7, 5e-8, 2e-8] {
                 runs.push((force, window, law, step));
             }
         }
@@ -108,10 +120,12 @@ fn explore_lens() {
         let record = solve(&layout, |i| (i.law, i.step, i.window, i.pulse.force) = (law, step, window, force));
         let [f, p] = scores(&record, &layout);
         let peak = record.max_contact_force.iter().copied().fold(0.0, f64::max);
-        format!("{force} {law} {step:.0e}: F {f:.6} P {p:.6} F/P {:.4} peak {peak:.0} over {:.3} {:?} residual {:.1e} {:?}", f / p, peak * 3_f64.sqrt()/ force, record.ledger.dissipated, record.ledger.residual().unwrap(), record.stop)
+        format!("{force} {law} {step:.2e}: F {f:.6} P {p:.6} F/P {:.4} peak {peak:.0} over {:.3} {:?} residual {:.1e} {:?}", f / p, peak * 3_f64.sqrt()/ force, record.ledger.dissipated, record.ledger.residual().unwrap(), record.stop)
     }).collect();
     println!("{}", lines.join("\n"));
 }
 
 #[allow(dead_code)]
-fn _unused() { let _ = difference(0.0, 0.0, 0.0); }
+fn _unused() {
+    let _ = difference(0.0, 0.0, 0.0);
+}

@@ -190,7 +190,7 @@ proptest! {
             before = this;
             if overlap <= rest.yield_overlap {
                 prop_assert_eq!(this, elastic);
-            } else if overlap > rest.yield_overlap * 1.05 {
+            } else if overlap > rest.yield_overlap * 1.01 {
                 prop_assert!(this < elastic, "{this} N, Hertz {elastic} N at {k}");
             }
             if k > 150 {
@@ -229,7 +229,9 @@ fn cycle(law: &AnyLaw, overlap: f64, speed: f64) -> (f64, f64, f64) {
 /// stiffer materials' edges lie further up.
 #[test]
 fn excess_energy_of_the_published_laws() {
-    for (name, edge, crossover) in [("440c", 3.07, 561.0), ("brass", 3.2, 98.0), ("al", 3.3, 0.0), ("302", 3.7, 0.0), ("wc", 3.2, 0.0)] {
+    for (name, edge, crossover) in
+        [("440c", 3.07, 561.0), ("brass", 3.2, 98.0), ("al", 3.3, 0.0), ("302", 3.7, 0.0), ("wc", 3.2, 0.0)]
+    {
         let made = material(name);
         let pair = Pair::new([&made, &made], [RADIUS; 2], Constants::Code);
         let regions = pair.regions(1.0);
