@@ -92,7 +92,7 @@ fn one_percent(integrator: Integrator) -> f64 {
 }
 
 /// Greatest contact force in the sheet over the force that a struck sphere hands to each of its two contacts, as
-/// measured on lens, host and lens material under 10.5 and 26 kN: 1.11 to 1.23 for plastic laws; up to 3.7 for elastic ones,
+/// measured on lens, host and lens material under 10.5 and 26 kN: 1.11 to 1.26 for plastic laws; up to 3.7 for elastic ones,
 /// whose stiffness grows with the cube root of the force only.
 fn overshoot(law: LawKind) -> f64 {
     match law {

@@ -199,8 +199,8 @@ proptest! {
         }
     }
 
-    /// The published law returns more than it took in cycles of a peak force between F_y and 3.1 F_y, at most 6 %; the linear law
-    /// below a force of its own, 561 N for 440c and 98 N for brass at rest.
+    /// The published law returns more than it took only in cycles of a peak force between F_y and 3.1 F_y (3.4 with 302), and at
+    /// most 6 %, at any speed.
     #[test]
     fn the_published_laws_create_no_more_than_stated(pair in library_pair(), depth in -2.0..0.5_f64, speed in -4.0..1.7_f64) {
         let speed = 10_f64.powf(speed);
@@ -211,7 +211,7 @@ proptest! {
         prop_assert!(excess <= 0.065 * taken, "{}", excess / taken);
         if excess > 0.0 {
             let over = peak / regions.yield_force;
-            prop_assert!((1.0..3.2).contains(&over), "{} more at {over} F_y", excess / taken);
+            prop_assert!((1.0..3.45).contains(&over), "{} more at {over} F_y", excess / taken);
         }
     }
 }
@@ -225,13 +225,17 @@ fn cycle(law: &AnyLaw, overlap: f64, speed: f64) -> (f64, f64, f64) {
     (taken, -walk.work - walk.doubt, peak)
 }
 
-/// Where the published laws' excess energy lies and how large it is, at rest. The edges are those of 440c and brass; softer and
-/// stiffer materials' edges lie further up.
+/// Where the excess energy of the published laws lies and how large it is, at rest: for 440c and brass up to 3.1 and 3.2 F_y
+/// and 6 %; for softer steel 302 a little more. The linear law creates energy below 561 N (440c) and 98 N (brass).
 #[test]
 fn excess_energy_of_the_published_laws() {
-    for (name, edge, crossover) in
-        [("440c", 3.07, 561.0), ("brass", 3.2, 98.0), ("al", 3.3, 0.0), ("302", 3.7, 0.0), ("wc", 3.2, 0.0)]
-    {
+    for (name, most, edge, crossover) in [
+        ("440c", 0.052, 3.1, 561.0),
+        ("brass", 0.056, 3.2, 98.0),
+        ("al", 0.058, 3.25, 47.0),
+        ("302", 0.061, 3.4, 27.0),
+        ("wc", 0.057, 3.2, 491.0),
+    ] {
         let made = material(name);
         let pair = Pair::new([&made, &made], [RADIUS; 2], Constants::Code);
         let regions = pair.regions(1.0);
@@ -253,5 +257,8 @@ fn excess_energy_of_the_published_laws() {
             }
         }
         println!("{name}: thesis +{greatest:.4} between {span:.2?} F_y; linear below {linear_to:.1} N");
+        // Half a unit of the last digit, and a step of the scan.
+        assert!((greatest - most).abs() < 0.001 && span[0] < 1.03 && (span[1] - edge).abs() < 0.05);
+        assert!(difference(linear_to, crossover, 0.0) < 0.015, "{linear_to}");
     }
 }
