@@ -190,6 +190,19 @@ fn the_lens_converges_with_the_step() {
     }
 }
 
+/// The classes of Runge-Kutta, against the finest step of Verlet.
+#[test]
+fn runge_kutta_reaches_its_classes_too() {
+    let layout = layout(is_lens);
+    for (step, class) in [(5e-7, 1e-2), (1e-7, 1e-3)] {
+        let record = solve(&layout, |i| (i.law, i.integrator, i.step) = (LawKind::Consistent, Integrator::Rk4, step));
+        for (ours, exact) in scores(&record, &layout).into_iter().zip([0.342_515, 0.145_587]) {
+            println!("{step}: {ours:.6} for {exact}");
+            assert!(difference(ours, exact, 0.0) < class, "{step}: {ours} and {exact}");
+        }
+    }
+}
+
 /// Greatest contact force over what a struck sphere hands to each of its two contacts: the plan takes 1.2.
 #[test]
 fn contact_forces_overshoot_like_those_of_the_published_law() {

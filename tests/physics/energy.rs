@@ -156,6 +156,10 @@ proptest! {
         }
         let top = law.force(history.overlap_max, 1.0, &history);
         prop_assert!(difference(top, history.force_max, 1e-9) < 1e-12);
+        // Nor does it jump where it goes on beyond, whatever the speed: it keeps what it has carried, and rises from there at most
+        // with the elastic slope, 1.5 F_max/(δ_max − δ_r) with δ_max − δ_r above a hundredth of δ_max.
+        let next = law.force(history.overlap_max * (1.0 + 1e-9), speeds[1], &history);
+        prop_assert!(next >= top * (1.0 - 1e-12) && next <= top * (1.0 + 2e-7), "{next} after {top}");
     }
 
     /// The two spheres of a pair push each other alike, whichever is named first.
