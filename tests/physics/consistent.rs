@@ -247,7 +247,8 @@ impl Case {
 /// crate's own, recorded for the docs; 0.2 % allows for the step class twice. `thesis-static` is `thesis` with C = 0.
 #[test]
 fn how_far_the_lens_moves_with_what_is_not_known() {
-    let table: [(&str, Constants, f64, f64, [[f64; 2]; 2]); 8] = [
+    // Name, constants, nu, factor of C, and F and P under either law.
+    let table = [
         ("base", Constants::Code, 0.3, 1.0, [[0.3312, 0.1358], [0.3425, 0.1456]]),
         ("nu 0.25", Constants::Code, 0.25, 1.0, [[0.3322, 0.1406], [0.3500, 0.1467]]),
         ("nu 0.35", Constants::Code, 0.35, 1.0, [[0.3155, 0.1357], [0.3233, 0.1439]]),
