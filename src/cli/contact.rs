@@ -23,7 +23,7 @@ pub struct Contact {
     /// The two materials, such as 440c,brass
     #[arg(long, value_name = "A,B")]
     pair: String,
-    /// thesis, thesis-static, hertz, hertz-thesis, linear or linear-static
+    /// thesis, thesis-static, consistent, hertz, hertz-thesis, linear or linear-static
     #[arg(long, default_value_t = LawKind::Thesis)]
     law: LawKind,
     /// Diameter of both spheres, or of each: "6.35 mm,9.5 mm"
@@ -181,7 +181,7 @@ fn states(path: &Path, law: &AnyLaw) -> Result<Vec<[f64; 7]>, Failure> {
                 .ok_or_else(|| fail(format!(" = \"{cell}\" is not a finite number")))?;
         }
         let [d, v, dmax, fmax] = values;
-        let history = History { overlap_max: dmax, force_max: fmax };
+        let history = History::yielded_at(dmax, fmax);
         let (force, after) = law.respond(d.max(0.0), v, &history);
         rows.push([d, v, dmax, fmax, force, after.overlap_max, after.force_max]);
     }

@@ -11,7 +11,7 @@ use crate::real::Real;
 ///
 /// Source: Burgoyne 2016, eqs 3.7 (whose minus sign is a slip) and 3.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct RateFactor<V> {
+pub(super) struct RateFactor<V> {
     constant: V,
     /// 1/((r₁ + r₂) ε̇₀) [s/m]
     per_speed: V,
@@ -19,7 +19,7 @@ struct RateFactor<V> {
 
 impl<V: Real> RateFactor<V> {
     #[inline(always)]
-    fn at(&self, closing_speed: V) -> V {
+    pub(super) fn at(&self, closing_speed: V) -> V {
         // Strain rates below ε̇₀ do not harden, so the logarithm is only ever taken of numbers from 1 up.
         let one = V::splat(1.0);
         let relative = (closing_speed * self.per_speed).max(one);
@@ -39,7 +39,7 @@ impl<V: Real> RateFactor<V> {
 /// with the quasistatic σ_y in a and the rate-dependent F_y. This is Burgoyne 2016, section 3.1 and appendix A.2.1 with
 /// R_p = 4 E* a³/(3 F_max) put in, by which its two powers of 2/3 cancel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Unloading<V> {
+pub(super) struct Unloading<V> {
     /// 1/(2 π 1.6 σ_y) [m²/N]
     area_per_force: V,
     /// 4 E*/3 [Pa]
@@ -53,12 +53,17 @@ impl<V: Real> Unloading<V> {
         ((force_max + force_max + yield_force) * self.area_per_force).sqrt()
     }
 
+    /// δ_max − δ_r [m]
+    #[inline(always)]
+    pub(super) fn recovered(&self, force_max: V, yield_force: V) -> V {
+        force_max / (self.modulus * self.contact_radius(force_max, yield_force))
+    }
+
     #[inline(always)]
     fn force(&self, overlap: V, yield_force: V, history: &History<V>) -> V {
         let zero = V::splat(0.0);
-        let radius = self.contact_radius(history.force_max, yield_force);
         // (δ − δ_r)/(δ_max − δ_r) = 1 − (δ_max − δ)/(δ_max − δ_r); F_max = 0 gives −∞ or NaN, and so no force.
-        let per_recovered = self.modulus * radius / history.force_max;
+        let per_recovered = self.modulus * self.contact_radius(history.force_max, yield_force) / history.force_max;
         let fraction = V::splat(1.0) - (history.overlap_max - overlap) * per_recovered;
         let fraction = fraction.max(zero);
         let force = (history.force_max * (fraction * fraction.sqrt())).min(history.force_max);
@@ -73,7 +78,7 @@ impl Unloading<f64> {
         if history.force_max <= 0.0 || overlap <= 0.0 {
             return 0.0;
         }
-        let recovered = history.force_max / (self.modulus * self.contact_radius(history.force_max, yield_force));
+        let recovered = self.recovered(history.force_max, yield_force);
         let energy = |overlap: f64| {
             let fraction = (1.0 - (history.overlap_max - overlap) / recovered).max(0.0);
             let clipped = fraction.min(1.0);
@@ -83,7 +88,7 @@ impl Unloading<f64> {
     }
 
     /// dF/dδ at F_max, (3/2) F_max/(δ_max − δ_r) = 2 E* a.
-    fn stiffness_max(&self, force_max: f64, yield_force: f64) -> f64 {
+    pub(super) fn stiffness_max(&self, force_max: f64, yield_force: f64) -> f64 {
         1.5 * self.modulus * self.contact_radius(force_max, yield_force)
     }
 }
@@ -101,13 +106,13 @@ impl Unloading<f64> {
 /// the law gets wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElastoPlastic<V = f64> {
-    rate: RateFactor<V>,
-    unloading: Unloading<V>,
+    pub(super) rate: RateFactor<V>,
+    pub(super) unloading: Unloading<V>,
     /// (4/3) E* √r*
-    hertz: V,
+    pub(super) hertz: V,
     /// δ_y and F_y at rest; they grow as s² and s³.
-    yield_overlap: V,
-    yield_force: V,
+    pub(super) yield_overlap: V,
+    pub(super) yield_force: V,
     /// ln δ_y and F_y/δ_y at rest
     yield_logarithm: V,
     yield_secant: V,
@@ -118,7 +123,7 @@ pub struct ElastoPlastic<V = f64> {
     /// π σ_y
     pressure: V,
     /// 2 r*
-    area_slope: V,
+    pub(super) area_slope: V,
     /// c₂ = constant + s · slope
     area_offset: [V; 2],
 }
@@ -153,7 +158,36 @@ impl ElastoPlastic {
     }
 }
 
+/// Region III for one s: F = p₀ π (2 r* δ + c₂) from δ_p on.
+pub(super) struct PlasticLine<V> {
+    /// δ_p [m]
+    pub overlap: V,
+    /// p₀ π [Pa]
+    pub pressure: V,
+    /// c₂ [m²]
+    pub area_offset: V,
+    /// ln s
+    pub ln_s: V,
+}
+
 impl<V: Real> ElastoPlastic<V> {
+    #[inline(always)]
+    pub(super) fn plastic_line(&self, s: V) -> PlasticLine<V> {
+        let [offset, slope, exponent] = self.pressure_ratio;
+        // ln s, and s to the power of the fit; where nothing hardens they are exactly 0 and 1.
+        let (mut ln_s, mut power) = (V::splat(0.0), V::splat(1.0));
+        if V::any(V::splat(1.0).lt(s)) {
+            ln_s = s.ln();
+            power = (exponent * ln_s).exp_small();
+        }
+        PlasticLine {
+            ln_s,
+            overlap: self.plastic_overlap[0] + s * self.plastic_overlap[1],
+            pressure: (offset - slope * power) * self.pressure * s,
+            area_offset: self.area_offset[0] + s * self.area_offset[1],
+        }
+    }
+
     /// Force on first loading at hardening factor s.
     #[inline(always)]
     fn loading(&self, overlap: V, s: V) -> V {
@@ -163,17 +197,7 @@ impl<V: Real> ElastoPlastic<V> {
         if !V::any(yielded) {
             return elastic;
         }
-        // ln s, and s to the power of the fit; both exact where nothing hardens.
-        let hardened = V::splat(1.0).lt(s);
-        let [offset, slope, exponent] = self.pressure_ratio;
-        let (mut ln_s, mut power) = (V::splat(0.0), V::splat(1.0));
-        if V::any(hardened) {
-            ln_s = s.ln();
-            power = (exponent * ln_s).exp_small();
-        }
-        let pressure = (offset - slope * power) * self.pressure * s;
-        let plastic_overlap = self.plastic_overlap[0] + s * self.plastic_overlap[1];
-        let area_offset = self.area_offset[0] + s * self.area_offset[1];
+        let PlasticLine { overlap: plastic_overlap, pressure, area_offset, ln_s } = self.plastic_line(s);
         let plastic = pressure * (self.area_slope * overlap + area_offset);
         let mixed = overlap.lt(plastic_overlap);
         let mut force = plastic;

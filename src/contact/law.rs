@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ElastoPlastic, ForceLaw, Hertz, HertzThesis, History, LinearPlastic, NormalLaw, Pair};
+use super::{Consistent, ElastoPlastic, ForceLaw, Hertz, HertzThesis, History, LinearPlastic, NormalLaw, Pair};
 
 /// A contact law by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -15,6 +15,8 @@ pub enum LawKind {
     Thesis,
     /// The same with the rate off.
     ThesisStatic,
+    /// The energy-consistent variant of `Thesis`, with rate.
+    Consistent,
     /// Hertz, without memory.
     Hertz,
     /// Hertz as appendix A.2.1 has it with plasticity off: clipped by history.
@@ -84,6 +86,7 @@ macro_rules! named {
 named!(LawKind, "contact law", {
     Thesis = "thesis",
     ThesisStatic = "thesis-static",
+    Consistent = "consistent",
     Hertz = "hertz",
     HertzThesis = "hertz-thesis",
     Linear = "linear",
@@ -127,6 +130,8 @@ impl Constants {
 pub enum AnyLaw {
     /// See [`ElastoPlastic`].
     ElastoPlastic(ElastoPlastic),
+    /// See [`Consistent`].
+    Consistent(Consistent),
     /// See [`LinearPlastic`].
     Linear(LinearPlastic),
     /// See [`Hertz`].
@@ -142,6 +147,7 @@ impl AnyLaw {
         match kind {
             LawKind::Thesis | LawKind::ThesisStatic => Self::ElastoPlastic(ElastoPlastic::new(pair, rate)),
             LawKind::Linear | LawKind::LinearStatic => Self::Linear(LinearPlastic::new(pair, rate)),
+            LawKind::Consistent => Self::Consistent(Consistent::new(pair)),
             LawKind::Hertz => Self::Hertz(Hertz::new(pair)),
             LawKind::HertzThesis => Self::HertzThesis(HertzThesis(Hertz::new(pair))),
         }
@@ -152,6 +158,7 @@ impl ForceLaw<f64> for AnyLaw {
     fn force(&self, overlap: f64, closing_speed: f64, history: &History) -> f64 {
         match self {
             Self::ElastoPlastic(law) => law.force(overlap, closing_speed, history),
+            Self::Consistent(law) => law.force(overlap, closing_speed, history),
             Self::Linear(law) => law.force(overlap, closing_speed, history),
             Self::Hertz(law) => law.force(overlap, closing_speed, history),
             Self::HertzThesis(law) => law.force(overlap, closing_speed, history),
@@ -160,6 +167,7 @@ impl ForceLaw<f64> for AnyLaw {
     fn respond(&self, overlap: f64, closing_speed: f64, history: &History) -> (f64, History) {
         match self {
             Self::ElastoPlastic(law) => law.respond(overlap, closing_speed, history),
+            Self::Consistent(law) => law.respond(overlap, closing_speed, history),
             Self::Linear(law) => law.respond(overlap, closing_speed, history),
             Self::Hertz(law) => law.respond(overlap, closing_speed, history),
             Self::HertzThesis(law) => law.respond(overlap, closing_speed, history),
@@ -171,6 +179,7 @@ impl NormalLaw for AnyLaw {
     fn stored(&self, overlap: f64, history: &History) -> f64 {
         match self {
             Self::ElastoPlastic(law) => law.stored(overlap, history),
+            Self::Consistent(law) => law.stored(overlap, history),
             Self::Linear(law) => law.stored(overlap, history),
             Self::Hertz(law) => law.stored(overlap, history),
             Self::HertzThesis(law) => law.stored(overlap, history),
@@ -179,6 +188,7 @@ impl NormalLaw for AnyLaw {
     fn stiffness_max(&self, force_max: f64) -> f64 {
         match self {
             Self::ElastoPlastic(law) => law.stiffness_max(force_max),
+            Self::Consistent(law) => law.stiffness_max(force_max),
             Self::Linear(law) => law.stiffness_max(force_max),
             Self::Hertz(law) => law.stiffness_max(force_max),
             Self::HertzThesis(law) => law.stiffness_max(force_max),

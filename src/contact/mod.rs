@@ -7,6 +7,7 @@
 //! - `pair`: E*, r*, the yielding partner, and the fitted constants of the pair
 //! - `elastic`: Hertz, with and without the published clipping by history
 //! - `elastoplastic`: the published elastic-plastic law and its linear simplification, with and without rate
+//! - `consistent`: our variant of it, which creates no energy on any path
 //! - `law`: the laws by name, and one type that holds any of them
 //!
 //! # Choosing a law
@@ -15,12 +16,17 @@
 //! cycle with a peak force between F_y and 3.1 F_y returns up to 6 % more energy than it took; below F_y it is not elastic;
 //! its force jumps where the rate factor switches. In the lens problem all of this together is 2.4·10⁻⁴ of the 674 J
 //! dissipated; in gentle collisions it is not small.
+//!
+//! `consistent` keeps the published curve where it was fitted (region III) and mends the rest. Take `thesis` to repeat
+//! published figures, `consistent` to design: `docs/consistent-law.md` derives it and says how far the two lie apart.
 
+mod consistent;
 mod elastic;
 mod elastoplastic;
 mod law;
 mod pair;
 
+pub use consistent::Consistent;
 pub use elastic::{Hertz, HertzThesis};
 pub use elastoplastic::{ElastoPlastic, LinearPlastic};
 pub use law::{AnyLaw, Constants, LawKind, UnknownName};
@@ -35,19 +41,28 @@ pub struct History<V = f64> {
     pub overlap_max: V,
     /// F_max, the greatest force so far [N]
     pub force_max: V,
+    /// ω, by how much the contact springs back further from (δ_max, F_max) than one that yielded at that point [m].
+    /// Only [`Consistent`] uses it; zero says that the contact yielded last when it carried F_max.
+    pub elastic_excess: V,
 }
 
 impl<V: Real> History<V> {
     /// A contact that has never been closed.
     pub fn new() -> Self {
-        Self { overlap_max: V::splat(0.0), force_max: V::splat(0.0) }
+        Self::yielded_at(V::splat(0.0), V::splat(0.0))
+    }
+
+    /// A contact whose greatest overlap [m] and force [N] are these, both of the same moment in which it yielded.
+    #[inline(always)]
+    pub fn yielded_at(overlap_max: V, force_max: V) -> Self {
+        Self { overlap_max, force_max, elastic_excess: V::splat(0.0) }
     }
 
     /// The history after an accepted step with this overlap and the force evaluated on the old history.
     #[inline(always)]
     #[must_use]
     pub fn advanced(self, overlap: V, force: V) -> Self {
-        Self { overlap_max: overlap.max(self.overlap_max), force_max: force.max(self.force_max) }
+        Self { overlap_max: overlap.max(self.overlap_max), force_max: force.max(self.force_max), ..self }
     }
 }
 

@@ -14,7 +14,7 @@ use super::neighbour::{OverlapAtRest, Touching};
 use super::record::{Fastest, Observer};
 use super::step::{Drive, Stepper};
 use super::table::LaneTable;
-use crate::contact::{ElastoPlastic, Hertz, HertzThesis, LaneLaw, LawKind, LinearPlastic, Pair};
+use crate::contact::{Consistent, ElastoPlastic, Hertz, HertzThesis, LaneLaw, LawKind, LinearPlastic, Pair};
 use crate::real::{Kernel, Real, Width};
 use crate::sample::Sample;
 
@@ -89,6 +89,7 @@ fn follow<const D: usize>(group: &Group<'_, D>, width: Width) -> Result<Vec<Brie
         LawKind::Linear | LawKind::LinearStatic => {
             width.run(Under { group, law: |pair: &Pair| LinearPlastic::new(pair, rate) })
         }
+        LawKind::Consistent => width.run(Under { group, law: Consistent::new }),
         LawKind::Hertz => width.run(Under { group, law: Hertz::new }),
         LawKind::HertzThesis => width.run(Under { group, law: |pair: &Pair| HertzThesis(Hertz::new(pair)) }),
     }

@@ -13,7 +13,9 @@ use super::neighbour::{OverlapAtRest, Touching, nearing_strangers};
 use super::record::{Felt, Observer};
 use super::step::{Drive, Stepper};
 use super::table::LawTable;
-use crate::contact::{Constants, ElastoPlastic, Hertz, HertzThesis, LawKind, LinearPlastic, NormalLaw, Pair};
+use crate::contact::{
+    Consistent, Constants, ElastoPlastic, Hertz, HertzThesis, LawKind, LinearPlastic, NormalLaw, Pair,
+};
 use crate::sample::Sample;
 
 /// What hits the crystal, how it is held, and how the motion is followed.
@@ -113,6 +115,7 @@ pub fn simulate<const D: usize>(
         LawKind::Linear | LawKind::LinearStatic => {
             follow(sample, impact, interrupt, |pair| LinearPlastic::new(pair, rate))
         }
+        LawKind::Consistent => follow(sample, impact, interrupt, Consistent::new),
         LawKind::Hertz => follow(sample, impact, interrupt, Hertz::new),
         LawKind::HertzThesis => follow(sample, impact, interrupt, |pair| HertzThesis(Hertz::new(pair))),
     }

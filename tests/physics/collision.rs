@@ -8,7 +8,7 @@ use crate::problem::{DIAMETER, run};
 use crate::reference::{Table, difference, material};
 
 /// The first sphere moves at `speed` onto the second, which it touches.
-fn collide(names: [&str; 2], speed: f64, change: impl Fn(&mut Impact)) -> (Sample<1>, Record<1>) {
+pub fn collide(names: [&str; 2], speed: f64, change: impl Fn(&mut Impact)) -> (Sample<1>, Record<1>) {
     let radius = 0.5 * DIAMETER;
     let sample = Sample {
         materials: names.map(material).to_vec(),

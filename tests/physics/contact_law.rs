@@ -27,7 +27,7 @@ fn the_published_law_matches_the_independent_table() {
         let table = Table::read(file);
         for row in 0..table.len() {
             let value = |column| table.number(row, column);
-            let history = History { overlap_max: value("dmax_before"), force_max: value("Fmax_before") };
+            let history = History::yielded_at(value("dmax_before"), value("Fmax_before"));
             let force = law.force(value("d"), value("v"), &history);
             let error = difference(force, value("F"), FLOOR);
             assert!(error < ROUNDING, "{file} row {row} ({}): {force} for {}", table.text(row, "path"), value("F"));
@@ -50,7 +50,7 @@ fn hertz_and_linear_match_the_independent_table() {
             ("linear", false) => LawKind::LinearStatic,
             other => panic!("{other:?}"),
         };
-        let history = History { overlap_max: value("dmax"), force_max: value("Fmax") };
+        let history = History::yielded_at(value("dmax"), value("Fmax"));
         let force = AnyLaw::new(kind, &pair).force(value("d"), value("v"), &history);
         assert!(difference(force, value("F"), FLOOR) < ROUNDING, "row {row}: {force} for {}", value("F"));
     }

@@ -8,7 +8,7 @@ use granulens::target::Region;
 use crate::problem::{DIAMETER, impact, is_lens, layout, run};
 use crate::reference::{Table, difference};
 
-fn solve(layout: &Layout, change: impl Fn(&mut Impact)) -> Record<2> {
+pub fn solve(layout: &Layout, change: impl Fn(&mut Impact)) -> Record<2> {
     let mut impact = impact(&layout.lattice);
     change(&mut impact);
     run(&layout.sample(), &impact)
@@ -57,7 +57,7 @@ fn mean(record: &Record<2>, layout: &Layout, rows: [u32; 2], x: [f64; 2]) -> f64
 }
 
 /// F and P of the lens problem's regions.
-fn scores(record: &Record<2>, layout: &Layout) -> [f64; 2] {
+pub fn scores(record: &Record<2>, layout: &Layout) -> [f64; 2] {
     [mean(record, layout, [30, 34], [0.0, 2.5]), mean(record, layout, [30, 34], [12.0, 16.5])]
 }
 

@@ -5,7 +5,9 @@
 
 mod claims;
 mod collision;
+mod consistent;
 mod contact_law;
+mod energy;
 mod lens;
 mod problem;
 mod reference;
