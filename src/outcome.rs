@@ -184,6 +184,7 @@ pub struct SphereRecord {
     pub max_contact_force: Vec<f64>,
     /// Time at which the speed first reached 1 % of its own maximum [s]; none if the sphere never moved.
     pub arrival: Vec<Option<f64>>,
-    /// Half of the loss of each of its contacts [J].
+    /// Half of the loss of each of its contacts, those with mirror images included [J]; of a sphere on a mirror line, the
+    /// whole sphere's.
     pub dissipated: Vec<f64>,
 }

@@ -4,7 +4,7 @@
 
 use serde::Serialize;
 
-use super::digits::significant;
+use super::digits::{short, significant};
 use super::maps::at;
 use super::profiles::{random_kinds, rows, sites_of};
 use crate::outcome::{ArrangementOutcome, Outcome};
@@ -83,7 +83,7 @@ impl View<'_> {
                 "In row {} the greatest value, {} J, is at x = {} D{whether}.",
                 self.rows[1],
                 significant(peak, 3),
-                significant(x, 3)
+                short(x)
             ),
             holds: x >= inside[0] - 1e-9 && x <= inside[1] + 1e-9,
         })

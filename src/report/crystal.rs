@@ -173,6 +173,8 @@ impl<'a> Crystal<'a> {
         let target = &self.outcome.target;
         for (region, name) in [(&target.focus, "focal"), (&target.protect, "protected")] {
             for ([x, y], [width, height]) in self.rectangles(region) {
+                // Bold letters are some 0.6 of their size wide.
+                let size = size.min(width / (0.6 * name.len() as f64));
                 let middle = if height > 2.0 * size { y + height / 2.0 + size * 0.35 } else { y - size * 0.5 };
                 halo(svg, [x + width / 2.0, middle], size, Anchor::Middle, name);
             }

@@ -21,6 +21,12 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A given number, such as an edge of a region, as one would write it: at most three decimals, no trailing zeros.
+pub fn short(value: f64) -> String {
+    let rounded = (value * 1e3).round() / 1e3;
+    if rounded.is_finite() { (rounded + 0.0).to_string() } else { NONE.to_owned() }
+}
+
 /// The decimals that show a number to so many significant digits.
 pub fn decimals(value: f64, digits: usize) -> usize {
     if value == 0.0 || !value.is_finite() {
@@ -49,5 +55,6 @@ mod tests {
         assert_eq!(significant(0.5, 2), "0.5");
         assert_eq!(significant(f64::NAN, 3), NONE);
         assert_eq!(significant(0.0, 3), "0");
+        assert_eq!(short(16.500_000_000_01), "16.5");
     }
 }

@@ -2,12 +2,19 @@
 
 use super::colour::{Scale, round_up};
 use super::crystal::{Crystal, Extent};
-use super::digits::{NONE, significant};
+use super::summary::{CONTRAST, FOCAL, Line, PROTECTED};
 use super::svg::{Anchor, Svg};
 use crate::outcome::{ArrangementOutcome, Outcome};
 
-/// Lines between materials in a map: seen when looked for.
-const SITES: &str = r##"stroke="#fff" stroke-width="0.8" stroke-opacity="0.6""##;
+/// Lines between materials in a map, and rays: white within dark, to be seen on either end of the colours.
+const SITES: [&str; 2] = [
+    r##"stroke="#000" stroke-width="1.5" stroke-opacity="0.25""##,
+    r##"stroke="#fff" stroke-width="0.7" stroke-opacity="0.75""##,
+];
+const RAYS: [&str; 2] = [
+    r##"stroke="#000" stroke-width="2.4" stroke-opacity="0.3""##,
+    r##"stroke="#fff" stroke-width="1" stroke-opacity="0.9""##,
+];
 /// Room for a colour bar with ticks and label [px].
 const BAR: f64 = 96.0;
 /// Room for row numbers and their label [px].
@@ -79,17 +86,18 @@ pub fn kinetic(outcome: &Outcome) -> String {
             svg.text([middle, corner[1] - 9.0], 11.0, Anchor::Middle, "", &format!("seed {seed}"));
         }
         crystal.map(&mut svg, &scale, |index| at(&arrangement.record.max_kinetic, index));
-        crystal.boundaries(&mut svg, &arrangement.layout, SITES);
+        for line in SITES {
+            crystal.boundaries(&mut svg, &arrangement.layout, line);
+        }
         crystal.regions(&mut svg, 1.4);
         if k % PER_LINE == 0 {
             crystal.row_numbers(&mut svg, 10, 11.0);
             svg.text_upwards([14.0, corner[1] + height / 2.0], 12.0, "", "row");
         }
-        let scores = &arrangement.scores;
-        let energies =
-            format!("F {}  P {} J", significant(scores.focal_mean, 3), significant(scores.protected_mean, 3));
+        let line = Line { name: &arrangement.name, members: vec![arrangement] };
+        let energies = format!("F {}, P {} J", line.show(&FOCAL), line.show(&PROTECTED));
         svg.text([middle, corner[1] + height + 17.0], 11.0, Anchor::Middle, "", &energies);
-        let contrast = format!("F/P {}", scores.contrast.map_or(NONE.to_owned(), |c| format!("{c:.2}")));
+        let contrast = format!("F/P {}", line.show(&CONTRAST));
         svg.text([middle, corner[1] + height + 33.0], 11.0, Anchor::Middle, "", &contrast);
     }
     let lists = shown.iter().map(|a| &a.record.max_kinetic[..]);
@@ -102,7 +110,8 @@ pub fn kinetic(outcome: &Outcome) -> String {
 pub fn kinetic_lens(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let scale = kinetic_scale(outcome);
     let values: Values = Box::new(|index| at(&lens.record.max_kinetic, index));
-    let panel = Panel { heading: "", scale, label: "greatest kinetic energy (J)", unit: 1.0, arrangement: lens };
+    let panel =
+        Panel { heading: &lens.name, scale, label: "greatest kinetic energy (J)", unit: 1.0, arrangement: lens };
     let title = format!("{}: greatest kinetic energy of every sphere and rays", outcome.manifest.name);
     let above = above(&scale, [&lens.record.max_kinetic[..]]);
     panels(outcome, &title, 16.0, true, [(panel, values, [above, false])])
@@ -112,8 +121,7 @@ pub fn kinetic_lens(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
 pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let host = outcome.arrangements.iter().find(|a| a.kind == "all-host" && a.name != lens.name);
     let shown: Vec<_> = std::iter::once(lens).chain(host).collect();
-    let high = shown.iter().flat_map(|a| &a.record.dissipated).copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let scale = Scale::logarithmic(high, 3);
+    let scale = Scale::logarithmic(shown.iter().flat_map(|a| &a.record.dissipated).copied());
     let title = format!("{}: energy dissipated at every sphere", outcome.manifest.name);
     let all = shown.iter().map(|a| {
         let list = &a.record.dissipated[..];
@@ -121,7 +129,7 @@ pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         let panel = Panel { heading: a.name.as_str(), scale, label, unit: 1e-3, arrangement: *a };
         (panel, Box::new(move |index| at(list, index)) as Values, [false, below(&scale, list)])
     });
-    panels(outcome, &title, 10.0, false, all)
+    panels(outcome, &title, 11.5, false, all)
 }
 
 /// Greatest net force on every sphere of the lens: as it is (logarithmic), and over the greatest of its row, which takes
@@ -129,7 +137,7 @@ pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
 pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let list = &lens.record.max_net_force[..];
     let high = list.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let absolute = Scale::logarithmic(high, 2);
+    let absolute = Scale::logarithmic(list.iter().copied());
     let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0) as usize;
     let mut greatest = vec![0.0_f64; rows + 1];
     for (index, site) in outcome.sites.iter().enumerate() {
@@ -155,7 +163,7 @@ pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         (first, Box::new(|index| at(list, index)), [false, below(&absolute, list)]),
         (second, Box::new(share), [false, false]),
     ];
-    panels(outcome, &title, 10.0, false, shown)
+    panels(outcome, &title, 11.5, false, shown)
 }
 
 /// Whether a value in the lists lies above the scale.
@@ -198,9 +206,13 @@ fn panels<'a>(
         let crystal = Crystal::new(outcome, Extent::Both, corner, per_diameter);
         svg.text([corner[0] + width / 2.0, 20.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, panel.heading);
         crystal.map(&mut svg, &panel.scale, value);
-        crystal.boundaries(&mut svg, &panel.arrangement.layout, SITES);
+        for line in SITES {
+            crystal.boundaries(&mut svg, &panel.arrangement.layout, line);
+        }
         if let (true, Some(proposal)) = (with_rays, &outcome.proposal) {
-            crystal.rays(&mut svg, proposal, r##"stroke="#fff" stroke-width="1" stroke-opacity="0.75""##);
+            for line in RAYS {
+                crystal.rays(&mut svg, proposal, line);
+            }
             crystal.faces(&mut svg, proposal, r##"stroke="#111" stroke-width="2.5" stroke-linecap="round""##);
         }
         crystal.regions(&mut svg, 2.0);

@@ -4,7 +4,7 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, Value, context};
 
 use super::claims::claims;
-use super::digits::{NONE, significant};
+use super::digits::{NONE, short, significant};
 use super::files::ReportError;
 use super::maps::{first_row_behind, kinetic_scale};
 use super::profiles::rows;
@@ -104,11 +104,11 @@ fn pair(label: &'static str, value: impl Into<String>) -> Fact {
 fn asked(outcome: &Outcome) -> Vec<Fact> {
     let region = |region: &Region| {
         let sites = outcome.sites.iter().filter(|site| region.contains(site, outcome.diameter)).count();
-        let [from, to] = region.x.map(|x| significant(x / outcome.diameter, 3));
+        let [from, to] = region.x.map(|x| short(x / outcome.diameter));
         format!("rows {} to {}, x from {from} D to {to} D: {sites} spheres", region.rows[0], region.rows[1])
     };
     let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0);
-    let half_width = significant(outcome.half_width / outcome.diameter, 3);
+    let half_width = short(outcome.half_width / outcome.diameter);
     let role = |k: usize| ["host", "lens"].get(k).map_or(String::new(), |role| format!(" ({role})"));
     let materials: Vec<String> =
         outcome.materials.iter().enumerate().map(|(k, name)| format!("{name}{}", role(k))).collect();
@@ -191,7 +191,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
         "profiles.svg" => format!(
             "Greatest kinetic energy across rows {before}, {at} and {behind}, from the axis to the rim. Arrangements without structure across x are flat lines; the lens should rise towards the axis and fall below them at the rim. Each panel row has its own energy scale."
         ),
-        "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic over three decades; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
+        "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
         "forces.svg" => "Greatest net contact force on each sphere of the lens arrangement. Left: as it is, logarithmic; the decay with depth masks the focusing. Right: over the greatest of its row, which takes the decay away; a row where all is bright carries the force evenly. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left.".to_owned(),
         _ => String::new(),
     }

@@ -14,7 +14,7 @@ const APART: u32 = 10;
 /// Width and height of a panel [px].
 const PANEL: [f64; 2] = [372.0, 196.0];
 /// Space left of, above, right of and below a panel: axis, heading, names of lines, axis [px].
-const SPACE: [f64; 4] = [62.0, 30.0, 122.0, 30.0];
+const SPACE: [f64; 4] = [62.0, 30.0, 134.0, 30.0];
 /// Space above the panels for the columns' headings, and below them for the legend [px].
 const HEAD: f64 = 26.0;
 const FOOT: f64 = 44.0;
@@ -157,7 +157,7 @@ fn panel(svg: &mut Svg, outcome: &Outcome, [left, top]: [f64; 2], high: f64, hea
     for (region, name) in [(&outcome.target.focus, "focal"), (&outcome.target.protect, "protected")] {
         shade(svg, outcome, region, name, [left, top], most);
     }
-    for tick in ticks(high, 5) {
+    for tick in ticks(high, 6) {
         let [_, y] = place([0.0, tick]);
         svg.line([left, y], [left + width, y], r##"stroke="#ddd" stroke-width="0.7""##);
         svg.text([left - 6.0, y + 4.0], 11.0, Anchor::End, "", &significant(tick, 2));

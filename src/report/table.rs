@@ -2,16 +2,16 @@
 
 use std::fmt::Write as _;
 
-use super::digits::significant;
-use super::summary::{
-    CONTRAST, DISSIPATED, EXIT_FORCE, FOCAL, GAIN, Line, PROTECTED, PROTECTION, Quantity, lines, worst_residual,
-};
+use super::digits::{short, significant};
+use super::summary::{CONTRAST, DISSIPATED, FOCAL, GAIN, Line, PROTECTED, PROTECTION, Quantity, lines, worst_residual};
 use crate::outcome::Outcome;
 
-const COLUMNS: [&Quantity; 7] = [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &DISSIPATED, &EXIT_FORCE];
+const COLUMNS: [&Quantity; 6] = [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &DISSIPATED];
 
 /// Longest name that keeps the table within a hundred columns.
 const NAME: usize = 18;
+/// Width of a terminal that any reader has [columns].
+const WIDTH: usize = 100;
 
 /// The comparison as aligned columns with what they mean below; ends with a line feed.
 ///
@@ -27,18 +27,20 @@ pub fn table(outcome: &Outcome) -> String {
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(lines.iter().map(row)).collect();
     let widths: Vec<usize> =
         (0..rows[0].len()).map(|k| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0)).collect();
+    // Two spaces between columns where they fit.
+    let gap = if widths.iter().sum::<usize>() + 2 * (widths.len() - 1) <= WIDTH { "  " } else { " " };
     let mut text = String::new();
     for row in &rows {
         let mut line = format!("{:<width$}", row[0], width = widths[0]);
         for (cell, width) in row.iter().zip(&widths).skip(1) {
-            let _ = write!(line, "  {cell:>width$}");
+            let _ = write!(line, "{gap}{cell:>width$}");
         }
         let _ = writeln!(text, "{}", line.trim_end());
     }
     text.push('\n');
     let [focus, protect] = [&outcome.target.focus, &outcome.target.protect];
     let span = |x: [f64; 2]| {
-        let [from, to] = x.map(|x| significant(x / outcome.diameter, 2));
+        let [from, to] = x.map(|x| short(x / outcome.diameter));
         format!("x {from} to {to} D")
     };
     let _ = writeln!(
@@ -51,8 +53,8 @@ pub fn table(outcome: &Outcome) -> String {
         protect.rows[1],
         span(protect.x)
     );
-    text.push_str("C = F/P; G = F/F(all-host); Q = P/P(all-lens); lost: dissipated in all contacts;\n");
-    text.push_str("exit: peak force on the last row. Spheres and energies are those of the simulated half.\n");
+    text.push_str("C = F/P; G = F/F(all-host); Q = P/P(all-lens); lost: dissipated in all contacts.\n");
+    text.push_str("Spheres (those not of the host) and energies are those of the simulated half.\n");
     if let Some(seeds) = lines.iter().map(|line| line.members.len()).max().filter(|&n| n > 1) {
         let _ = writeln!(text, "±: standard deviation over {seeds} seeds.");
     }
