@@ -98,8 +98,11 @@ impl Scale {
         if self.logarithmic {
             let first = self.low.log10().floor() as i32;
             let last = self.high.log10().ceil() as i32;
+            // Few decades hold too few of the steps 1, 2, 5.
+            let steps =
+                if self.high < 30.0 * self.low { &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0][..] } else { &[1.0, 2.0, 5.0] };
             (first..=last)
-                .flat_map(|power| [1.0, 2.0, 5.0].map(|m| m * 10_f64.powi(power)))
+                .flat_map(|power| steps.iter().map(move |m| m * 10_f64.powi(power)))
                 .filter(|&t| t >= self.low * 0.999 && t <= self.high * 1.001)
                 .collect()
         } else {

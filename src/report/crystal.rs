@@ -101,7 +101,7 @@ impl<'a> Crystal<'a> {
         for (k, shapes) in levels.iter().enumerate() {
             let colour = if k == LEVELS { MISSING.to_owned() } else { level(k) };
             // The thin stroke closes the seams that anti-aliasing leaves between cells.
-            svg.path(shapes.data(), &format!(r#"fill="{colour}" stroke="{colour}" stroke-width="0.5""#));
+            svg.path(shapes.data(), &format!(r#"fill="{colour}" stroke="{colour}" stroke-width="0.9""#));
         }
     }
 

@@ -126,7 +126,7 @@ pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let all = shown.iter().map(|a| {
         let list = &a.record.dissipated[..];
         let label = "dissipated energy per sphere (mJ)";
-        let panel = Panel { heading: a.name.as_str(), scale, label, unit: 1e-3, arrangement: *a };
+        let panel = Panel { heading: a.name.as_str(), scale, label, unit: 1e-3, arrangement: a };
         (panel, Box::new(move |index| at(list, index)) as Values, [false, below(&scale, list)])
     });
     panels(outcome, &title, 11.5, false, all)

@@ -183,7 +183,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
     match file {
         "layout.svg" => format!("The lens as it would be built, both halves, spheres in true proportion.{rays}"),
         "kinetic-lens.svg" => format!(
-            "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves. Where rays (white) gather, the energy behind the lens should be high; where they leave, low. {beyond} {regions}"
+            "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves. Where rays (white) gather, the energy behind the lens should be high; where they leave, low. The last rows are faster again because nothing stands behind them. {beyond} {regions}"
         ),
         "kinetic.svg" => format!(
             "The same for the lens and one arrangement of each kind it is compared with (of random ones the first seed), the simulated half only (axis at the left), all on one colour scale. A useful lens is brighter than its neighbours in the solid box and darker in the dashed one. {beyond}"

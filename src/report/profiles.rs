@@ -113,7 +113,7 @@ pub fn profiles(outcome: &Outcome) -> String {
         svg.text([middle, foot], 12.0, Anchor::Middle, "", "distance from the axis, x/D");
     }
     if columns == 2 {
-        let note = "thick line: mean over seeds; shaded band: least to greatest over seeds at that place";
+        let note = "line with markers: mean over seeds; shaded band: least to greatest over seeds at that place";
         svg.text([cell[0] + SPACE[0] + PANEL[0] / 2.0, foot + 22.0], 11.0, Anchor::Middle, "", note);
     }
     svg.finish()

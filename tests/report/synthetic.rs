@@ -136,7 +136,7 @@ fn arrangement(
         inside.iter().sum::<f64>() / inside.len() as f64
     };
     let (focal_mean, protected_mean) = (mean(&target.focus), mean(&target.protect));
-    let dissipated = if kind == "lens" { 673.924_254 } else { 677.605_348 + 10.0 * (1.0 - focal_mean) };
+    let dissipated = if kind == "lens" { 673.924_254 } else { 677.605_348 + 10.0 * (0.365_406 - focal_mean) };
     ArrangementOutcome {
         name: seed.map_or(kind.to_owned(), |seed| format!("{kind}-{seed}")),
         kind: kind.to_owned(),
@@ -154,7 +154,7 @@ fn arrangement(
             dissipated,
             residual: 1.2e-5,
             eq_5_6: dissipated * 1.388,
-            exit_momentum: 0.031 * focal_mean,
+            exit_momentum: 0.4 * focal_mean,
             exit_force: 3580.0 * focal_mean,
         },
         layout,
