@@ -35,8 +35,14 @@ pub struct Crystal<'a> {
 }
 
 impl<'a> Crystal<'a> {
-    /// Places the crystal with the upper left corner of its frame at `corner`, at so many pixels per diameter.
-    pub fn new(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], per_diameter: f64) -> Self {
+    /// Places the crystal with the upper left corner of its frame at `corner`, as large as `room` (width and height) allows
+    /// but with spheres of at most 40 pixels.
+    pub fn new(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], room: [f64; 2]) -> Self {
+        let [width, height] = Self::scaled(outcome, extent, corner, 1.0).size();
+        Self::scaled(outcome, extent, corner, (room[0] / width).min(room[1] / height).min(40.0))
+    }
+
+    fn scaled(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], per_diameter: f64) -> Self {
         let left = match extent {
             Extent::Half => 0.5 * per_diameter,
             Extent::Both => (outcome.half_width / outcome.diameter + 0.5) * per_diameter,
@@ -205,8 +211,11 @@ impl<'a> Crystal<'a> {
         }
     }
 
-    /// Row numbers to the left of the frame: row 1 and every `every`-th.
-    pub fn row_numbers(&self, svg: &mut Svg, every: u32, size: f64) {
+    /// Row numbers to the left of the frame: row 1 and every fifth, tenth, ... so that they do not crowd.
+    pub fn row_numbers(&self, svg: &mut Svg, size: f64) {
+        let spacing = 0.75_f64.sqrt() * self.diameter();
+        let rounds = [5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
+        let every = rounds.into_iter().find(|&n| f64::from(n) * spacing >= 40.0).unwrap_or(10_000);
         let left = self.corner()[0] - 4.0;
         for site in self.outcome.sites.iter().filter(|s| s.column == 1 && (s.row == 1 || s.row % every == 0)) {
             let y = self.place([0.0, site.z])[1];

@@ -64,22 +64,23 @@ pub fn kinetic_scale(outcome: &Outcome) -> Scale {
 
 /// Greatest kinetic energy of every sphere, one map per kind of arrangement, all on one colour scale.
 pub fn kinetic(outcome: &Outcome) -> String {
-    const PER_DIAMETER: f64 = 7.2;
+    const ROOM: [f64; 2] = [128.0, 420.0];
     const TOP: f64 = 52.0;
     const BELOW: f64 = 46.0;
     const PER_LINE: usize = 7;
     let shown = one_of_each_kind(outcome);
     let scale = kinetic_scale(outcome);
-    let [width, height] = Crystal::new(outcome, Extent::Half, [0.0, 0.0], PER_DIAMETER).size();
-    let column = width.max(112.0) + 12.0;
+    let [width, height] = Crystal::new(outcome, Extent::Half, [0.0, 0.0], ROOM).size();
+    // Names and numbers need more than a very narrow crystal.
+    let (column, inset) = (width.max(112.0) + 12.0, (112.0 - width).max(0.0) / 2.0);
     let line = TOP + height + BELOW;
     let lines = shown.len().div_ceil(PER_LINE).max(1);
     let full = ROWS + column * shown.len().clamp(1, PER_LINE) as f64 + BAR;
     let title = format!("{}: greatest kinetic energy of every sphere, by arrangement", outcome.manifest.name);
     let mut svg = Svg::new(full, line * lines as f64, &title);
     for (k, arrangement) in shown.iter().enumerate() {
-        let corner = [ROWS + column * (k % PER_LINE) as f64, TOP + line * (k / PER_LINE) as f64];
-        let crystal = Crystal::new(outcome, Extent::Half, corner, PER_DIAMETER);
+        let corner = [ROWS + column * (k % PER_LINE) as f64 + inset, TOP + line * (k / PER_LINE) as f64];
+        let crystal = Crystal::new(outcome, Extent::Half, corner, ROOM);
         let middle = corner[0] + width / 2.0;
         svg.text([middle, corner[1] - 24.0], 13.0, Anchor::Middle, r#"font-weight="bold""#, &arrangement.kind);
         if let Some(seed) = arrangement.seed {
@@ -91,7 +92,7 @@ pub fn kinetic(outcome: &Outcome) -> String {
         }
         crystal.regions(&mut svg, 1.4);
         if k % PER_LINE == 0 {
-            crystal.row_numbers(&mut svg, 10, 11.0);
+            crystal.row_numbers(&mut svg, 11.0);
             svg.text_upwards([14.0, corner[1] + height / 2.0], 12.0, "", "row");
         }
         let line = Line { name: &arrangement.name, members: vec![arrangement] };
@@ -114,7 +115,7 @@ pub fn kinetic_lens(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         Panel { heading: &lens.name, scale, label: "greatest kinetic energy (J)", unit: 1.0, arrangement: lens };
     let title = format!("{}: greatest kinetic energy of every sphere and rays", outcome.manifest.name);
     let above = above(&scale, [&lens.record.max_kinetic[..]]);
-    panels(outcome, &title, 16.0, true, [(panel, values, [above, false])])
+    panels(outcome, &title, [560.0, 800.0], true, [(panel, values, [above, false])])
 }
 
 /// Energy dissipated per sphere, in the lens and, where there is one, in the crystal without a lens; logarithmic.
@@ -129,7 +130,7 @@ pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         let panel = Panel { heading: a.name.as_str(), scale, label, unit: 1e-3, arrangement: a };
         (panel, Box::new(move |index| at(list, index)) as Values, [false, below(&scale, list)])
     });
-    panels(outcome, &title, 11.5, false, all)
+    panels(outcome, &title, [392.0, 620.0], false, all)
 }
 
 /// Greatest net force on every sphere of the lens: as it is (logarithmic), and over the greatest of its row, which takes
@@ -163,7 +164,7 @@ pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         (first, Box::new(|index| at(list, index)), [false, below(&absolute, list)]),
         (second, Box::new(share), [false, false]),
     ];
-    panels(outcome, &title, 11.5, false, shown)
+    panels(outcome, &title, [392.0, 620.0], false, shown)
 }
 
 /// Whether a value in the lists lies above the scale.
@@ -191,19 +192,19 @@ struct Panel<'a> {
 fn panels<'a>(
     outcome: &'a Outcome,
     title: &str,
-    per_diameter: f64,
+    room: [f64; 2],
     with_rays: bool,
     shown: impl IntoIterator<Item = (Panel<'a>, Values<'a>, [bool; 2])>,
 ) -> String {
     const TOP: f64 = 36.0;
     let shown: Vec<_> = shown.into_iter().collect();
-    let [width, height] = Crystal::new(outcome, Extent::Both, [0.0, 0.0], per_diameter).size();
+    let [width, height] = Crystal::new(outcome, Extent::Both, [0.0, 0.0], room).size();
     let column = ROWS + width + BAR;
     let mut svg = Svg::new(column * shown.len() as f64, TOP + height + 20.0, title);
     for (k, (panel, value, beyond)) in shown.iter().enumerate() {
         let left = column * k as f64;
         let corner = [left + ROWS, TOP];
-        let crystal = Crystal::new(outcome, Extent::Both, corner, per_diameter);
+        let crystal = Crystal::new(outcome, Extent::Both, corner, room);
         svg.text([corner[0] + width / 2.0, 20.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, panel.heading);
         crystal.map(&mut svg, &panel.scale, value);
         for line in SITES {
@@ -219,7 +220,7 @@ fn panels<'a>(
         if k == 0 {
             crystal.name_regions(&mut svg, 12.0);
         }
-        crystal.row_numbers(&mut svg, 10, 11.0);
+        crystal.row_numbers(&mut svg, 11.0);
         svg.text_upwards([left + 14.0, TOP + height / 2.0], 12.0, "", "row");
         let bar = [corner[0] + width + 14.0, TOP + 12.0];
         panel.scale.bar(&mut svg, bar, height - 24.0, panel.label, panel.unit, *beyond);
