@@ -12,9 +12,9 @@ pub struct Site {
     pub row: u32,
     /// Column within the row, from 1 on in order of x.
     pub column: u32,
-    /// Distance from the lens axis [m].
+    /// Distance from the lens axis (m).
     pub x: f64,
-    /// Depth below row 1 [m].
+    /// Depth below row 1 (m).
     pub z: f64,
 }
 
@@ -52,7 +52,7 @@ pub struct HexagonalSheet {
 }
 
 impl HexagonalSheet {
-    /// A sheet of spheres of `diameter` [m], `rows` deep, out to a mirror line `half_width` diameters from the axis.
+    /// A sheet of spheres of `diameter` (m), `rows` deep, out to a mirror line `half_width` diameters from the axis.
     ///
     /// # Errors
     /// See [`LatticeError`].
@@ -70,7 +70,7 @@ impl HexagonalSheet {
         Ok(Self { diameter, rows, half_diameters: doubled as u32 })
     }
 
-    /// Sphere diameter D [m].
+    /// Sphere diameter D (m).
     pub fn diameter(&self) -> f64 {
         self.diameter
     }
@@ -80,17 +80,17 @@ impl HexagonalSheet {
         self.rows
     }
 
-    /// Distance from the axis to the far mirror line [m].
+    /// Distance from the axis to the far mirror line (m).
     pub fn half_width(&self) -> f64 {
         f64::from(self.half_diameters) * 0.5 * self.diameter
     }
 
-    /// Distance between rows, √3/2 D [m].
+    /// Distance between rows, √3/2 D (m).
     pub fn row_spacing(&self) -> f64 {
         0.75_f64.sqrt() * self.diameter
     }
 
-    /// Depth of a row's centres [m]; `row` may be fractional, as in a lens face between two rows.
+    /// Depth of a row's centres (m); `row` may be fractional, as in a lens face between two rows.
     pub fn depth(&self, row: f64) -> f64 {
         (row - 1.0) * self.row_spacing()
     }

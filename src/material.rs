@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 pub struct Material {
     /// Canonical name, such as `stainless-440c`.
     pub name: String,
-    /// ρ [kg/m³]
+    /// ρ (kg/m³)
     pub density: f64,
-    /// Young's modulus E [Pa]
+    /// Young's modulus E (Pa)
     pub youngs_modulus: f64,
     /// Poisson's ratio ν
     pub poisson_ratio: f64,
-    /// Quasistatic yield stress σ_y [Pa]
+    /// Quasistatic yield stress σ_y (Pa)
     pub yield_stress: f64,
     /// Johnson-Cook rate constant C in σ = σ_y (1 + C ln(ε̇/ε̇₀)), ε̇₀ = 0.001 /s (Burgoyne 2016, eq. 3.7, sign corrected)
     pub rate_constant: f64,
@@ -69,7 +69,7 @@ impl Material {
         )
     }
 
-    /// Mass of a solid sphere of diameter `diameter` [m], in kg.
+    /// Mass of a solid sphere of diameter `diameter` (m), in kg.
     pub fn sphere_mass(&self, diameter: f64) -> f64 {
         self.density * std::f64::consts::PI / 6.0 * diameter.powi(3)
     }

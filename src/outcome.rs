@@ -22,9 +22,9 @@ pub struct Outcome {
     pub manifest: Manifest,
     /// The crystal's sites, in the order of all per-site lists.
     pub sites: Vec<Site>,
-    /// Sphere diameter [m].
+    /// Sphere diameter (m).
     pub diameter: f64,
-    /// Distance from the axis to the far mirror line [m].
+    /// Distance from the axis to the far mirror line (m).
     pub half_width: f64,
     /// Where energy is wanted and where it is not.
     pub target: Target,
@@ -57,11 +57,11 @@ pub struct Manifest {
     pub constants: String,
     /// Integrator.
     pub integrator: String,
-    /// Step [s].
+    /// Step (s).
     pub step_s: f64,
     /// Why this step.
     pub step_reason: String,
-    /// Window [s].
+    /// Window (s).
     pub window_s: f64,
     /// Why this window.
     pub window_reason: String,
@@ -71,20 +71,20 @@ pub struct Manifest {
     pub threads: usize,
     /// When the run began, seconds since 1970.
     pub started_unix_s: u64,
-    /// Wall time of the simulations [s].
+    /// Wall time of the simulations (s).
     pub seconds: f64,
 }
 
 /// What ray tracing proposed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Proposal {
-    /// Wave-speed bound of the host [m/s].
+    /// Wave-speed bound of the host (m/s).
     pub host_speed: f64,
-    /// Wave-speed bound of the lens material [m/s].
+    /// Wave-speed bound of the lens material (m/s).
     pub lens_speed: f64,
     /// Host over lens.
     pub speed_ratio: f64,
-    /// Critical angle of total reflection where the wave passes from the slower to the faster material [rad].
+    /// Critical angle of total reflection where the wave passes from the slower to the faster material (rad).
     pub critical_angle: Option<f64>,
     /// Force on a contact of the struck row over F_p of the host.
     pub amplitude_host: f64,
@@ -96,11 +96,11 @@ pub struct Proposal {
     pub apex_row: u32,
     /// Last row of the lens.
     pub back_row: u32,
-    /// Radius of the curved face [m].
+    /// Radius of the curved face (m).
     pub radius: f64,
-    /// Greatest angle of the curved face against the rows [rad].
+    /// Greatest angle of the curved face against the rows (rad).
     pub rim_angle: f64,
-    /// Half aperture [m]
+    /// Half aperture (m)
     pub aperture: f64,
     /// Number of spheres of lens material in the simulated half.
     pub spheres: usize,
@@ -108,13 +108,13 @@ pub struct Proposal {
     pub fraction: f64,
     /// The same fraction without a lens.
     pub fraction_without: f64,
-    /// Depths [m] at which the innermost and the outermost ray cross the axis, where they do.
+    /// Depths (m) at which the innermost and the outermost ray cross the axis, where they do.
     pub crossing: [Option<f64>; 2],
-    /// The curved face as a polyline (x, z) [m], from the axis outwards.
+    /// The curved face as a polyline (x, z) (m), from the axis outwards.
     pub front: Vec<[f64; 2]>,
-    /// Depth of the flat face [m].
+    /// Depth of the flat face (m).
     pub back: f64,
-    /// A few rays as polylines (x, z) [m], to be drawn; they run to the end of the crystal.
+    /// A few rays as polylines (x, z) (m), to be drawn; they run to the end of the crystal.
     pub rays: Vec<Vec<[f64; 2]>>,
 }
 
@@ -142,15 +142,16 @@ pub struct ArrangementOutcome {
 /// What each sphere felt, in the order of the sites.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SphereRecord {
-    /// Greatest kinetic energy [J].
+    /// Greatest kinetic energy (J).
     pub max_kinetic: Vec<f64>,
-    /// Greatest net contact force [N].
+    /// Greatest net contact force (N).
     pub max_net_force: Vec<f64>,
-    /// Greatest force on one of its contacts [N].
+    /// Greatest force on one of its contacts (N).
     pub max_contact_force: Vec<f64>,
-    /// Time at which the speed first reached 1 % of its own maximum [s]; none if the sphere never moved.
+    /// Time at which the speed first reached 1 % of its own maximum (s); none if the sphere never moved.
     pub arrival: Vec<Option<f64>>,
-    /// Half of the loss of each of its contacts [J].
+    /// Half of the loss of each of its contacts, those with mirror images included (J); of a sphere on a mirror line, the
+    /// whole sphere's.
     pub dissipated: Vec<f64>,
 }
 
@@ -166,11 +167,11 @@ pub struct Checked {
     /// The numbers; energies at the end of the run.
     #[serde(flatten)]
     pub scores: Scores,
-    /// Step [s].
+    /// Step (s).
     pub step_s: f64,
     /// Accepted steps.
     pub steps: u64,
-    /// Window [s].
+    /// Window (s).
     pub window_s: f64,
     /// Contact law.
     pub law: String,
@@ -178,7 +179,7 @@ pub struct Checked {
     pub constants: String,
     /// Integrator.
     pub integrator: String,
-    /// Wall time [s].
+    /// Wall time (s).
     pub seconds: f64,
     /// What a reader should know before trusting the numbers.
     pub warnings: Vec<String>,

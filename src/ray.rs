@@ -10,9 +10,9 @@ use nalgebra::Vector2;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("total reflection: incidence at {:.1} degrees, critical angle {:.1} degrees", .incidence.to_degrees(), .critical.to_degrees())]
 pub struct TotalReflection {
-    /// Angle between ray and normal [rad].
+    /// Angle between ray and normal (rad).
     pub incidence: f64,
-    /// arcsin(V_in/V_out) [rad]
+    /// arcsin(V_in/V_out) (rad)
     pub critical: f64,
 }
 
@@ -84,26 +84,26 @@ pub fn leave(inside: Vector2<f64>, speeds: [f64; 2]) -> Result<Vector2<f64>, Tot
 /// the two meet, or at the mirror line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bench {
-    /// Depth of the front on the axis [m].
+    /// Depth of the front on the axis (m).
     pub apex: f64,
-    /// Radius of the front [m].
+    /// Radius of the front (m).
     pub radius: f64,
-    /// Depth of the back [m].
+    /// Depth of the back (m).
     pub back: f64,
-    /// Distance from the axis to the far mirror line [m].
+    /// Distance from the axis to the far mirror line (m).
     pub half_width: f64,
-    /// Depth of the last row [m].
+    /// Depth of the last row (m).
     pub end: f64,
-    /// Wave speeds of host and lens [m/s].
+    /// Wave speeds of host and lens (m/s).
     pub speeds: [f64; 2],
 }
 
 /// The way of a ray.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// Corners (x, z) [m]: start, faces, mirror lines, end.
+    /// Corners (x, z) (m): start, faces, mirror lines, end.
     pub points: Vec<[f64; 2]>,
-    /// Time at which the front passes each corner [s], 0 at the start.
+    /// Time at which the front passes each corner (s), 0 at the start.
     pub times: Vec<f64>,
 }
 
@@ -140,12 +140,12 @@ impl std::fmt::Display for Stray {
 impl std::error::Error for Stray {}
 
 impl Bench {
-    /// Depth of the arc below its apex at a distance `x` ≤ radius from the axis [m].
+    /// Depth of the arc below its apex at a distance `x` ≤ radius from the axis (m).
     pub fn sag(&self, x: f64) -> f64 {
         self.radius - (self.radius * self.radius - x * x).max(0.0).sqrt()
     }
 
-    /// Half aperture: where the front meets the back, or the mirror line if that comes first [m].
+    /// Half aperture: where the front meets the back, or the mirror line if that comes first (m).
     pub fn aperture(&self) -> f64 {
         let thickness = (self.back - self.apex).min(self.radius);
         (thickness * (2.0 * self.radius - thickness)).sqrt().min(self.half_width)
@@ -246,7 +246,7 @@ fn fold(x: f64, half_width: f64) -> f64 {
 }
 
 impl Path {
-    /// Place [m] and time [s] at which the ray passes a depth; none if it does not come there.
+    /// Place (m) and time (s) at which the ray passes a depth; none if it does not come there.
     pub fn at_depth(&self, depth: f64) -> Option<(f64, f64)> {
         let leg = self.points.windows(2).position(|leg| (leg[0][1]..=leg[1][1]).contains(&depth))?;
         let ([x0, z0], [x1, z1]) = (self.points[leg], self.points[leg + 1]);
@@ -255,7 +255,7 @@ impl Path {
         Some((x0 + part * (x1 - x0), t0 + part * (t1 - t0)))
     }
 
-    /// Depth at which the ray first comes to the axis [m]; none if it does not, or runs along it.
+    /// Depth at which the ray first comes to the axis (m); none if it does not, or runs along it.
     pub fn axis_crossing(&self) -> Option<f64> {
         if self.points[0][0] == 0.0 {
             return None;

@@ -5,9 +5,9 @@ use crate::material::Material;
 /// One sphere. The last axis is the one along which the wave runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere<const D: usize> {
-    /// Centre [m].
+    /// Centre (m).
     pub centre: [f64; D],
-    /// Radius [m].
+    /// Radius (m).
     pub radius: f64,
     /// Index into [`Sample::materials`].
     pub material: usize,
@@ -25,7 +25,7 @@ pub struct Sample<const D: usize> {
 }
 
 impl<const D: usize> Sample<D> {
-    /// Mass of a sphere [kg].
+    /// Mass of a sphere (kg).
     pub fn mass(&self, sphere: usize) -> f64 {
         let Sphere { radius, material, .. } = self.spheres[sphere];
         self.materials[material].sphere_mass(2.0 * radius)

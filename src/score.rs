@@ -9,10 +9,10 @@ use crate::target::{Region, Target};
 /// Scores of one arrangement; `null` where a ratio has no denominator.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scores {
-    /// F: mean over the focal region of each sphere's maximum kinetic energy [J].
+    /// F: mean over the focal region of each sphere's maximum kinetic energy (J).
     #[serde(rename = "focal_mean_J")]
     pub focal_mean: f64,
-    /// P: the same over the protected region [J].
+    /// P: the same over the protected region (J).
     #[serde(rename = "protected_mean_J")]
     pub protected_mean: f64,
     /// C = F/P
@@ -21,26 +21,26 @@ pub struct Scores {
     pub focal_gain: Option<f64>,
     /// Q = P / P of the all-lens-material arrangement
     pub protection: Option<f64>,
-    /// Work of the load [J].
+    /// Work of the load (J).
     #[serde(rename = "work_in_J")]
     pub work_in: f64,
-    /// Kinetic energy at the end [J].
+    /// Kinetic energy at the end (J).
     #[serde(rename = "kinetic_J")]
     pub kinetic: f64,
-    /// Energy that the contacts would still give back at the end [J].
+    /// Energy that the contacts would still give back at the end (J).
     #[serde(rename = "stored_J")]
     pub stored: f64,
-    /// Work done on the contacts less what they store [J].
+    /// Work done on the contacts less what they store (J).
     #[serde(rename = "dissipated_J")]
     pub dissipated: f64,
     /// (work in − kinetic − stored − dissipated)/work in, signed
     pub residual: f64,
-    /// Σ ½ δ_max F_max (Burgoyne 2016, eq. 5.6), which overestimates the dissipation [J].
+    /// Σ ½ δ_max F_max (Burgoyne 2016, eq. 5.6), which overestimates the dissipation (J).
     #[serde(rename = "eq_5_6_J")]
     pub eq_5_6: f64,
-    /// Greatest momentum of the last row along z [kg m/s].
+    /// Greatest momentum of the last row along z (kg m/s).
     pub exit_momentum: f64,
-    /// Greatest total contact force on the last row along z [N].
+    /// Greatest total contact force on the last row along z (N).
     pub exit_force: f64,
 }
 

@@ -9,7 +9,7 @@ use crate::lattice::{HexagonalSheet, Site};
 pub struct Region {
     /// First and last row, both included, from 1.
     pub rows: [u32; 2],
-    /// Least and greatest distance from the axis [m], both included.
+    /// Least and greatest distance from the axis (m), both included.
     pub x: [f64; 2],
 }
 
@@ -46,7 +46,7 @@ impl Target {
     ///
     ///   T = (depth of the regions' far edge + 10 rows) / V + 120 µs
     ///
-    /// with `slowest_speed` V [m/s], the wave-speed bound of the slowest material present. It ends the run; maxima are
+    /// with `slowest_speed` V (m/s), the wave-speed bound of the slowest material present. It ends the run; maxima are
     /// taken over 0..T and energies are those at T. The first term is the passage of the first front, the second leaves
     /// room for the bound not being reached and for the pulse's own length.
     pub fn window(&self, lattice: &HexagonalSheet, slowest_speed: f64) -> f64 {

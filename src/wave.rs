@@ -33,15 +33,15 @@ impl Dimension {
 /// The wave-speed bound and the contact that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// V [m/s]
+    /// V (m/s)
     pub speed: f64,
-    /// K, stiffness of the fully plastic contact [N/m]
+    /// K, stiffness of the fully plastic contact (N/m)
     pub stiffness: f64,
-    /// F_p [N] at rest: the contact force above which the contact is fully plastic
+    /// F_p (N) at rest: the contact force above which the contact is fully plastic
     pub plastic_force: f64,
 }
 
-/// The bound of a crystal of spheres of `diameter` [m].
+/// The bound of a crystal of spheres of `diameter` (m).
 ///
 ///   V = A √(3 K / (π R ρ)),   K = 2 π r* σ_y c₁,   A = 1, 3/(2√2), 2/√3 in one, two, three dimensions
 ///
@@ -57,7 +57,7 @@ pub fn bound(dimension: Dimension, materials: [&Material; 2], diameter: f64, con
     Bound { speed, stiffness, plastic_force: pair.plastic_force() }
 }
 
-/// Force on each of the two contacts below a struck sphere of the hexagonal sheet [N].
+/// Force on each of the two contacts below a struck sphere of the hexagonal sheet (N).
 ///
 /// The contacts lie 30 degrees off the wave's direction and share the force: 2 N cos 30° = F, N = F/√3.
 pub fn contact_force(force_per_sphere: f64) -> f64 {
@@ -77,7 +77,7 @@ pub struct Validity {
 }
 
 impl Validity {
-    /// For the hexagonal sheet with `force_per_sphere` [N] on every sphere of the struck row.
+    /// For the hexagonal sheet with `force_per_sphere` (N) on every sphere of the struck row.
     ///
     /// The fraction of the bound that is reached is interpolated linearly in the logarithm of the amplitude between
     /// simulated values. They are of rate-independent spheres: with the rate effect speeds go on rising slowly and end
@@ -105,7 +105,7 @@ impl Validity {
     }
 }
 
-/// Angle of incidence [rad] from which on a wave is totally reflected where it passes from the slower to the faster of two
+/// Angle of incidence (rad) from which on a wave is totally reflected where it passes from the slower to the faster of two
 /// media: arcsin(V_slow/V_fast). None between equal speeds.
 pub fn critical_angle(speeds: [f64; 2]) -> Option<f64> {
     let (slow, fast) = (speeds[0].min(speeds[1]), speeds[0].max(speeds[1]));

@@ -54,7 +54,7 @@ impl<V: Real> Consistent<V> {
         history.force_max.lt(self.published.yield_force)
     }
 
-    /// δ_max − δ_r [m]
+    /// δ_max − δ_r (m)
     #[inline(always)]
     fn recovered(&self, history: &History<V>) -> V {
         let law = &self.published;

@@ -11,7 +11,7 @@ use crate::real::Real;
 /// Source: Johnson, Contact Mechanics (1985), eq. 4.23; Burgoyne 2016, eq. 3.1 (eq. 4.1 there lacks √r*).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz<V = f64> {
-    /// k [N/m^{3/2}]
+    /// k (N/m^{3/2})
     pub coefficient: V,
 }
 

@@ -13,7 +13,7 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RateFactor<V> {
     constant: V,
-    /// 1/((r₁ + r₂) ε̇₀) [s/m]
+    /// 1/((r₁ + r₂) ε̇₀) (s/m)
     per_speed: V,
 }
 
@@ -40,20 +40,20 @@ impl<V: Real> RateFactor<V> {
 /// R_p = 4 E* a³/(3 F_max) put in, by which its two powers of 2/3 cancel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unloading<V> {
-    /// 1/(2 π 1.6 σ_y) [m²/N]
+    /// 1/(2 π 1.6 σ_y) (m²/N)
     area_per_force: V,
-    /// 4 E*/3 [Pa]
+    /// 4 E*/3 (Pa)
     modulus: V,
 }
 
 impl<V: Real> Unloading<V> {
-    /// a [m]
+    /// a (m)
     #[inline(always)]
     fn contact_radius(&self, force_max: V, yield_force: V) -> V {
         ((force_max + force_max + yield_force) * self.area_per_force).sqrt()
     }
 
-    /// δ_max − δ_r [m]
+    /// δ_max − δ_r (m)
     #[inline(always)]
     pub(super) fn recovered(&self, force_max: V, yield_force: V) -> V {
         force_max / (self.modulus * self.contact_radius(force_max, yield_force))
@@ -160,11 +160,11 @@ impl ElastoPlastic {
 
 /// Region III for one s: F = p₀ π (2 r* δ + c₂) from δ_p on.
 pub(super) struct PlasticLine<V> {
-    /// δ_p [m]
+    /// δ_p (m)
     pub overlap: V,
-    /// p₀ π [Pa]
+    /// p₀ π (Pa)
     pub pressure: V,
-    /// c₂ [m²]
+    /// c₂ (m²)
     pub area_offset: V,
     /// ln s
     pub ln_s: V,

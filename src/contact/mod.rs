@@ -1,6 +1,6 @@
 //! How two spheres push each other apart: pair constants, normal laws, and what a contact remembers.
 //!
-//! A law is pure: overlap [m], closing speed [m/s] and [`History`] in, force [N] out. The history is kept by the caller and
+//! A law is pure: overlap (m), closing speed (m/s) and [`History`] in, force (N) out. The history is kept by the caller and
 //! advanced once per accepted step with the force evaluated on the old history, so reading a force never changes a
 //! trajectory (Burgoyne 2016, appendix A.2.3).
 //!
@@ -37,11 +37,11 @@ use crate::real::Real;
 /// What a contact remembers of its past.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct History<V = f64> {
-    /// δ_max, the greatest overlap so far [m]
+    /// δ_max, the greatest overlap so far (m)
     pub overlap_max: V,
-    /// F_max, the greatest force so far [N]
+    /// F_max, the greatest force so far (N)
     pub force_max: V,
-    /// ω, by how much the contact springs back further from (δ_max, F_max) than one that yielded at that point [m].
+    /// ω, by how much the contact springs back further from (δ_max, F_max) than one that yielded at that point (m).
     /// Only [`Consistent`] uses it; zero says that the contact yielded last when it carried F_max.
     pub elastic_excess: V,
 }
@@ -52,7 +52,7 @@ impl<V: Real> History<V> {
         Self::yielded_at(V::splat(0.0), V::splat(0.0))
     }
 
-    /// A contact whose greatest overlap [m] and force [N] are these, both of the same moment in which it yielded.
+    /// A contact whose greatest overlap (m) and force (N) are these, both of the same moment in which it yielded.
     #[inline(always)]
     pub fn yielded_at(overlap_max: V, force_max: V) -> Self {
         Self { overlap_max, force_max, elastic_excess: V::splat(0.0) }
@@ -74,7 +74,7 @@ impl<V: Real> Default for History<V> {
 
 /// The force of a normal contact law between two given spheres, for one design or several side by side.
 pub trait ForceLaw<V: Real> {
-    /// Repulsive force [N] at an overlap [m] and closing speed [m/s] (positive while the spheres approach). Zero where the
+    /// Repulsive force (N) at an overlap (m) and closing speed (m/s) (positive while the spheres approach). Zero where the
     /// overlap is not positive.
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V;
 
@@ -89,10 +89,10 @@ pub trait ForceLaw<V: Real> {
 
 /// A normal contact law between two given spheres.
 pub trait NormalLaw: ForceLaw<f64> {
-    /// Energy [J] that the contact gives back when it opens quasistatically from this overlap.
+    /// Energy (J) that the contact gives back when it opens quasistatically from this overlap.
     fn stored(&self, overlap: f64, history: &History) -> f64;
 
-    /// The greatest stiffness dF/dδ [N/m] that the contact can show after having carried `force_max` [N]; it limits the
+    /// The greatest stiffness dF/dδ (N/m) that the contact can show after having carried `force_max` (N); it limits the
     /// step.
     fn stiffness_max(&self, force_max: f64) -> f64;
 }

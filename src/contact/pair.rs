@@ -11,13 +11,13 @@ use crate::material::Material;
 /// the yield stress; for C the same is assumed).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// E* [Pa]
+    /// E* (Pa)
     pub modulus: f64,
-    /// r* [m]
+    /// r* (m)
     pub radius: f64,
-    /// r₁ + r₂ [m]
+    /// r₁ + r₂ (m)
     pub radii_sum: f64,
-    /// σ_y [Pa] of the partner that yields first
+    /// σ_y (Pa) of the partner that yields first
     pub yield_stress: f64,
     /// C of that partner
     pub rate_constant: f64,
@@ -28,22 +28,22 @@ pub struct Pair {
 /// Overlap, force and fitted parameters at which the regions of the elastic-plastic law meet, for a given σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regions {
-    /// δ_y [m], onset of yield
+    /// δ_y (m), onset of yield
     pub yield_overlap: f64,
-    /// F_y [N]
+    /// F_y (N)
     pub yield_force: f64,
-    /// δ_p [m], onset of full plasticity
+    /// δ_p (m), onset of full plasticity
     pub plastic_overlap: f64,
-    /// F_p [N]
+    /// F_p (N)
     pub plastic_force: f64,
     /// c₁, contact pressure over yield stress
     pub pressure_ratio: f64,
-    /// c₂ [m²], offset of the squared contact radius
+    /// c₂ (m²), offset of the squared contact radius
     pub area_offset: f64,
 }
 
 impl Pair {
-    /// Two spheres of the given materials and radii [m].
+    /// Two spheres of the given materials and radii (m).
     pub fn new(materials: [&Material; 2], radii: [f64; 2], constants: Constants) -> Self {
         let [a, b] = materials;
         let compliance = |m: &Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
@@ -83,13 +83,13 @@ impl Pair {
         }
     }
 
-    /// Stiffness of the fully plastic contact, K = 2 π r* σ_y c₁ [N/m] (Burgoyne 2016, eq. 5.2; K_1D and K_L there).
+    /// Stiffness of the fully plastic contact, K = 2 π r* σ_y c₁ (N/m) (Burgoyne 2016, eq. 5.2; K_1D and K_L there).
     pub fn plastic_stiffness(&self) -> f64 {
         let ratio = self.modulus / self.yield_stress;
         2.0 * std::f64::consts::PI * self.radius * self.yield_stress * self.constants.pressure_ratio(ratio)
     }
 
-    /// F_p [N] at rest: the force from which on the contact is fully plastic (Burgoyne 2016, eq. 3.5).
+    /// F_p (N) at rest: the force from which on the contact is fully plastic (Burgoyne 2016, eq. 3.5).
     pub fn plastic_force(&self) -> f64 {
         self.regions(1.0).plastic_force
     }

@@ -21,7 +21,7 @@ use crate::sample::Sample;
 /// What is kept of one design of a batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brief {
-    /// Greatest kinetic energy of each sphere [J], over accepted steps.
+    /// Greatest kinetic energy of each sphere (J), over accepted steps.
     pub max_kinetic: Vec<f64>,
     /// Why the run ended early or is not to be trusted, if so. No energy ledger is kept in a batch.
     pub stop: Option<Stop>,

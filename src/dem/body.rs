@@ -14,7 +14,7 @@ pub(super) struct Grains<V, const D: usize> {
     pub velocity: Vec<[V; D]>,
     /// Acceleration by contacts, as of the last accepted step.
     pub acceleration: Vec<[V; D]>,
-    /// 1/m of the whole sphere [1/kg]
+    /// 1/m of the whole sphere (1/kg)
     pub inverse_mass: Vec<V>,
     /// Per axis 1/weight, or 0 across a mirror that the sphere lies on.
     pub mobility: Vec<[f64; D]>,

@@ -8,14 +8,14 @@
 pub struct Mirror {
     /// Axis that the plane cuts.
     pub axis: usize,
-    /// Where on that axis [m].
+    /// Where on that axis (m).
     pub position: f64,
     /// +1.0 or −1.0: direction from the plane into the simulated half.
     pub inward: f64,
 }
 
 impl Mirror {
-    /// Signed distance of a centre from the plane [m], positive inside.
+    /// Signed distance of a centre from the plane (m), positive inside.
     pub fn distance<const D: usize>(&self, centre: &[f64; D]) -> f64 {
         (centre[self.axis] - self.position) * self.inward
     }

@@ -23,7 +23,7 @@ pub(super) struct Account<V> {
     /// Overlap and force at the last accepted step; zero while open.
     pub overlap: V,
     pub force: V,
-    /// ∫F dδ by the trapezoidal rule over accepted steps [J]
+    /// ∫F dδ by the trapezoidal rule over accepted steps (J)
     pub work: V,
 }
 
@@ -197,7 +197,7 @@ impl<V: Real, const D: usize, L: Laws<V>> Contacts<V, D, L> {
         self.pairs[self.first_pair[i]..self.first_pair[i + 1]].iter().any(|touch| touch.pair[1] == j)
     }
 
-    /// Radii sum by which an overlap of this contact is judged [m].
+    /// Radii sum by which an overlap of this contact is judged (m).
     pub fn reach(&self, contact: usize) -> f64 {
         match self.pairs.get(contact) {
             Some(touch) => touch.reach,

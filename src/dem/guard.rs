@@ -27,7 +27,7 @@ pub enum Stop {
     /// The caller asked for it.
     #[error("interrupted at {time_s:.3e} s")]
     Interrupted {
-        /// Time of the last accepted step [s].
+        /// Time of the last accepted step (s).
         time_s: f64,
     },
     /// A velocity is not a number any more.
@@ -35,7 +35,7 @@ pub enum Stop {
     NotFinite {
         /// Sphere, from 1 in the sample's order.
         sphere: usize,
-        /// Time [s].
+        /// Time (s).
         time_s: f64,
     },
     /// An overlap beyond the law's range.
@@ -49,7 +49,7 @@ pub enum Stop {
         spheres: [usize; 2],
         /// Overlap over the sum of radii.
         overlap_ratio: f64,
-        /// Time [s].
+        /// Time (s).
         time_s: f64,
     },
     /// The step is too large for a contact that has arisen.
@@ -58,15 +58,15 @@ pub enum Stop {
          it must stay below {limit_s:.3e} s", .spheres[0], .spheres[1]
     )]
     Step {
-        /// The step [s].
+        /// The step (s).
         step_s: f64,
-        /// What it may be [s].
+        /// What it may be (s).
         limit_s: f64,
-        /// Stiffness of the contact [N/m].
+        /// Stiffness of the contact (N/m).
         stiffness: f64,
         /// Spheres, from 1.
         spheres: [usize; 2],
-        /// Time [s].
+        /// Time (s).
         time_s: f64,
     },
     /// Energy appeared or vanished.
@@ -80,7 +80,7 @@ pub enum Stop {
     },
 }
 
-/// Largest stable step [s] for contacts of stiffness `stiffness` [N/m] between spheres of mass `mass` [kg] in `D`
+/// Largest stable step (s) for contacts of stiffness `stiffness` (N/m) between spheres of mass `mass` (kg) in `D`
 /// dimensions: 2/ω with ω² = 2 (D + 1) K/m, the highest frequency of a chain (4 K/m), a hexagonal sheet (6 K/m) or a
 /// close-packed crystal (8 K/m) all of whose contacts are as stiff.
 pub fn stable_step<const D: usize>(stiffness: f64, mass: f64) -> f64 {

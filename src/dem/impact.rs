@@ -31,42 +31,42 @@ pub struct Impact {
     pub pulse: ForcePulse,
     /// Indices of the struck spheres.
     pub struck: Vec<usize>,
-    /// Spheres that move at the start, with their speed along the last axis [m/s].
+    /// Spheres that move at the start, with their speed along the last axis (m/s).
     pub moving: Vec<(usize, f64)>,
     /// Indices of the spheres whose momentum and force count as delivered.
     pub exit: Vec<usize>,
     /// The integrator.
     pub integrator: Integrator,
-    /// Its step [s].
+    /// Its step (s).
     pub step: f64,
-    /// How long the motion is followed [s]; maxima are taken and energies dated by it.
+    /// How long the motion is followed (s); maxima are taken and energies dated by it.
     pub window: f64,
 }
 
 /// What each sphere and contact felt, and where the energy went.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record<const D: usize> {
-    /// Greatest kinetic energy of each sphere [J], over accepted steps.
+    /// Greatest kinetic energy of each sphere (J), over accepted steps.
     pub max_kinetic: Vec<f64>,
-    /// Greatest net contact force on each sphere [N].
+    /// Greatest net contact force on each sphere (N).
     pub max_net_force: Vec<f64>,
-    /// Greatest force at one contact of each sphere [N].
+    /// Greatest force at one contact of each sphere (N).
     pub max_contact_force: Vec<f64>,
-    /// When each sphere's speed first reached 1 % of its own maximum [s]; none if it never moved.
+    /// When each sphere's speed first reached 1 % of its own maximum (s); none if it never moved.
     pub arrival: Vec<Option<f64>>,
-    /// Half of each contact's loss to each of its spheres [J]; of whole spheres also where they lie on a mirror.
+    /// Half of each contact's loss to each of its spheres (J); of whole spheres also where they lie on a mirror.
     pub dissipated: Vec<f64>,
     /// Every contact that ever closed.
     pub contacts: Vec<ContactRecord>,
     /// Where the energy went.
     pub ledger: Ledger,
-    /// Greatest momentum of the exit spheres along the last axis [kg m/s].
+    /// Greatest momentum of the exit spheres along the last axis (kg m/s).
     pub exit_momentum: f64,
-    /// Greatest total contact force on the exit spheres along the last axis [N].
+    /// Greatest total contact force on the exit spheres along the last axis (N).
     pub exit_force: f64,
-    /// How far each sphere has moved at the end [m].
+    /// How far each sphere has moved at the end (m).
     pub displacement: Vec<[f64; D]>,
-    /// Velocity of each sphere at the end [m/s].
+    /// Velocity of each sphere at the end (m/s).
     pub velocity: Vec<[f64; D]>,
     /// Accepted steps.
     pub steps: u64,
@@ -84,13 +84,13 @@ pub struct ContactRecord {
     pub spheres: [usize; 2],
     /// The part of it that belongs to the simulated half.
     pub weight: f64,
-    /// δ_max [m]
+    /// δ_max (m)
     pub overlap_max: f64,
-    /// F_max [N]
+    /// F_max (N)
     pub force_max: f64,
-    /// ∫F dδ so far [J]
+    /// ∫F dδ so far (J)
     pub work: f64,
-    /// What of it the contact would give back [J].
+    /// What of it the contact would give back (J).
     pub stored: f64,
 }
 
@@ -175,7 +175,7 @@ pub fn steps_in(window: f64, step: f64) -> u64 {
     (window / step + 1e-9).floor() as u64
 }
 
-/// Greatest speed [m/s].
+/// Greatest speed (m/s).
 fn fastest<const D: usize>(grains: &Grains<f64, D>) -> f64 {
     (0..grains.reached).map(|i| grains.speed_squared(i)).fold(0.0, f64::max).sqrt()
 }
@@ -187,7 +187,7 @@ fn steps_until_next_look<const D: usize>(grains: &Grains<f64, D>, step: f64, lea
     if travel > 0.0 { ((0.6 * least_radius / travel) as u64).clamp(1, WATCH) } else { WATCH }
 }
 
-/// Two spheres, no contact of the packing at rest, whose surfaces are nearer than `margin` [m].
+/// Two spheres, no contact of the packing at rest, whose surfaces are nearer than `margin` (m).
 fn nearing<const D: usize, L: NormalLaw + Copy + Sync>(
     sample: &Sample<D>,
     impact: &Impact,

@@ -11,7 +11,7 @@ use super::contacts::{Contacts, Laws};
 use super::table::LawTable;
 use crate::contact::NormalLaw;
 
-/// Energies [J] of the simulated half, spheres and contacts on mirrors counting by their part in it.
+/// Energies (J) of the simulated half, spheres and contacts on mirrors counting by their part in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Work of the load, and kinetic energy at the start.

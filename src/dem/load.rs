@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 /// A constant force along the last axis on every struck sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForcePulse {
-    /// Force on each struck sphere [N].
+    /// Force on each struck sphere (N).
     pub force: f64,
-    /// How long it lasts [s].
+    /// How long it lasts (s).
     pub duration: f64,
 }
 
 impl ForcePulse {
-    /// The mean force [N] during the step that begins at `step_index * step`. The pulse covers whole steps; a step that it
+    /// The mean force (N) during the step that begins at `step_index * step`. The pulse covers whole steps; a step that it
     /// ends within has its force scaled, so that the impulse is exact.
     pub fn during(&self, step_index: u64, step: f64) -> f64 {
         // In units of steps; a pulse that ends within a billionth of a step ends with it.

@@ -8,11 +8,11 @@ use crate::sample::Sample;
 pub(super) struct Touch<const D: usize> {
     /// Indices, the lower one first.
     pub pair: [usize; 2],
-    /// From the centre of the first to that of the second [m].
+    /// From the centre of the first to that of the second (m).
     pub offset: [f64; D],
-    /// |offset|² − (r₁ + r₂)² [m²]; exactly zero where the spheres just touch.
+    /// |offset|² − (r₁ + r₂)² (m²); exactly zero where the spheres just touch.
     pub gap: f64,
-    /// r₁ + r₂ [m]
+    /// r₁ + r₂ (m)
     pub reach: f64,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct SelfTouch {
     pub sphere: usize,
     pub axis: usize,
     pub inward: f64,
-    /// Its diameter [m]
+    /// Its diameter (m)
     pub reach: f64,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Touching<const D: usize> {
 pub struct OverlapAtRest {
     /// Indices of the two spheres.
     pub pair: [usize; 2],
-    /// By how much [m].
+    /// By how much (m).
     pub overlap: f64,
 }
 
@@ -91,7 +91,7 @@ impl<const D: usize> Touching<D> {
     }
 }
 
-/// Diameter of the largest sphere [m].
+/// Diameter of the largest sphere (m).
 fn widest<const D: usize>(sample: &Sample<D>) -> f64 {
     sample.spheres.iter().map(|s| 2.0 * s.radius).fold(0.0, f64::max)
 }
@@ -130,7 +130,7 @@ impl<'a, const D: usize> Cells<'a, D> {
     }
 }
 
-/// Looks for two spheres that are no contact of the packing at rest and whose surfaces are nearer than `margin` [m] now.
+/// Looks for two spheres that are no contact of the packing at rest and whose surfaces are nearer than `margin` (m) now.
 pub(super) fn nearing_strangers<const D: usize>(
     sample: &Sample<D>,
     mirrors: &[Mirror],

@@ -5,22 +5,22 @@ use crate::real::Real;
 
 /// Looks at the spheres after every accepted step.
 pub(super) trait Observer<V, const D: usize> {
-    /// Called with the time [s] of the accepted step.
+    /// Called with the time (s) of the accepted step.
     fn accepted(&mut self, time: f64, grains: &Grains<V, D>);
 }
 
 /// Maxima over accepted steps, first arrivals, and what leaves the crystal.
 #[derive(Clone, Debug)]
 pub(super) struct Felt<const D: usize> {
-    /// v² [m²/s²]
+    /// v² (m²/s²)
     pub speed_squared: Vec<f64>,
-    /// |contact acceleration|² [m²/s⁴]
+    /// |contact acceleration|² (m²/s⁴)
     pub acceleration_squared: Vec<f64>,
     arrivals: Vec<Rise>,
     exit: Vec<usize>,
-    /// Greatest momentum of the exit spheres along the last axis [kg m/s]
+    /// Greatest momentum of the exit spheres along the last axis (kg m/s)
     pub exit_momentum: f64,
-    /// Greatest total contact force on them along the last axis [N]
+    /// Greatest total contact force on them along the last axis (N)
     pub exit_force: f64,
 }
 
@@ -76,7 +76,7 @@ impl<const D: usize> Felt<D> {
         }
     }
 
-    /// First arrivals [s], with the step by which the run advanced.
+    /// First arrivals (s), with the step by which the run advanced.
     pub fn arrivals(&self, step: f64) -> Vec<Option<f64>> {
         self.arrivals.iter().map(|rise| rise.arrival(step)).collect()
     }

@@ -17,7 +17,7 @@ pub(super) struct Drive<V> {
     pub struck: Vec<usize>,
     /// One more than the last struck sphere.
     reach: usize,
-    /// Work on the simulated parts [J]
+    /// Work on the simulated parts (J)
     pub work: V,
 }
 
@@ -58,7 +58,7 @@ impl<V: Real, const D: usize> Stepper<V, D> {
         Self { integrator, accept, step, count: 0, force: zeros(), trial: zeros(), stages }
     }
 
-    /// Time [s] at the last accepted step.
+    /// Time (s) at the last accepted step.
     pub fn time(&self) -> f64 {
         self.count as f64 * self.step
     }

@@ -59,11 +59,11 @@ pub struct Design {
     pub lens: Option<LensRequest>,
     /// How motion is advanced.
     pub integrator: Integrator,
-    /// Step [s], where given; it then takes the place of `accuracy`.
+    /// Step (s), where given; it then takes the place of `accuracy`.
     pub step: Option<f64>,
     /// What the step is chosen for where it is not given.
     pub accuracy: Accuracy,
-    /// Window [s], where given.
+    /// Window (s), where given.
     pub window: Option<f64>,
     /// Seed of the first random layout of each kind.
     pub first_seed: u64,

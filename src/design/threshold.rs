@@ -26,11 +26,11 @@ pub enum Measure {
     FocalGain,
     /// Q
     Protection,
-    /// F [J]
+    /// F (J)
     FocalMean,
-    /// P [J]
+    /// P (J)
     ProtectedMean,
-    /// Loss in the contacts [J]
+    /// Loss in the contacts (J)
     Dissipated,
     /// Energy residual as a fraction of the work, signed
     Residual,

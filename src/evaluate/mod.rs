@@ -84,9 +84,9 @@ pub fn validity(design: &Design, material: &crate::material::Material) -> Validi
 /// What limits the trust in one run's numbers, as measured on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Doubts {
-    /// Two spheres that do not touch at rest and may have met, and when [s].
+    /// Two spheres that do not touch at rest and may have met, and when (s).
     missed_contact: Option<([usize; 2], f64)>,
-    /// Greatest overlap [m], and over the diameter.
+    /// Greatest overlap (m), and over the diameter.
     overlap: [f64; 2],
     /// Greatest overlap over δ_p; zero for elastic laws.
     depth: f64,

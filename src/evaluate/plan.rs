@@ -12,9 +12,9 @@ use crate::wave::{self, Dimension};
 pub struct Overrides {
     /// The integrator.
     pub integrator: Option<Integrator>,
-    /// The step [s].
+    /// The step (s).
     pub step: Option<f64>,
-    /// The window [s].
+    /// The window (s).
     pub window: Option<f64>,
     /// The first random seed.
     pub first_seed: Option<u64>,
@@ -25,11 +25,11 @@ pub struct Overrides {
 pub struct Plan {
     /// The integrator.
     pub integrator: Integrator,
-    /// The step [s].
+    /// The step (s).
     pub step: f64,
     /// Why this step.
     pub step_reason: String,
-    /// The window [s].
+    /// The window (s).
     pub window: f64,
     /// Why this window.
     pub window_reason: String,
@@ -48,21 +48,21 @@ pub enum PlanError {
         Time.show(*step), Time.show(*limit)
     )]
     Step {
-        /// The step asked for [s].
+        /// The step asked for (s).
         step: f64,
-        /// The greatest stable one [s].
+        /// The greatest stable one (s).
         limit: f64,
         /// Materials of the stiffest contact.
         contact: String,
-        /// Its stiffness [N/m].
+        /// Its stiffness (N/m).
         stiffness: f64,
     },
     /// The window ends before the pulse does.
     #[error("window = {} ends before the pulse of {} does", Time.show(*window), Time.show(*pulse))]
     Window {
-        /// The window asked for [s].
+        /// The window asked for (s).
         window: f64,
-        /// Duration of the pulse [s].
+        /// Duration of the pulse (s).
         pulse: f64,
     },
 }

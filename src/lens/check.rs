@@ -65,11 +65,11 @@ pub enum LensError {
         Length.show(*.given), Angle.show(*.max_angle), Length.show(*.least)
     )]
     Radius {
-        /// As given [m].
+        /// As given (m).
         given: f64,
-        /// The limit that it breaks [rad].
+        /// The limit that it breaks (rad).
         max_angle: f64,
-        /// Least radius that does not [m].
+        /// Least radius that does not (m).
         least: f64,
     },
     /// No lens within the limits serves the target.

@@ -34,7 +34,7 @@ impl Ray {
 }
 
 impl Fan {
-    /// `count` rays on fronts that are nowhere steeper than `max_angle` [rad].
+    /// `count` rays on fronts that are nowhere steeper than `max_angle` (rad).
     pub(super) fn new(count: usize, max_angle: f64, speeds: [f64; 2]) -> Self {
         // The slack that limits on the angle have.
         let steepest = (max_angle + 1e-9).min(std::f64::consts::FRAC_PI_2).sin();

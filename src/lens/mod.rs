@@ -36,13 +36,13 @@ pub struct LensRequest {
     pub material: Material,
     /// First and last row that may hold lens material.
     pub rows: [u32; 2],
-    /// Greatest angle of the curved face against the rows [rad]; at most 60 degrees unless asked for.
+    /// Greatest angle of the curved face against the rows (rad); at most 60 degrees unless asked for.
     pub max_interface_angle: f64,
     /// The row of the apex on the axis, where given.
     pub apex_row: Option<u32>,
     /// The last row of the lens (its flat face), where given.
     pub back_row: Option<u32>,
-    /// Radius of the curved face [m], where given.
+    /// Radius of the curved face (m), where given.
     pub radius: Option<f64>,
 }
 
@@ -55,15 +55,15 @@ pub struct Lens {
     pub apex_row: u32,
     /// Last row, that of the flat face.
     pub back_row: u32,
-    /// Radius of the curved face [m].
+    /// Radius of the curved face (m).
     pub radius: f64,
-    /// Greatest angle of the curved face against the rows [rad].
+    /// Greatest angle of the curved face against the rows (rad).
     pub rim_angle: f64,
-    /// Half aperture [m].
+    /// Half aperture (m).
     pub aperture: f64,
-    /// Wave-speed bound of the host [m/s].
+    /// Wave-speed bound of the host (m/s).
     pub host_speed: f64,
-    /// Wave-speed bound of the lens material [m/s].
+    /// Wave-speed bound of the lens material (m/s).
     pub lens_speed: f64,
     /// Number of spheres of lens material in the half crystal.
     pub spheres: usize,
@@ -71,7 +71,7 @@ pub struct Lens {
     pub fraction: f64,
     /// The same fraction without a lens.
     pub fraction_without: f64,
-    /// Depths [m] at which the innermost and the outermost ray come to the axis, where they do within the crystal.
+    /// Depths (m) at which the innermost and the outermost ray come to the axis, where they do within the crystal.
     pub crossing: [Option<f64>; 2],
 }
 
@@ -148,12 +148,12 @@ impl Lens {
         self.shape().rows(&self.lattice)
     }
 
-    /// Depth of the flat face [m].
+    /// Depth of the flat face (m).
     pub fn back_depth(&self) -> f64 {
         self.bench().back
     }
 
-    /// The curved face as a polyline (x, z) [m], from the axis to the rim.
+    /// The curved face as a polyline (x, z) (m), from the axis to the rim.
     pub fn front_polyline(&self) -> Vec<[f64; 2]> {
         const STEPS: u32 = 48;
         let bench = self.bench();
@@ -164,7 +164,7 @@ impl Lens {
             .collect()
     }
 
-    /// `count` rays, evenly from the axis to the mirror line, as polylines (x, z) [m]. They run to the last row, except
+    /// `count` rays, evenly from the axis to the mirror line, as polylines (x, z) (m). They run to the last row, except
     /// those that a face reflects totally, which end there.
     pub fn sample_rays(&self, count: usize) -> Vec<Vec<[f64; 2]>> {
         let bench = self.bench();

@@ -16,7 +16,7 @@ pub struct Shape {
     pub apex_row: u32,
     /// Last row, that of the flat face.
     pub back_row: u32,
-    /// Radius of the curved face [m].
+    /// Radius of the curved face (m).
     pub radius: f64,
 }
 
@@ -60,13 +60,13 @@ impl Shape {
         [first.unwrap_or(self.back_row), self.back_row]
     }
 
-    /// Angle of the front against the rows at its rim [rad].
+    /// Angle of the front against the rows at its rim (rad).
     pub fn rim_angle(&self, lattice: &HexagonalSheet) -> f64 {
         let aperture = self.bench(lattice, [1.0, 1.0]).aperture();
         (aperture / self.radius).min(1.0).asin()
     }
 
-    /// Depth at which rays close to the axis meet [m]; none if the lens does not gather them.
+    /// Depth at which rays close to the axis meet (m); none if the lens does not gather them.
     ///
     /// With n = V_lens/V_host they slope by −(1 − n) x/R in the lens and by 1/n times that behind it.
     pub fn paraxial_crossing(&self, lattice: &HexagonalSheet, speeds: [f64; 2]) -> Option<f64> {
@@ -81,7 +81,7 @@ impl Shape {
     }
 }
 
-/// Least radius [m] of a front that takes `thickness` [m] from apex to back and nowhere exceeds `max_angle` [rad].
+/// Least radius (m) of a front that takes `thickness` (m) from apex to back and nowhere exceeds `max_angle` (rad).
 ///
 /// Either it meets the back at no more than that angle, T ≤ R (1 − cos θ), or it reaches the mirror line before it is as
 /// steep, W ≤ R sin θ.

@@ -58,11 +58,11 @@ impl Grid {
 #[derive(Clone, Debug)]
 pub(super) struct Problem<'a> {
     pub lattice: &'a HexagonalSheet,
-    /// Of host and lens [m/s]
+    /// Of host and lens (m/s)
     pub speeds: [f64; 2],
-    /// Distances from the axis between which rays shall pass [m]
+    /// Distances from the axis between which rays shall pass (m)
     pub region: [f64; 2],
-    /// Depth at which they shall [m]
+    /// Depth at which they shall (m)
     pub depth: f64,
     /// The same as a row
     pub mid_row: f64,

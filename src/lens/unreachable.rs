@@ -15,7 +15,7 @@ pub enum Limit {
     },
     /// The greatest angle of the curved face.
     InterfaceAngle {
-        /// As asked for [rad].
+        /// As asked for (rad).
         max: f64,
     },
     /// The rows that may hold lens material.
@@ -69,7 +69,7 @@ pub struct Nearest {
 pub struct Unreachable {
     /// Name of the lens material.
     pub material: String,
-    /// Distances from the axis between which rays should pass [m].
+    /// Distances from the axis between which rays should pass (m).
     pub x: [f64; 2],
     /// Middle row of the focal region.
     pub mid_row: f64,
@@ -112,7 +112,7 @@ impl fmt::Display for Unreachable {
     }
 }
 
-/// Steepest front that is tried where the limit on the angle is relaxed [degrees].
+/// Steepest front that is tried where the limit on the angle is relaxed (degrees).
 const STEEPEST: f64 = 89.0;
 
 /// Host over lens that is tried where the limit on the speeds is relaxed; material pairs of metals stay below 4.

@@ -115,13 +115,15 @@ impl View<'_> {
             claim: "The lens directs significant portions of the energy to the focus: more arrives there than without it.",
             source: "section 5.3.3",
             measured: format!(
-                "F = {} J with the lens and {} J in the host alone: G = {gain:.3}. {}",
+                "F = {} J with the lens and {} J in the host alone: G = {gain:.3}. P = {} J and {} J.{}",
                 significant(self.lens.scores.focal_mean, 3),
                 significant(host.scores.focal_mean, 3),
-                if gain > 1.0 {
-                    "The lens raises the focal energy."
+                significant(self.lens.scores.protected_mean, 3),
+                significant(host.scores.protected_mean, 3),
+                if gain <= 1.0 && self.lens.scores.contrast.is_some_and(|c| c > 1.0) {
+                    " This lens focuses by lowering the rest, not by raising the focus."
                 } else {
-                    "What the lens gathers does not make up for what it dissipates; it lowers the rest more."
+                    ""
                 }
             ),
             holds: gain > 1.0,

@@ -58,10 +58,14 @@ impl Scale {
         Self { low: 0.0, high: if high.is_finite() && high > 0.0 { high } else { 1.0 }, logarithmic: false }
     }
 
-    /// Proportional to the logarithm over so many decades below `high`.
-    pub fn logarithmic(high: f64, decades: i32) -> Self {
-        let high = if high.is_finite() && high > 0.0 { high } else { 1.0 };
-        Self { low: high / 10_f64.powi(decades), high, logarithmic: true }
+    /// Proportional to the logarithm, over the values that there are: from the greatest down to one that only a fiftieth
+    /// of the positive ones lie below, but over one to three decades.
+    pub fn logarithmic(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.into_iter().filter(|v| v.is_finite() && *v > 0.0).collect();
+        values.sort_by(f64::total_cmp);
+        let high = values.last().copied().unwrap_or(1.0);
+        let low = values.get(values.len() / 50).copied().unwrap_or(high);
+        Self { low: low.clamp(high / 1e3, high / 10.0), high, logarithmic: true }
     }
 
     /// The upper end; values above it are not told apart.
@@ -94,8 +98,11 @@ impl Scale {
         if self.logarithmic {
             let first = self.low.log10().floor() as i32;
             let last = self.high.log10().ceil() as i32;
+            // Few decades hold too few of the steps 1, 2, 5.
+            let steps =
+                if self.high < 30.0 * self.low { &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0][..] } else { &[1.0, 2.0, 5.0] };
             (first..=last)
-                .flat_map(|power| [1.0, 2.0, 5.0].map(|m| m * 10_f64.powi(power)))
+                .flat_map(|power| steps.iter().map(move |m| m * 10_f64.powi(power)))
                 .filter(|&t| t >= self.low * 0.999 && t <= self.high * 1.001)
                 .collect()
         } else {
@@ -168,14 +175,14 @@ mod tests {
 
     #[test]
     fn values_beyond_the_scale_take_its_ends() {
-        for scale in [Scale::linear(2.0), Scale::logarithmic(2.0, 3)] {
+        for scale in [Scale::linear(2.0), Scale::logarithmic([0.5, 2.0])] {
             assert_eq!(scale.level(-1.0), 0);
             assert_eq!(scale.level(0.0), 0);
             assert_eq!(scale.level(1e9), LEVELS - 1);
         }
         // Nothing moved: no division by zero.
         assert_eq!(Scale::linear(0.0).level(0.0), 0);
-        assert_eq!(Scale::logarithmic(0.0, 2).level(0.0), 0);
+        assert_eq!(Scale::logarithmic([0.0, f64::NAN]).level(0.0), 0);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::contact::{AnyLaw, ForceLaw as _, History, Pair};
 /// How far the curve runs, in units of δ_p: somewhat past what the law was fitted for.
 const EXTENT: f64 = 2.5;
 
-/// Closing speeds [m/s] for which the loading curve is drawn: at rest, and one that shows the rate effect.
+/// Closing speeds (m/s) for which the loading curve is drawn: at rest, and one that shows the rate effect.
 const FAST: f64 = 10.0;
 
 /// Draws the law of a pair of spheres as SVG: loading at rest and at 10 m/s, unloading from the end of the curve, and where

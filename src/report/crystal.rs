@@ -30,13 +30,19 @@ pub struct Crystal<'a> {
     extent: Extent,
     /// Pixels per metre.
     scale: f64,
-    /// Where x = 0, z = 0 lies [px].
+    /// Where x = 0, z = 0 lies (px).
     origin: [f64; 2],
 }
 
 impl<'a> Crystal<'a> {
-    /// Places the crystal with the upper left corner of its frame at `corner`, at so many pixels per diameter.
-    pub fn new(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], per_diameter: f64) -> Self {
+    /// Places the crystal with the upper left corner of its frame at `corner`, as large as `room` (width and height) allows
+    /// but with spheres of at most 40 pixels.
+    pub fn new(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], room: [f64; 2]) -> Self {
+        let [width, height] = Self::scaled(outcome, extent, corner, 1.0).size();
+        Self::scaled(outcome, extent, corner, (room[0] / width).min(room[1] / height).min(40.0))
+    }
+
+    fn scaled(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], per_diameter: f64) -> Self {
         let left = match extent {
             Extent::Half => 0.5 * per_diameter,
             Extent::Both => (outcome.half_width / outcome.diameter + 0.5) * per_diameter,
@@ -45,31 +51,31 @@ impl<'a> Crystal<'a> {
         Self { outcome, extent, scale: per_diameter / outcome.diameter, origin }
     }
 
-    /// Upper left corner of the frame around all cells [px].
+    /// Upper left corner of the frame around all cells (px).
     pub fn corner(&self) -> [f64; 2] {
         let left = if self.extent == Extent::Half { 0.0 } else { -self.outcome.half_width };
         let [x, y] = self.place([left, 0.0]);
         [x - self.diameter() / 2.0, y - 2.0 * CORNER[1] * self.diameter()]
     }
 
-    /// Width and height of the frame [px].
+    /// Width and height of the frame (px).
     pub fn size(&self) -> [f64; 2] {
         let right = self.place([self.outcome.half_width, self.deepest()]);
         let [left, top] = self.corner();
         [right[0] + self.diameter() / 2.0 - left, right[1] + 2.0 * CORNER[1] * self.diameter() - top]
     }
 
-    /// Where a point (x, z) [m] lies [px].
+    /// Where a point (x, z) (m) lies (px).
     pub fn place(&self, [x, z]: [f64; 2]) -> [f64; 2] {
         [self.origin[0] + x * self.scale, self.origin[1] + z * self.scale]
     }
 
-    /// A sphere's diameter [px].
+    /// A sphere's diameter (px).
     pub fn diameter(&self) -> f64 {
         self.outcome.diameter * self.scale
     }
 
-    /// The greatest depth of a site [m].
+    /// The greatest depth of a site (m).
     fn deepest(&self) -> f64 {
         self.outcome.sites.iter().map(|site| site.z).fold(0.0, f64::max)
     }
@@ -101,7 +107,7 @@ impl<'a> Crystal<'a> {
         for (k, shapes) in levels.iter().enumerate() {
             let colour = if k == LEVELS { MISSING.to_owned() } else { level(k) };
             // The thin stroke closes the seams that anti-aliasing leaves between cells.
-            svg.path(shapes.data(), &format!(r#"fill="{colour}" stroke="{colour}" stroke-width="0.5""#));
+            svg.path(shapes.data(), &format!(r#"fill="{colour}" stroke="{colour}" stroke-width="0.9""#));
         }
     }
 
@@ -132,7 +138,7 @@ impl<'a> Crystal<'a> {
         svg.path(lines.data(), &format!(r#"fill="none" stroke-linecap="round" {attributes}"#));
     }
 
-    /// The rectangles [px] that a region covers: corner and size. One where it meets the axis, or in the half; else two.
+    /// The rectangles (px) that a region covers: corner and size. One where it meets the axis, or in the half; else two.
     fn rectangles(&self, region: &Region) -> Vec<([f64; 2], [f64; 2])> {
         // Centres are D/2 apart in x from row to row, so D/4 beyond the region parts what is inside from what is not;
         // at the rim, and at the axis of the half, whole spheres are enclosed.
@@ -173,6 +179,8 @@ impl<'a> Crystal<'a> {
         let target = &self.outcome.target;
         for (region, name) in [(&target.focus, "focal"), (&target.protect, "protected")] {
             for ([x, y], [width, height]) in self.rectangles(region) {
+                // Bold letters are some 0.6 of their size wide.
+                let size = size.min(width / (0.6 * name.len() as f64));
                 let middle = if height > 2.0 * size { y + height / 2.0 + size * 0.35 } else { y - size * 0.5 };
                 halo(svg, [x + width / 2.0, middle], size, Anchor::Middle, name);
             }
@@ -203,8 +211,11 @@ impl<'a> Crystal<'a> {
         }
     }
 
-    /// Row numbers to the left of the frame: row 1 and every `every`-th.
-    pub fn row_numbers(&self, svg: &mut Svg, every: u32, size: f64) {
+    /// Row numbers to the left of the frame: row 1 and every fifth, tenth, ... so that they do not crowd.
+    pub fn row_numbers(&self, svg: &mut Svg, size: f64) {
+        let spacing = 0.75_f64.sqrt() * self.diameter();
+        let rounds = [5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
+        let every = rounds.into_iter().find(|&n| f64::from(n) * spacing >= 40.0).unwrap_or(10_000);
         let left = self.corner()[0] - 4.0;
         for site in self.outcome.sites.iter().filter(|s| s.column == 1 && (s.row == 1 || s.row % every == 0)) {
             let y = self.place([0.0, site.z])[1];

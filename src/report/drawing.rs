@@ -5,10 +5,13 @@ use super::crystal::{Crystal, Extent};
 use super::svg::{Anchor, Svg};
 use crate::outcome::{ArrangementOutcome, Outcome};
 
-/// Pixels per sphere diameter.
-const PER_DIAMETER: f64 = 18.0;
+/// Room for the crystal (px).
+const ROOM: [f64; 2] = [620.0, 900.0];
 
-/// Margins around the crystal: left (row numbers), top (impact), right, bottom (legend) [px].
+/// Width that the legend needs (px).
+const LEGEND: f64 = 620.0;
+
+/// Margins around the crystal: left (row numbers), top (impact), right, bottom (legend) (px).
 const MARGIN: [f64; 4] = [52.0, 78.0, 24.0, 132.0];
 
 /// Line of the ideal lens faces.
@@ -19,9 +22,9 @@ const RAY: &str = r##"stroke="#c0202a" stroke-width="1.1" stroke-opacity="0.85""
 /// The arrangement of an outcome's first entry, the lens: both halves, with the impact, the ideal faces, rays, regions,
 /// row numbers, a legend and a scale bar.
 pub fn layout(outcome: &Outcome, arrangement: &ArrangementOutcome) -> String {
-    let crystal = Crystal::new(outcome, Extent::Both, [MARGIN[0], MARGIN[1]], PER_DIAMETER);
+    let crystal = Crystal::new(outcome, Extent::Both, [MARGIN[0], MARGIN[1]], ROOM);
     let [width, height] = crystal.size();
-    let (full_width, full_height) = (MARGIN[0] + width + MARGIN[2], MARGIN[1] + height + MARGIN[3]);
+    let (full_width, full_height) = (MARGIN[0] + width.max(LEGEND) + MARGIN[2], MARGIN[1] + height + MARGIN[3]);
     let title = format!("{}: layout of {}", outcome.manifest.name, arrangement.name);
     let mut svg = Svg::new(full_width, full_height, &title);
 
@@ -35,10 +38,10 @@ pub fn layout(outcome: &Outcome, arrangement: &ArrangementOutcome) -> String {
     }
     crystal.regions(&mut svg, 2.0);
     crystal.name_regions(&mut svg, 13.0);
-    crystal.row_numbers(&mut svg, 5, 11.0);
+    crystal.row_numbers(&mut svg, 11.0);
     svg.text_upwards([14.0, MARGIN[1] + height / 2.0], 12.0, "", "row, counted along the wave (depth z)");
     legend(&mut svg, outcome, arrangement, MARGIN[1] + height + 40.0);
-    scale_bar(&mut svg, &crystal, outcome, [MARGIN[0] + width, MARGIN[1] + height + 40.0]);
+    scale_bar(&mut svg, &crystal, outcome, [MARGIN[0] + width.max(LEGEND), MARGIN[1] + height + 40.0]);
     svg.finish()
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::summary::{CONTRAST, DISSIPATED, FOCAL, GAIN, PROTECTED, PROTECTION, Spread, lines};
+use super::summary::{CONTRAST, DISSIPATED, FOCAL, GAIN, PROTECTED, PROTECTION, Pick, Spread, lines};
 use super::{drawing, maps, page, profiles};
 use crate::outcome::{FORMAT, Outcome, Scores};
 use crate::target::Target;
@@ -110,11 +110,8 @@ fn write_all(files: &[(String, String)], directory: &Path) -> Result<(), ReportE
     Ok(())
 }
 
-/// How a column is taken from the scores.
-type Value = fn(&Scores) -> Option<f64>;
-
 /// Columns of `numbers.csv` after name, kind, seed and spheres; SI, as in the JSON files.
-const COLUMNS: [(&str, Value); 13] = [
+const COLUMNS: [(&str, Pick); 13] = [
     ("focal_mean_J", |s| Some(s.focal_mean)),
     ("protected_mean_J", |s| Some(s.protected_mean)),
     ("contrast", |s| s.contrast),

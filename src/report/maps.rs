@@ -6,11 +6,18 @@ use super::summary::{CONTRAST, FOCAL, Line, PROTECTED};
 use super::svg::{Anchor, Svg};
 use crate::outcome::{ArrangementOutcome, Outcome};
 
-/// Lines between materials in a map: seen when looked for.
-const SITES: &str = r##"stroke="#fff" stroke-width="0.8" stroke-opacity="0.6""##;
-/// Room for a colour bar with ticks and label [px].
+/// Lines between materials in a map, and rays: white within dark, to be seen on either end of the colours.
+const SITES: [&str; 2] = [
+    r##"stroke="#000" stroke-width="1.5" stroke-opacity="0.25""##,
+    r##"stroke="#fff" stroke-width="0.7" stroke-opacity="0.75""##,
+];
+const RAYS: [&str; 2] = [
+    r##"stroke="#000" stroke-width="2.4" stroke-opacity="0.3""##,
+    r##"stroke="#fff" stroke-width="1" stroke-opacity="0.9""##,
+];
+/// Room for a colour bar with ticks and label (px).
 const BAR: f64 = 96.0;
-/// Room for row numbers and their label [px].
+/// Room for row numbers and their label (px).
 const ROWS: f64 = 46.0;
 
 /// The finite value of a site in a list that may be short.
@@ -57,36 +64,39 @@ pub fn kinetic_scale(outcome: &Outcome) -> Scale {
 
 /// Greatest kinetic energy of every sphere, one map per kind of arrangement, all on one colour scale.
 pub fn kinetic(outcome: &Outcome) -> String {
-    const PER_DIAMETER: f64 = 7.2;
+    const ROOM: [f64; 2] = [128.0, 420.0];
     const TOP: f64 = 52.0;
     const BELOW: f64 = 46.0;
     const PER_LINE: usize = 7;
     let shown = one_of_each_kind(outcome);
     let scale = kinetic_scale(outcome);
-    let [width, height] = Crystal::new(outcome, Extent::Half, [0.0, 0.0], PER_DIAMETER).size();
-    let column = width.max(112.0) + 12.0;
+    let [width, height] = Crystal::new(outcome, Extent::Half, [0.0, 0.0], ROOM).size();
+    // Names and numbers need more than a very narrow crystal.
+    let (column, inset) = (width.max(112.0) + 12.0, (112.0 - width).max(0.0) / 2.0);
     let line = TOP + height + BELOW;
     let lines = shown.len().div_ceil(PER_LINE).max(1);
     let full = ROWS + column * shown.len().clamp(1, PER_LINE) as f64 + BAR;
     let title = format!("{}: greatest kinetic energy of every sphere, by arrangement", outcome.manifest.name);
     let mut svg = Svg::new(full, line * lines as f64, &title);
     for (k, arrangement) in shown.iter().enumerate() {
-        let corner = [ROWS + column * (k % PER_LINE) as f64, TOP + line * (k / PER_LINE) as f64];
-        let crystal = Crystal::new(outcome, Extent::Half, corner, PER_DIAMETER);
+        let corner = [ROWS + column * (k % PER_LINE) as f64 + inset, TOP + line * (k / PER_LINE) as f64];
+        let crystal = Crystal::new(outcome, Extent::Half, corner, ROOM);
         let middle = corner[0] + width / 2.0;
         svg.text([middle, corner[1] - 24.0], 13.0, Anchor::Middle, r#"font-weight="bold""#, &arrangement.kind);
         if let Some(seed) = arrangement.seed {
             svg.text([middle, corner[1] - 9.0], 11.0, Anchor::Middle, "", &format!("seed {seed}"));
         }
         crystal.map(&mut svg, &scale, |index| at(&arrangement.record.max_kinetic, index));
-        crystal.boundaries(&mut svg, &arrangement.layout, SITES);
+        for line in SITES {
+            crystal.boundaries(&mut svg, &arrangement.layout, line);
+        }
         crystal.regions(&mut svg, 1.4);
         if k % PER_LINE == 0 {
-            crystal.row_numbers(&mut svg, 10, 11.0);
+            crystal.row_numbers(&mut svg, 11.0);
             svg.text_upwards([14.0, corner[1] + height / 2.0], 12.0, "", "row");
         }
         let line = Line { name: &arrangement.name, members: vec![arrangement] };
-        let energies = format!("F {}  P {} J", line.show(&FOCAL), line.show(&PROTECTED));
+        let energies = format!("F {}, P {} J", line.show(&FOCAL), line.show(&PROTECTED));
         svg.text([middle, corner[1] + height + 17.0], 11.0, Anchor::Middle, "", &energies);
         let contrast = format!("F/P {}", line.show(&CONTRAST));
         svg.text([middle, corner[1] + height + 33.0], 11.0, Anchor::Middle, "", &contrast);
@@ -101,18 +111,18 @@ pub fn kinetic(outcome: &Outcome) -> String {
 pub fn kinetic_lens(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let scale = kinetic_scale(outcome);
     let values: Values = Box::new(|index| at(&lens.record.max_kinetic, index));
-    let panel = Panel { heading: "", scale, label: "greatest kinetic energy (J)", unit: 1.0, arrangement: lens };
+    let panel =
+        Panel { heading: &lens.name, scale, label: "greatest kinetic energy (J)", unit: 1.0, arrangement: lens };
     let title = format!("{}: greatest kinetic energy of every sphere and rays", outcome.manifest.name);
     let above = above(&scale, [&lens.record.max_kinetic[..]]);
-    panels(outcome, &title, 16.0, true, [(panel, values, [above, false])])
+    panels(outcome, &title, [560.0, 800.0], true, [(panel, values, [above, false])])
 }
 
 /// Energy dissipated per sphere, in the lens and, where there is one, in the crystal without a lens; logarithmic.
 pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let host = outcome.arrangements.iter().find(|a| a.kind == "all-host" && a.name != lens.name);
     let shown: Vec<_> = std::iter::once(lens).chain(host).collect();
-    let high = shown.iter().flat_map(|a| &a.record.dissipated).copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let scale = Scale::logarithmic(high, 3);
+    let scale = Scale::logarithmic(shown.iter().flat_map(|a| &a.record.dissipated).copied());
     let title = format!("{}: energy dissipated at every sphere", outcome.manifest.name);
     let all = shown.iter().map(|a| {
         let list = &a.record.dissipated[..];
@@ -120,7 +130,7 @@ pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         let panel = Panel { heading: a.name.as_str(), scale, label, unit: 1e-3, arrangement: a };
         (panel, Box::new(move |index| at(list, index)) as Values, [false, below(&scale, list)])
     });
-    panels(outcome, &title, 10.0, false, all)
+    panels(outcome, &title, [392.0, 620.0], false, all)
 }
 
 /// Greatest net force on every sphere of the lens: as it is (logarithmic), and over the greatest of its row, which takes
@@ -128,7 +138,7 @@ pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
 pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let list = &lens.record.max_net_force[..];
     let high = list.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let absolute = Scale::logarithmic(high, 2);
+    let absolute = Scale::logarithmic(list.iter().copied());
     let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0) as usize;
     let mut greatest = vec![0.0_f64; rows + 1];
     for (index, site) in outcome.sites.iter().enumerate() {
@@ -154,7 +164,7 @@ pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         (first, Box::new(|index| at(list, index)), [false, below(&absolute, list)]),
         (second, Box::new(share), [false, false]),
     ];
-    panels(outcome, &title, 10.0, false, shown)
+    panels(outcome, &title, [392.0, 620.0], false, shown)
 }
 
 /// Whether a value in the lists lies above the scale.
@@ -182,31 +192,35 @@ struct Panel<'a> {
 fn panels<'a>(
     outcome: &'a Outcome,
     title: &str,
-    per_diameter: f64,
+    room: [f64; 2],
     with_rays: bool,
     shown: impl IntoIterator<Item = (Panel<'a>, Values<'a>, [bool; 2])>,
 ) -> String {
     const TOP: f64 = 36.0;
     let shown: Vec<_> = shown.into_iter().collect();
-    let [width, height] = Crystal::new(outcome, Extent::Both, [0.0, 0.0], per_diameter).size();
+    let [width, height] = Crystal::new(outcome, Extent::Both, [0.0, 0.0], room).size();
     let column = ROWS + width + BAR;
     let mut svg = Svg::new(column * shown.len() as f64, TOP + height + 20.0, title);
     for (k, (panel, value, beyond)) in shown.iter().enumerate() {
         let left = column * k as f64;
         let corner = [left + ROWS, TOP];
-        let crystal = Crystal::new(outcome, Extent::Both, corner, per_diameter);
+        let crystal = Crystal::new(outcome, Extent::Both, corner, room);
         svg.text([corner[0] + width / 2.0, 20.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, panel.heading);
         crystal.map(&mut svg, &panel.scale, value);
-        crystal.boundaries(&mut svg, &panel.arrangement.layout, SITES);
+        for line in SITES {
+            crystal.boundaries(&mut svg, &panel.arrangement.layout, line);
+        }
         if let (true, Some(proposal)) = (with_rays, &outcome.proposal) {
-            crystal.rays(&mut svg, proposal, r##"stroke="#fff" stroke-width="1" stroke-opacity="0.75""##);
+            for line in RAYS {
+                crystal.rays(&mut svg, proposal, line);
+            }
             crystal.faces(&mut svg, proposal, r##"stroke="#111" stroke-width="2.5" stroke-linecap="round""##);
         }
         crystal.regions(&mut svg, 2.0);
         if k == 0 {
             crystal.name_regions(&mut svg, 12.0);
         }
-        crystal.row_numbers(&mut svg, 10, 11.0);
+        crystal.row_numbers(&mut svg, 11.0);
         svg.text_upwards([left + 14.0, TOP + height / 2.0], 12.0, "", "row");
         let bar = [corner[0] + width + 14.0, TOP + 12.0];
         panel.scale.bar(&mut svg, bar, height - 24.0, panel.label, panel.unit, *beyond);

@@ -1,6 +1,6 @@
 //! Reports: pictures, tables and a page, drawn from one stored outcome alone; nothing here simulates.
 //!
-//! In: an [`Outcome`](crate::outcome::Outcome). Out: [`table`] for a terminal; [`files`], or [`write`] into a directory:
+//! In: an [`Outcome`](crate::outcome::Outcome). Out: [`table`] for a terminal; [`files`], or [`write()`] into a directory:
 //! `report.html` (everything on one page that needs no network), the pictures as SVG, the numbers as CSV and JSON, the
 //! manifest, and the outcome itself. The same outcome gives the same bytes.
 //!

@@ -183,7 +183,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
     match file {
         "layout.svg" => format!("The lens as it would be built, both halves, spheres in true proportion.{rays}"),
         "kinetic-lens.svg" => format!(
-            "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves. Where rays (white) gather, the energy behind the lens should be high; where they leave, low. {beyond} {regions}"
+            "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves. Where rays (white) gather, the energy behind the lens should be high; where they leave, low. The last rows are faster again because nothing stands behind them. {beyond} {regions}"
         ),
         "kinetic.svg" => format!(
             "The same for the lens and one arrangement of each kind it is compared with (of random ones the first seed), the simulated half only (axis at the left), all on one colour scale. A useful lens is brighter than its neighbours in the solid box and darker in the dashed one. {beyond}"
@@ -191,7 +191,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
         "profiles.svg" => format!(
             "Greatest kinetic energy across rows {before}, {at} and {behind}, from the axis to the rim. Arrangements without structure across x are flat lines; the lens should rise towards the axis and fall below them at the rim. Each panel row has its own energy scale."
         ),
-        "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic over three decades; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
+        "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
         "forces.svg" => "Greatest net contact force on each sphere of the lens arrangement. Left: as it is, logarithmic; the decay with depth masks the focusing. Right: over the greatest of its row, which takes the decay away; a row where all is bright carries the force evenly. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left.".to_owned(),
         _ => String::new(),
     }

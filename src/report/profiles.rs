@@ -11,11 +11,11 @@ use crate::target::Region;
 /// Rows from one panel to the next: the published figures show rows 22, 32 and 42.
 const APART: u32 = 10;
 
-/// Width and height of a panel [px].
+/// Width and height of a panel (px).
 const PANEL: [f64; 2] = [372.0, 196.0];
-/// Space left of, above, right of and below a panel: axis, heading, names of lines, axis [px].
-const SPACE: [f64; 4] = [62.0, 30.0, 122.0, 30.0];
-/// Space above the panels for the columns' headings, and below them for the legend [px].
+/// Space left of, above, right of and below a panel: axis, heading, names of lines, axis (px).
+const SPACE: [f64; 4] = [62.0, 30.0, 134.0, 30.0];
+/// Space above the panels for the columns' headings, and below them for the legend (px).
 const HEAD: f64 = 26.0;
 const FOOT: f64 = 44.0;
 
@@ -113,7 +113,7 @@ pub fn profiles(outcome: &Outcome) -> String {
         svg.text([middle, foot], 12.0, Anchor::Middle, "", "distance from the axis, x/D");
     }
     if columns == 2 {
-        let note = "thick line: mean over seeds; shaded band: least to greatest over seeds at that place";
+        let note = "line with markers: mean over seeds; shaded band: least to greatest over seeds at that place";
         svg.text([cell[0] + SPACE[0] + PANEL[0] / 2.0, foot + 22.0], 11.0, Anchor::Middle, "", note);
     }
     svg.finish()
@@ -157,7 +157,7 @@ fn panel(svg: &mut Svg, outcome: &Outcome, [left, top]: [f64; 2], high: f64, hea
     for (region, name) in [(&outcome.target.focus, "focal"), (&outcome.target.protect, "protected")] {
         shade(svg, outcome, region, name, [left, top], most);
     }
-    for tick in ticks(high, 5) {
+    for tick in ticks(high, 6) {
         let [_, y] = place([0.0, tick]);
         svg.line([left, y], [left + width, y], r##"stroke="#ddd" stroke-width="0.7""##);
         svg.text([left - 6.0, y + 4.0], 11.0, Anchor::End, "", &significant(tick, 2));

@@ -15,6 +15,9 @@ pub enum Digits {
     Decimals(usize),
 }
 
+/// Picks a number from the scores; none where a ratio has no denominator.
+pub type Pick = fn(&Scores) -> Option<f64>;
+
 /// A column of the comparison.
 pub struct Quantity {
     /// Short name with its unit, for a terminal.
@@ -28,14 +31,14 @@ pub struct Quantity {
     /// How it is shown.
     pub digits: Digits,
     /// Where it comes from.
-    pub of: fn(&Scores) -> Option<f64>,
+    pub of: Pick,
 }
 
-const fn energy(head: &'static str, name: &'static str, digits: usize, of: fn(&Scores) -> Option<f64>) -> Quantity {
+const fn energy(head: &'static str, name: &'static str, digits: usize, of: Pick) -> Quantity {
     Quantity { head, name, unit: "J", scale: 1.0, digits: Digits::Significant(digits), of }
 }
 
-const fn ratio(name: &'static str, of: fn(&Scores) -> Option<f64>) -> Quantity {
+const fn ratio(name: &'static str, of: Pick) -> Quantity {
     Quantity { head: name, name, unit: "", scale: 1.0, digits: Digits::Decimals(2), of }
 }
 

@@ -12,13 +12,13 @@ const COLUMNS: [&Quantity; 7] = [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTI
 
 /// Longest name that keeps the table within a hundred columns.
 const NAME: usize = 18;
-/// Width of a terminal that any reader has [columns].
+/// Width of a terminal that any reader has (columns).
 const WIDTH: usize = 100;
 
 /// The comparison as aligned columns with what they mean below; ends with a line feed.
 ///
 /// ```text
-/// arrangement         spheres        F [J]  ...
+/// arrangement         spheres        F (J)  ...
 /// lens                    139        0.331  ...
 /// random-lens-rows      102±8  0.264±0.026  ...
 /// ```

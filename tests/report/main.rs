@@ -162,6 +162,33 @@ fn spheres_that_never_moved_leave_dashes() {
     assert!(table.lines().nth(1).unwrap().contains('–'), "{table}");
 }
 
+/// Crystals of another shape than the published one: narrow, twenty rows, three materials.
+#[test]
+fn small_crystals_are_drawn_too() {
+    let mut outcome = synthetic::outcome();
+    outcome.materials.push("aluminium-2017".to_owned());
+    let kept: Vec<usize> = (0..outcome.sites.len())
+        .filter(|&i| outcome.sites[i].row <= 20 && outcome.sites[i].x < 4.1 * synthetic::D)
+        .collect();
+    let pick = |list: &[f64]| kept.iter().map(|&i| list[i]).collect::<Vec<_>>();
+    outcome.half_width = 4.0 * synthetic::D;
+    (outcome.target.focus.rows, outcome.target.protect.rows) = ([18, 19], [18, 18]);
+    (outcome.target.focus.x, outcome.target.protect.x) =
+        ([0.0, synthetic::D], [3.0 * synthetic::D, 4.0 * synthetic::D]);
+    for one in &mut outcome.arrangements {
+        one.layout = kept.iter().map(|&i| if i % 5 == 0 { 2 } else { one.layout[i] }).collect();
+        one.record.max_kinetic = pick(&one.record.max_kinetic);
+        one.record.max_net_force = pick(&one.record.max_net_force);
+        one.record.max_contact_force = pick(&one.record.max_contact_force);
+        one.record.dissipated = pick(&one.record.dissipated);
+        one.record.arrival = kept.iter().map(|&i| one.record.arrival[i]).collect();
+    }
+    outcome.sites = kept.iter().map(|&i| outcome.sites[i]).collect();
+    outcome.proposal = None;
+    report::write(&outcome, &Path::new(env!("CARGO_TARGET_TMPDIR")).join("report-small")).unwrap();
+    assert_sound(&files(&outcome));
+}
+
 /// What a run without ray tracing, baselines or protected energy leaves.
 #[test]
 fn one_arrangement_is_enough() {

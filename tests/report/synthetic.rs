@@ -20,7 +20,7 @@ pub fn outcome() -> Outcome {
     let in_lens = |s: &Site| (5..=16).contains(&s.row) && depth(s.row) >= front(s.x / D) - 1e-9;
     let host = record("lens_440c_26kN_dt5e-08.csv", &sites);
     let mut lens = record("lens_lens_26kN_dt5e-08.csv", &sites);
-    lens.dissipated = dissipated_in_lens(sites.len());
+    lens.dissipated = dissipated_in_lens(&sites);
 
     let mut all = vec![arrangement("lens", None, &sites, &target, lens.clone(), in_lens)];
     let mut plain = |kind: &str, factor: f64, is_lens: &dyn Fn(&Site) -> bool| {
@@ -95,8 +95,9 @@ fn record(file: &str, sites: &[Site]) -> SphereRecord {
     SphereRecord { max_net_force: column(8), max_contact_force: column(9), max_kinetic: kinetic, arrival, dissipated }
 }
 
-fn dissipated_in_lens(count: usize) -> Vec<f64> {
-    let mut halves = vec![0.0; count];
+/// From the contacts of the simulated half; a sphere on a mirror line has as many again beyond it.
+fn dissipated_in_lens(sites: &[Site]) -> Vec<f64> {
+    let mut halves = vec![0.0; sites.len()];
     for row in table("lens_lens_26kN_dt5e-08_contacts.csv") {
         let loss = row[5].parse::<f64>().unwrap() - row[6].parse::<f64>().unwrap();
         for end in &row[..2] {
@@ -105,7 +106,8 @@ fn dissipated_in_lens(count: usize) -> Vec<f64> {
             }
         }
     }
-    halves
+    let on_mirror = |site: &Site| site.x < 1e-9 || site.x > 16.5 * D - 1e-9;
+    sites.iter().zip(halves).map(|(site, half)| if on_mirror(site) { 2.0 * half } else { half }).collect()
 }
 
 fn scaled(host: &SphereRecord, sites: &[Site], factor: impl Fn(&Site) -> f64) -> SphereRecord {
@@ -134,7 +136,7 @@ fn arrangement(
         inside.iter().sum::<f64>() / inside.len() as f64
     };
     let (focal_mean, protected_mean) = (mean(&target.focus), mean(&target.protect));
-    let dissipated = if kind == "lens" { 673.924_254 } else { 677.605_348 + 10.0 * (1.0 - focal_mean) };
+    let dissipated = if kind == "lens" { 673.924_254 } else { 677.605_348 + 10.0 * (0.365_406 - focal_mean) };
     ArrangementOutcome {
         name: seed.map_or(kind.to_owned(), |seed| format!("{kind}-{seed}")),
         kind: kind.to_owned(),
@@ -152,7 +154,7 @@ fn arrangement(
             dissipated,
             residual: 1.2e-5,
             eq_5_6: dissipated * 1.388,
-            exit_momentum: 0.031 * focal_mean,
+            exit_momentum: 0.4 * focal_mean,
             exit_force: 3580.0 * focal_mean,
         },
         layout,
