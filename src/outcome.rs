@@ -23,8 +23,10 @@ pub struct Outcome {
     /// The crystal's sites, in the order of all per-site lists.
     pub sites: Vec<Site>,
     /// Sphere diameter (m).
+    #[serde(rename = "diameter_m")]
     pub diameter: f64,
     /// Distance from the axis to the far mirror line (m).
+    #[serde(rename = "half_width_m")]
     pub half_width: f64,
     /// Where energy is wanted and where it is not.
     pub target: Target,
@@ -41,6 +43,8 @@ pub struct Outcome {
 /// What is needed to repeat a run, and when and with what it was made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
+    /// Format number of this structure.
+    pub format: u32,
     /// Name of the design.
     pub name: String,
     /// Version of granulens.
@@ -79,12 +83,15 @@ pub struct Manifest {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Proposal {
     /// Wave-speed bound of the host (m/s).
+    #[serde(rename = "host_speed_m_s")]
     pub host_speed: f64,
     /// Wave-speed bound of the lens material (m/s).
+    #[serde(rename = "lens_speed_m_s")]
     pub lens_speed: f64,
     /// Host over lens.
     pub speed_ratio: f64,
     /// Critical angle of total reflection where the wave passes from the slower to the faster material (rad).
+    #[serde(rename = "critical_angle_rad")]
     pub critical_angle: Option<f64>,
     /// Force on a contact of the struck row over F_p of the host.
     pub amplitude_host: f64,
@@ -97,10 +104,13 @@ pub struct Proposal {
     /// Last row of the lens.
     pub back_row: u32,
     /// Radius of the curved face (m).
+    #[serde(rename = "radius_m")]
     pub radius: f64,
     /// Greatest angle of the curved face against the rows (rad).
+    #[serde(rename = "rim_angle_rad")]
     pub rim_angle: f64,
     /// Half aperture (m)
+    #[serde(rename = "aperture_m")]
     pub aperture: f64,
     /// Number of spheres of lens material in the simulated half.
     pub spheres: usize,
@@ -109,12 +119,16 @@ pub struct Proposal {
     /// The same fraction without a lens.
     pub fraction_without: f64,
     /// Depths (m) at which the innermost and the outermost ray cross the axis, where they do.
+    #[serde(rename = "crossing_m")]
     pub crossing: [Option<f64>; 2],
     /// The curved face as a polyline (x, z) (m), from the axis outwards.
+    #[serde(rename = "front_m")]
     pub front: Vec<[f64; 2]>,
     /// Depth of the flat face (m).
+    #[serde(rename = "back_m")]
     pub back: f64,
     /// A few rays as polylines (x, z) (m), to be drawn; they run to the end of the crystal.
+    #[serde(rename = "rays_m")]
     pub rays: Vec<Vec<[f64; 2]>>,
 }
 

@@ -39,8 +39,10 @@ pub struct Scores {
     #[serde(rename = "eq_5_6_J")]
     pub eq_5_6: f64,
     /// Greatest momentum of the last row along z (kg m/s).
+    #[serde(rename = "exit_momentum_kg_m_s")]
     pub exit_momentum: f64,
     /// Greatest total contact force on the last row along z (N).
+    #[serde(rename = "exit_force_N")]
     pub exit_force: f64,
 }
 

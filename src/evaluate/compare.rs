@@ -175,6 +175,7 @@ pub fn compare(
     Ok(Outcome {
         format: FORMAT,
         manifest: Manifest {
+            format: FORMAT,
             name: design.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             design_file: design.path.display().to_string(),

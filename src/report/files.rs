@@ -123,7 +123,7 @@ const COLUMNS: [(&str, Pick); 13] = [
     ("dissipated_J", |s| Some(s.dissipated)),
     ("residual", |s| Some(s.residual)),
     ("eq_5_6_J", |s| Some(s.eq_5_6)),
-    ("exit_momentum_kg_m_per_s", |s| Some(s.exit_momentum)),
+    ("exit_momentum_kg_m_s", |s| Some(s.exit_momentum)),
     ("exit_force_N", |s| Some(s.exit_force)),
 ];
 

@@ -75,7 +75,7 @@ fn design_tells_what_it_proposes() {
     assert!(ran.stdout.contains("\nrow,column,x,z,diameter,material\n"));
     assert!(ran.stderr.contains("critical angle 36.0 deg"), "{}", ran.stderr);
     let json = desk.run(&["design", "small.toml", "--json"]).ok().json();
-    for key in ["speed_ratio", "critical_angle", "validity", "radius", "fraction", "spheres"] {
+    for key in ["speed_ratio", "critical_angle_rad", "validity", "radius_m", "fraction", "spheres"] {
         assert!(!json["proposal"][key].is_null(), "{key}");
     }
     let named = desk.run(&["design", "small.toml", "--out", "small.csv"]).ok();

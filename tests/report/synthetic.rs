@@ -165,6 +165,7 @@ fn arrangement(
 
 fn manifest() -> Manifest {
     Manifest {
+        format: 1,
         name: "thesis-lens".to_owned(),
         version: "0.1.0".to_owned(),
         design_file: "designs/thesis-lens.toml".to_owned(),
