@@ -21,6 +21,9 @@ pub struct Scores {
     pub focal_gain: Option<f64>,
     /// Q = P / P of the all-lens-material arrangement
     pub protection: Option<f64>,
+    /// P of the subject (the lens) / P of this arrangement: how well the subject protects against this baseline; below 1 it
+    /// protects better.
+    pub protected_ratio: Option<f64>,
     /// Work of the load (J).
     #[serde(rename = "work_in_J")]
     pub work_in: f64,
@@ -69,6 +72,7 @@ impl Scores {
             contrast: ratio(focal_mean, protected_mean),
             focal_gain: None,
             protection: None,
+            protected_ratio: None,
             work_in: ledger.work_in,
             kinetic: ledger.kinetic,
             stored: ledger.stored,
@@ -80,8 +84,9 @@ impl Scores {
         }
     }
 
-    /// Adds G = F/F(all host) and Q = P/P(all lens material).
-    pub fn relate(&mut self, all_host: Option<&Scores>, all_lens: Option<&Scores>) {
+    /// Adds G = F/F(all host), Q = P/P(all lens material) and P(subject)/P.
+    pub fn relate(&mut self, subject: Option<&Scores>, all_host: Option<&Scores>, all_lens: Option<&Scores>) {
+        self.protected_ratio = subject.and_then(|subject| ratio(subject.protected_mean, self.protected_mean));
         self.focal_gain = all_host.and_then(|host| ratio(self.focal_mean, host.focal_mean));
         self.protection = all_lens.and_then(|lens| ratio(self.protected_mean, lens.protected_mean));
     }

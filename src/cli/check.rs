@@ -69,7 +69,7 @@ impl Check {
                 Ok(None)
             };
             let [host, lens] = [uniform(Baseline::AllHost)?, uniform(Baseline::AllLens)?];
-            scores.relate(host.as_ref(), lens.as_ref());
+            scores.relate(None, host.as_ref(), lens.as_ref());
         }
         if let Some(path) = &self.spheres {
             write_file(path, &spheres(&layout, &record))?;

@@ -229,12 +229,13 @@ pub fn stops(arrangements: &[ArrangementOutcome]) -> Vec<String> {
     reasons.into_iter().map(words).collect()
 }
 
-/// Adds to every arrangement its ratios to the uniform ones, where no guard stopped these.
+/// Adds to every arrangement its ratios to the subject and to the uniform ones, where no guard stopped these.
 fn relate(arrangements: &mut [ArrangementOutcome]) {
     let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind && a.stop.is_none()).map(|a| a.scores.clone());
     let (host, lens): (Option<Scores>, Option<Scores>) = (of("all-host"), of("all-lens"));
+    let subject = arrangements.first().filter(|a| a.stop.is_none()).map(|a| a.scores.clone());
     for arrangement in arrangements {
-        arrangement.scores.relate(host.as_ref(), lens.as_ref());
+        arrangement.scores.relate(subject.as_ref(), host.as_ref(), lens.as_ref());
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::summary::{CONTRAST, DISSIPATED, FOCAL, GAIN, PROTECTED, PROTECTION, Pick, Spread, lines};
+use super::summary::{AGAINST, CONTRAST, DISSIPATED, FOCAL, GAIN, PROTECTED, PROTECTION, Pick, Spread, lines};
 use super::{drawing, maps, page, profiles};
 use crate::outcome::{FORMAT, Outcome, Scores};
 use crate::target::Target;
@@ -111,12 +111,13 @@ fn write_all(files: &[(String, String)], directory: &Path) -> Result<(), ReportE
 }
 
 /// Columns of `numbers.csv` after name, kind, seed and spheres; SI, as in the JSON files.
-const COLUMNS: [(&str, Pick); 13] = [
+const COLUMNS: [(&str, Pick); 14] = [
     ("focal_mean_J", |s| Some(s.focal_mean)),
     ("protected_mean_J", |s| Some(s.protected_mean)),
     ("contrast", |s| s.contrast),
     ("focal_gain", |s| s.focal_gain),
     ("protection", |s| s.protection),
+    ("protected_ratio", |s| s.protected_ratio),
     ("work_in_J", |s| Some(s.work_in)),
     ("kinetic_J", |s| Some(s.kinetic)),
     ("stored_J", |s| Some(s.stored)),
@@ -186,6 +187,7 @@ struct OverSeeds<'a> {
     contrast: Option<Spread>,
     focal_gain: Option<Spread>,
     protection: Option<Spread>,
+    protected_ratio: Option<Spread>,
     #[serde(rename = "dissipated_J")]
     dissipated: Option<Spread>,
 }
@@ -208,6 +210,7 @@ impl<'a> Numbers<'a> {
                 contrast: line.spread(&CONTRAST),
                 focal_gain: line.spread(&GAIN),
                 protection: line.spread(&PROTECTION),
+                protected_ratio: line.spread(&AGAINST),
                 dissipated: line.spread(&DISSIPATED),
             })
             .collect();

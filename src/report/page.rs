@@ -9,16 +9,27 @@ use super::files::ReportError;
 use super::maps::{first_row_behind, kinetic_scale};
 use super::profiles::rows;
 use super::summary::{
-    CONTRAST, DISSIPATED, EQ_5_6, EXIT_FORCE, EXIT_MOMENTUM, FOCAL, GAIN, Line, PROTECTED, PROTECTION, Quantity,
-    RESIDUAL, lines, worst_residual,
+    AGAINST, CONTRAST, DISSIPATED, EQ_5_6, EXIT_FORCE, EXIT_MOMENTUM, FOCAL, GAIN, Line, PROTECTED, PROTECTION,
+    Quantity, RESIDUAL, lines, worst_residual,
 };
 use crate::outcome::{Manifest, Outcome, Proposal};
 use crate::target::Region;
 use crate::units::Dimension;
 
 /// Columns of the comparison.
-const COLUMNS: [&Quantity; 10] =
-    [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &DISSIPATED, &EQ_5_6, &EXIT_MOMENTUM, &EXIT_FORCE, &RESIDUAL];
+const COLUMNS: [&Quantity; 11] = [
+    &FOCAL,
+    &PROTECTED,
+    &CONTRAST,
+    &GAIN,
+    &PROTECTION,
+    &AGAINST,
+    &DISSIPATED,
+    &EQ_5_6,
+    &EXIT_MOMENTUM,
+    &EXIT_FORCE,
+    &RESIDUAL,
+];
 
 /// A label and what it labels.
 type Fact = (&'static str, String);

@@ -52,6 +52,8 @@ pub const CONTRAST: Quantity = ratio("C", |s| s.contrast);
 pub const GAIN: Quantity = ratio("G", |s| s.focal_gain);
 /// Q = P/P of the lens material alone.
 pub const PROTECTION: Quantity = ratio("Q", |s| s.protection);
+/// P of the lens over P of the arrangement.
+pub const AGAINST: Quantity = ratio("Plens/P", |s| s.protected_ratio);
 /// Dissipated energy.
 pub const DISSIPATED: Quantity = energy("lost [J]", "dissipated", 4, |s| Some(s.dissipated));
 /// The published estimate of the dissipated energy.

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use super::digits::{short, significant};
 use super::summary::{
-    CONTRAST, DISSIPATED, EXIT_FORCE, FOCAL, GAIN, Line, PROTECTED, PROTECTION, Quantity, lines, worst_residual,
+    AGAINST, CONTRAST, DISSIPATED, FOCAL, GAIN, Line, PROTECTED, PROTECTION, Quantity, lines, worst_residual,
 };
 use crate::outcome::Outcome;
 
-const COLUMNS: [&Quantity; 7] = [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &DISSIPATED, &EXIT_FORCE];
+const COLUMNS: [&Quantity; 7] = [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &AGAINST, &DISSIPATED];
 
 /// Longest name that keeps the table within a hundred columns.
 const NAME: usize = 18;
@@ -55,7 +55,7 @@ pub fn table(outcome: &Outcome) -> String {
         protect.rows[1],
         span(protect.x)
     );
-    text.push_str("C = F/P; G = F/F(all-host); Q = P/P(all-lens); lost: dissipated in all contacts.\n");
+    text.push_str("C = F/P; G = F/F(all-host); Q = P/P(all-lens); Plens/P: below 1 the lens protects better\nthan this arrangement; lost: dissipated in all contacts.\n");
     text.push_str("Spheres (those not of the host) and energies are those of the simulated half.\n");
     if let Some(seeds) = lines.iter().map(|line| line.members.len()).max().filter(|&n| n > 1) {
         let _ = writeln!(text, "±: standard deviation over {seeds} seeds.");

@@ -148,6 +148,7 @@ fn arrangement(
             contrast: Some(focal_mean / protected_mean),
             focal_gain: None,
             protection: None,
+            protected_ratio: None,
             work_in: 734.334_819,
             kinetic: 734.334_819 - dissipated - 0.903_698,
             stored: 0.903_698,
