@@ -3,6 +3,7 @@
 use granulens::dem::{Impact, Integrator, Record};
 use granulens::layout::Layout;
 
+use granulens::sample::{Sample, Sphere};
 use granulens::target::Region;
 
 use crate::problem::{DIAMETER, impact, is_lens, layout, run};
@@ -100,4 +101,42 @@ fn energy_of_the_lens_problem() {
     });
     let shared: f64 = weights.zip(&record.dissipated).map(|(w, d)| w * d).sum();
     assert!(difference(shared, ledger.dissipated, 0.0) < 1e-12, "{shared}");
+}
+
+/// The half crystal between its mirrors is the whole crystal: 33 D wide, both halves laid out, mirrors at its sides only
+/// (which is the crystal of period 66 D). Spheres on the axis are then whole ones, and no contact is an image there.
+/// Rounding grows as in the comparison with the independent solution.
+#[test]
+fn the_half_crystal_is_the_whole_one() {
+    let layout = layout(is_lens);
+    let half = solve(&layout, |_| ());
+    let sites = layout.lattice.sites();
+    let radius = 0.5 * DIAMETER;
+    let sphere = |x: f64, i: usize| Sphere { centre: [x, sites[i].z], radius, material: layout.materials[i].into() };
+    let mut whole: Vec<(Sphere<2>, usize)> = Vec::new();
+    for (i, site) in sites.iter().enumerate() {
+        whole.push((sphere(site.x, i), i));
+        if site.x > 0.0 {
+            whole.push((sphere(-site.x, i), i));
+        }
+    }
+    let mut wide = impact(&layout.lattice);
+    wide.mirrors[0].position = -layout.lattice.half_width();
+    let row = |number| (0..whole.len()).filter(|&k| sites[whole[k].1].row == number).collect::<Vec<_>>();
+    (wide.struck, wide.exit) = (row(1), row(50));
+    let sample =
+        Sample { materials: layout.palette.clone(), spheres: whole.iter().map(|(sphere, _)| *sphere).collect() };
+    let record = run(&sample, &wide);
+    for (k, (sphere, i)) in whole.iter().enumerate() {
+        let (ours, theirs) = (record.max_kinetic[k], half.max_kinetic[*i]);
+        assert!(difference(ours, theirs, 0.0) < 1e-8, "sphere at {:?}: {ours} and {theirs}", sphere.centre);
+    }
+    for (whole, half) in [
+        (record.ledger.work_in, half.ledger.work_in),
+        (record.ledger.kinetic, half.ledger.kinetic),
+        (record.ledger.dissipated, half.ledger.dissipated),
+        (record.exit_momentum, half.exit_momentum),
+    ] {
+        assert!(difference(whole, 2.0 * half, 0.0) < 1e-8, "{whole} and twice {half}");
+    }
 }
