@@ -63,7 +63,8 @@ impl<V: Real> Unloading<V> {
     fn force(&self, overlap: V, yield_force: V, history: &History<V>) -> V {
         let zero = V::splat(0.0);
         // (δ − δ_r)/(δ_max − δ_r) = 1 − (δ_max − δ)/(δ_max − δ_r); F_max = 0 gives −∞ or NaN, and so no force.
-        let per_recovered = self.modulus * self.contact_radius(history.force_max, yield_force) / history.force_max;
+        // The quotient and the root do not wait for each other.
+        let per_recovered = self.modulus / history.force_max * self.contact_radius(history.force_max, yield_force);
         let fraction = V::splat(1.0) - (history.overlap_max - overlap) * per_recovered;
         let fraction = fraction.max(zero);
         let force = (history.force_max * (fraction * fraction.sqrt())).min(history.force_max);
