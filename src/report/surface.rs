@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::colour::{Scale, level};
 use super::crystal::halo;
-use super::digits::significant;
+use super::digits::{short, significant};
 use super::labels::{Area, Places};
 use super::svg::{Anchor, Shapes, Svg};
 use crate::wave::{Axis, Kind, Node, Point, Surface, contour};
@@ -15,7 +15,7 @@ const PLOT: [f64; 2] = [720.0, 520.0];
 const CORNER: [f64; 2] = [78.0, 62.0];
 /// Right of the plot: the bar; below it: axis and legend (px).
 const RIGHT: f64 = 104.0;
-const FOOT: f64 = 84.0;
+const FOOT: f64 = 100.0;
 
 const LABEL: f64 = 11.5;
 
@@ -52,12 +52,12 @@ impl Frame {
 fn caption(axis: Axis, diameter: f64) -> (String, f64) {
     match axis {
         Axis::Stiffness => {
-            (format!("stiffness of the plastic contact (MN/m), spheres of {:.4} mm", diameter * 1e3), 1e6)
+            (format!("stiffness of the plastic contact (MN/m), spheres of {} mm", short(diameter * 1e3)), 1e6)
         }
         Axis::Density => ("mean density (kg/m³)".to_owned(), 1.0),
         Axis::YieldStress => ("yield stress of the softer partner (MPa)".to_owned(), 1e6),
-        Axis::Modulus => ("Young's modulus, of the same E* (GPa)".to_owned(), 1e9),
-        Axis::Amplitude => ("contact force (F_p)".to_owned(), 1.0),
+        Axis::Modulus => ("Young's modulus (GPa); dimers: of a uniform medium of the same E*".to_owned(), 1e9),
+        Axis::Amplitude => ("contact force (in F_p, onset of full plasticity)".to_owned(), 1.0),
         Axis::Dimension => ("dimension: 1 chain, 2 hexagonal sheet, 3 close packing".to_owned(), 1.0),
     }
 }
@@ -72,25 +72,25 @@ fn fixed(surface: &Surface) -> String {
         );
     }
     if !shown(Axis::Density) {
-        words.push(format!("density {} kg/m³", significant(setting.material.density, 4)));
+        words.push(format!("density {} kg/m³", short(setting.material.density)));
     }
     match setting.stiffness {
         Some(stiffness) if !shown(Axis::Stiffness) => {
-            words.push(format!("stiffness {} MN/m", significant(stiffness / 1e6, 4)));
+            words.push(format!("stiffness {} MN/m", short(stiffness / 1e6)));
         }
         None if !shown(Axis::Stiffness) => {
             if !shown(Axis::YieldStress) {
-                words.push(format!("yield stress {} MPa", significant(setting.material.yield_stress / 1e6, 4)));
+                words.push(format!("yield stress {} MPa", short(setting.material.yield_stress / 1e6)));
             }
             if !shown(Axis::Modulus) {
-                words.push(format!("modulus {} GPa", significant(setting.material.youngs_modulus / 1e9, 4)));
+                words.push(format!("modulus {} GPa", short(setting.material.youngs_modulus / 1e9)));
             }
             words.push(format!("ν {}", setting.material.poisson_ratio));
         }
         _ => {}
     }
     if !shown(Axis::Amplitude) {
-        words.push(setting.amplitude.map_or("bound".to_owned(), |a| format!("at {a} F_p")));
+        words.push(setting.amplitude.map_or("bound for strong impacts".to_owned(), |a| format!("at {a} F_p")));
     }
     words.push(format!("constants: {}", setting.constants));
     words.join(", ")
@@ -102,14 +102,23 @@ pub fn surface(surface: &Surface, points: &[Point]) -> String {
     let mut svg = Svg::new(CORNER[0] + PLOT[0] + RIGHT, CORNER[1] + PLOT[1] + FOOT, "Design surface of the wave speed");
     svg.text([CORNER[0], 24.0], 16.0, Anchor::Start, r#"font-weight="bold""#, "Wave speed of strong impacts (m/s)");
     svg.text([CORNER[0], 45.0], 12.0, Anchor::Start, r##"fill="#555""##, &fixed(surface));
-    let shown: Vec<&Point> = points.iter().filter(|point| frame.holds(point.place)).collect();
+    // Along an amplitude or a dimension media differ in nothing: on the line that is left there is room for materials only,
+    // on the point that is left for none.
+    let room = |kind| match surface.axes.iter().filter(|a| matches!(a, Axis::Amplitude | Axis::Dimension)).count() {
+        0 => true,
+        1 => kind == Kind::Uniform,
+        _ => false,
+    };
+    let mut shown: Vec<&Point> = points.iter().filter(|p| room(p.kind) && frame.holds(p.place)).collect();
+    // The widest markers lie below, so that some of each is seen where they coincide.
+    shown.sort_by_key(|point| [Kind::Engineered, Kind::Dimer, Kind::Uniform].iter().position(|k| *k == point.kind));
     if let Some([low, high]) = surface.range() {
         let (low, high) = shown.iter().fold((low, high), |(l, h), point| (l.min(point.speed), h.max(point.speed)));
         let scale = Scale::between(low, high);
         fill(&mut svg, surface, &frame, &scale);
         let mut places = Places::new(Area::new(CORNER, PLOT));
         for point in &shown {
-            places.keep_clear(frame.at(point.place), MARKER + 1.5);
+            places.keep_clear(frame.at(point.place), MARKER + 2.0);
         }
         let levels = levels(low, high);
         let lines: Vec<(f64, Vec<Vec<[f64; 2]>>)> = levels
@@ -191,9 +200,9 @@ fn mark(svg: &mut Svg, kind: Kind, [x, y]: [f64; 2], fill: &str) {
         match kind {
             Kind::Uniform => svg.circle([x, y], R, &style),
             Kind::Dimer => {
-                svg.polygon(&[[x, y - 1.2 * R], [x + 1.2 * R, y], [x, y + 1.2 * R], [x - 1.2 * R, y]], &style);
+                svg.polygon(&[[x, y - 1.6 * R], [x + 1.6 * R, y], [x, y + 1.6 * R], [x - 1.6 * R, y]], &style);
             }
-            Kind::Engineered => svg.rectangle([x - R, y - R], [2.0 * R, 2.0 * R], &style),
+            Kind::Engineered => svg.rectangle([x - 1.3 * R, y - 1.3 * R], [2.6 * R, 2.6 * R], &style),
         }
     }
 }
@@ -202,7 +211,7 @@ fn media(svg: &mut Svg, points: &[&Point], frame: &Frame, scale: &Scale, places:
     let named: Vec<_> = points
         .iter()
         .map(|point| {
-            let text = format!("{} {:.0}", point.label, point.speed);
+            let text = format!("{}: {:.0}", point.label, point.speed);
             (frame.at(point.place), places.near(frame.at(point.place), &text, LABEL), text)
         })
         .collect();
@@ -220,24 +229,17 @@ fn media(svg: &mut Svg, points: &[&Point], frame: &Frame, scale: &Scale, places:
     }
 }
 
-/// Names a contour on the line itself, where nothing else stands; the longest piece first.
+/// Names a contour on its lines, where nothing else stands.
 fn name_line(svg: &mut Svg, level: f64, lines: &[Vec<[f64; 2]>], places: &mut Places) {
+    const STYLE: &str = r##"fill="#111" stroke="#fff" stroke-width="3" stroke-linejoin="round" paint-order="stroke""##;
     let text = significant(level, 3).trim_end_matches(".0").to_owned();
-    let longest = lines.iter().max_by_key(|line| line.len());
-    let Some(line) = longest else { return };
-    let count = line.len();
-    // From a quarter of the line outwards, so that names do not line up across the middle where the markers are.
-    let tries = (0..count).map(|k| (count / 5 + k * 3) % count);
-    for k in tries {
-        if let Some(start) = places.centred(line[k], &text, 10.5) {
-            svg.text(
-                start,
-                10.5,
-                Anchor::Start,
-                r##"fill="#111" stroke="#fff" stroke-width="3" stroke-linejoin="round" paint-order="stroke""##,
-                &text,
-            );
-            return;
+    for line in lines {
+        let middles: Vec<[f64; 2]> =
+            line.windows(2).map(|w| [0.5 * (w[0][0] + w[1][0]), 0.5 * (w[0][1] + w[1][1])]).collect();
+        // From a fifth of the line on, so that names do not line up across the middle, where the markers are.
+        let tries = (0..middles.len()).map(|k| middles[(middles.len() / 5 + k) % middles.len()]);
+        if let Some(start) = tries.into_iter().find_map(|middle| places.centred(middle, &text, 10.5)) {
+            svg.text(start, 10.5, Anchor::Start, STYLE, &text);
         }
     }
 }
@@ -310,9 +312,11 @@ fn legend(svg: &mut Svg, beyond: usize) {
         svg.text([x + 12.0, y], 12.0, Anchor::Start, "", words);
         x += width;
     }
-    let outside = if beyond > 0 { format!("; {beyond} outside the picture") } else { String::new() };
-    let words = format!("marker: colour and number give the medium's own speed (m/s){outside}");
-    svg.text([x, y], 12.0, Anchor::Start, r##"fill="#555""##, &words);
+    let unseen = if beyond > 0 { format!("; {beyond} more in the table only") } else { String::new() };
+    svg.text([x, y], 12.0, Anchor::Start, r##"fill="#555""##, &format!("dimers: contacts all mixed{unseen}"));
+    let words =
+        "A marker's colour and number are the medium's own speed (m/s), at its own values of what is not on the axes.";
+    svg.text([CORNER[0], y + 21.0], 12.0, Anchor::Start, r##"fill="#555""##, words);
 }
 
 /// The numbers behind the picture: every node of the grid and every medium, in SI.

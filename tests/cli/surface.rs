@@ -16,7 +16,8 @@ fn the_surface_is_drawn_with_its_numbers_beside_it() {
     assert!(ran.stdout.is_empty() && ran.stderr.contains("surface.csv"), "{}", ran.stderr);
     let svg = desk.read("made/surface.svg");
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-    for words in ["(MN/m)", "(kg/m³)", "speed (m/s)", "al+wc 629", "440c 1345", "brass 791", "ρ×5 492", "ρ×0.2 3011"]
+    for words in
+        ["(MN/m)", "(kg/m³)", "speed (m/s)", "al+wc: 629", "440c: 1345", "brass: 791", "ρ×5: 492", "ρ×0.2: 3011"]
     {
         assert!(svg.contains(words), "{words}");
     }

@@ -56,6 +56,7 @@ pub struct Surface {
     stiffness: Option<String>,
     /// Contact force in F_p, from 1: the picture then shows the speed to be expected, not the bound
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    #[arg(conflicts_with_all = ["ratios", "find_speed", "find_ratio"])]
     amplitude: Option<f64>,
     /// 1 chain, 2 hexagonal sheet, 3 close packing
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3))]
