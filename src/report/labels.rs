@@ -64,7 +64,7 @@ impl Places {
     pub fn near(&mut self, [x, y]: [f64; 2], text: &str, size: f64) -> Label {
         let [width, height] = Self::size(text, size);
         // Around the marker, then further out; the side is tried before above and below.
-        let rings = [9.0, 18.0, 28.0, 40.0, 54.0, 70.0];
+        let rings = [11.0, 19.0, 28.0, 40.0, 54.0, 70.0];
         let tries = rings.into_iter().flat_map(|gap| {
             [(1.0, 0.0), (-1.0, 0.0), (1.0, -0.8), (-1.0, -0.8), (1.0, 0.8), (-1.0, 0.8), (0.0, -1.0), (0.0, 1.0)].map(
                 |(across, down)| {
@@ -87,7 +87,7 @@ impl Places {
         let (gap, area) = best.map_or((0.0, Area::new([x, y], [width, height])), |(_, gap, area)| (gap, area));
         self.taken.push(area);
         let nearest = [x.clamp(area.low[0], area.high[0]), y.clamp(area.low[1] + 2.0, area.high[1] - 2.0)];
-        Label { start: [area.low[0], area.high[1] - 0.25 * height], leader: (gap > 10.0).then_some(nearest) }
+        Label { start: [area.low[0], area.high[1] - 0.25 * height], leader: (gap > 12.0).then_some(nearest) }
     }
 
     /// The left end of the baseline of a text centred on a point; none where it would cover anything.
