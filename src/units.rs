@@ -25,6 +25,8 @@ pub enum Dimension {
     Mass,
     /// Joules inside.
     Energy,
+    /// N/m inside; `MN/m` in most files.
+    Stiffness,
     /// A fraction inside; `%` in most files.
     Fraction,
 }
@@ -55,6 +57,7 @@ impl Dimension {
             Self::Speed => &[("m/s", 1.0), ("mm/s", 1e-3), ("km/s", 1e3)],
             Self::Mass => &[("kg", 1.0), ("g", 1e-3), ("mg", 1e-6)],
             Self::Energy => &[("J", 1.0), ("mJ", 1e-3), ("kJ", 1e3), ("uJ", 1e-6)],
+            Self::Stiffness => &[("MN/m", 1e6), ("N/m", 1.0), ("kN/m", 1e3), ("GN/m", 1e9)],
             Self::Fraction => &[("%", 1e-2)],
         }
     }
@@ -71,6 +74,7 @@ impl Dimension {
             Self::Speed => "20 m/s",
             Self::Mass => "2.3 kg",
             Self::Energy => "0.3 J",
+            Self::Stiffness => "20 MN/m",
             Self::Fraction => "0.1 %",
         }
     }

@@ -68,6 +68,12 @@ impl Scale {
         Self { low: low.clamp(high / 1e3, high / 10.0), high, logarithmic: true }
     }
 
+    /// Proportional to the logarithm between two positive values.
+    pub fn between(low: f64, high: f64) -> Self {
+        // Equal ends would leave no extent to divide by.
+        Self { low, high: high.max(low * 1.01), logarithmic: true }
+    }
+
     /// The upper end; values above it are not told apart.
     pub fn high(&self) -> f64 {
         self.high

@@ -3,7 +3,7 @@
 //! - `jobs`: run, design and compare; the same numbers on any number of threads
 //! - `check`: layouts under an impact, steps, guards and thresholds
 //! - `layouts`: what a wrong layout file hears
-//! - `laws`: materials, contact and speed
+//! - `laws`: materials, contact and speed; `surface`: design surfaces
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption
 
@@ -13,6 +13,7 @@ mod jobs;
 mod laws;
 mod layouts;
 mod refusals;
+mod surface;
 
 use std::path::{Path, PathBuf};
 

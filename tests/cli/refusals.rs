@@ -40,9 +40,18 @@ fn without_a_subcommand_there_is_help() {
     assert!(bare.stderr.contains("Usage: granulens"), "{}", bare.stderr);
     assert_eq!(desk.run(&["--json"]).json_error()["kind"], "input");
     let help = desk.run(&["--help"]).ok();
-    for words in
-        ["run", "design", "check", "compare", "materials", "contact", "speed", "Exit codes:", "130  interrupted"]
-    {
+    for words in [
+        "run",
+        "design",
+        "check",
+        "compare",
+        "materials",
+        "contact",
+        "speed",
+        "surface",
+        "Exit codes:",
+        "130  interrupted",
+    ] {
         assert!(help.stdout.contains(words), "{words}");
     }
     let run = desk.run(&["run", "--help"]).ok();

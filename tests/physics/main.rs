@@ -11,4 +11,5 @@ mod energy;
 mod lens;
 mod problem;
 mod reference;
+mod surface;
 mod wave;

@@ -2,6 +2,21 @@
 //!
 //! A plastic contact is a spring of constant stiffness, so the fastest wave is the long wave of a lattice of such springs.
 //! Weaker impacts run slower; [`Validity`] says by how much, and when the form says nothing at all.
+//!
+//! - [`bound`]: the closed form, here; [`Validity`]: how far an impact may be trusted to follow it
+//! - [`Medium`]: what a crystal may be made of: one material, a dimer of two, engineered spheres
+//! - [`Surface`]: the speed over two design variables, its contour lines, and the media as points on it
+//! - [`Interface`]: two media side by side; [`find_speed`], [`find_ratio`]: which of them give what is wanted
+
+mod contour;
+mod interface;
+mod medium;
+mod surface;
+
+pub use contour::contour;
+pub use interface::{Interface, find_ratio, find_speed, interfaces};
+pub use medium::{Kind, Medium, MediumError};
+pub use surface::{Axis, Node, Point, Setting, Surface, SurfaceError, points};
 
 use std::f64::consts::PI;
 
@@ -20,6 +35,23 @@ pub enum Dimension {
 }
 
 impl Dimension {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Three];
+
+    /// 1, 2 or 3.
+    pub fn number(self) -> u8 {
+        match self {
+            Self::One => 1,
+            Self::Two => 2,
+            Self::Three => 3,
+        }
+    }
+
+    /// From 1, 2 or 3.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|dimension| dimension.number() == number)
+    }
+
     /// A of Burgoyne 2016, eq. 5.3: speed over that of the chain of the same spheres.
     pub fn factor(self) -> f64 {
         match self {
@@ -67,6 +99,21 @@ pub fn contact_force(force_per_sphere: f64) -> f64 {
 /// Simulated speed over the bound at a force of so many F_p: 1D, E = 100 GPa, σ_y = 500 MPa, rate off (our simulations).
 const SPEED_REACHED: [(f64, f64); 5] = [(1.0, 0.84), (2.0, 0.89), (5.0, 0.95), (10.0, 0.98), (17.0, 1.00)];
 
+/// The amplitudes, in F_p, between which the fraction of the bound that waves reach is known: below the first the bound
+/// does not apply, from the last on it is reached.
+pub const AMPLITUDES: [f64; 2] = [SPEED_REACHED[0].0, SPEED_REACHED[SPEED_REACHED.len() - 1].0];
+
+/// Speed over the bound at a contact force of `amplitude` F_p, linear in the logarithm of the amplitude between simulated
+/// values (chain, E = 100 GPa, σ_y = 500 MPa, no rate effect; read to 0.01). None below F_p.
+pub fn speed_reached(amplitude: f64) -> Option<f64> {
+    let last = SPEED_REACHED[SPEED_REACHED.len() - 1];
+    let between = SPEED_REACHED.windows(2).find(|w| (w[0].0..w[1].0).contains(&amplitude)).map(|w| {
+        let part = (amplitude / w[0].0).ln() / (w[1].0 / w[0].0).ln();
+        w[0].1 + part * (w[1].1 - w[0].1)
+    });
+    if amplitude >= last.0 { Some(last.1) } else { between }
+}
+
 /// Whether an impact is strong enough for the bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Validity {
@@ -84,13 +131,7 @@ impl Validity {
     /// above the bound, which is none in the strict sense.
     pub fn new(force_per_sphere: f64, bound: &Bound) -> Self {
         let amplitude = contact_force(force_per_sphere) / bound.plastic_force;
-        let last = SPEED_REACHED[SPEED_REACHED.len() - 1];
-        let between = SPEED_REACHED.windows(2).find(|w| (w[0].0..w[1].0).contains(&amplitude)).map(|w| {
-            let part = (amplitude / w[0].0).ln() / (w[1].0 / w[0].0).ln();
-            w[0].1 + part * (w[1].1 - w[0].1)
-        });
-        let speed_reached = if amplitude >= last.0 { Some(last.1) } else { between };
-        Self { amplitude, speed_reached }
+        Self { amplitude, speed_reached: speed_reached(amplitude) }
     }
 
     /// The same in words, as `0.89 of the bound at 2.0 F_p`.

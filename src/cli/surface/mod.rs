@@ -1,0 +1,318 @@
+//! `granulens surface`: which speed which materials give, as a picture, as a table, and asked the other way round.
+
+mod tables;
+
+use clap::builder::PossibleValuesParser;
+use granulens::contact::Constants;
+use granulens::material::{Material, MaterialError, find, library};
+use granulens::report;
+use granulens::units::Dimension as Unit;
+use granulens::wave::{self, Axis, Dimension, Kind, Medium, Point, Setting, Surface as Grid};
+
+use super::console::{emit_json, note};
+use super::failure::Failure;
+use super::folder::{probe, write_file};
+use super::{Common, length};
+use tables::{grid_json, list};
+
+const AXES: [&str; 6] = ["stiffness", "density", "yield-stress", "modulus", "amplitude", "dimension"];
+
+/// Grid lines along each axis of a picture.
+const GRID: [usize; 2] = [97, 73];
+
+/// Draw the wave speed over design variables, or find the materials that give a speed
+///
+/// With --out FILE.svg, the surface is drawn with the materials, their dimers and engineered spheres on it, and the numbers
+/// behind it go to FILE.csv. Without, the media are listed. Radius is no axis: the speed does not depend on it. Materials
+/// have no prices here: what is found is listed lightest first.
+#[derive(clap::Args)]
+pub struct Surface {
+    /// What is along x
+    #[arg(long, value_name = "AXIS", default_value = "stiffness", value_parser = axis_names())]
+    x: String,
+    /// What is along y
+    #[arg(long, value_name = "AXIS", default_value = "density", value_parser = axis_names())]
+    y: String,
+    /// Range of x, such as "10 MN/m..100 MN/m"; without, what the media span
+    #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true)]
+    x_range: Option<String>,
+    /// Range of y
+    #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true)]
+    y_range: Option<String>,
+    /// Material with the values of the variables not shown
+    #[arg(long, value_name = "NAME", default_value = "440c")]
+    material: String,
+    /// Density, where not shown, in place of the material's
+    #[arg(long, value_name = "DENSITY", allow_hyphen_values = true)]
+    density: Option<String>,
+    /// Yield stress, where not shown
+    #[arg(long, value_name = "STRESS", allow_hyphen_values = true)]
+    yield_stress: Option<String>,
+    /// Young's modulus, where not shown
+    #[arg(long, value_name = "MODULUS", allow_hyphen_values = true)]
+    modulus: Option<String>,
+    /// Stiffness of the plastic contact, such as "30 MN/m", in place of that of yield stress and modulus
+    #[arg(long, value_name = "STIFFNESS", allow_hyphen_values = true)]
+    stiffness: Option<String>,
+    /// Contact force in F_p, from 1: the picture then shows the speed to be expected, not the bound
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    #[arg(conflicts_with_all = ["ratios", "find_speed", "find_ratio"])]
+    amplitude: Option<f64>,
+    /// 1 chain, 2 hexagonal sheet, 3 close packing
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3))]
+    dimension: u8,
+    /// Sphere diameter: stiffness and forces are meant at it; the speed does not depend on it
+    #[arg(long, default_value = "6.35 mm", allow_hyphen_values = true, value_parser = length)]
+    diameter: f64,
+    /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
+    #[arg(long, default_value_t = Constants::Code)]
+    constants: Constants,
+    /// Coated spheres, such as al:5:wc: aluminium on tungsten carbide, five times the density of aluminium; "wc" in place of
+    /// the 5 is the limit of a thin shell
+    #[arg(long, value_name = "SHELL:FACTOR:CORE")]
+    coated: Vec<String>,
+    /// Hollow spheres, such as wc:0.2: tungsten carbide of a fifth of its density
+    #[arg(long, value_name = "NAME:FACTOR")]
+    hollow: Vec<String>,
+    /// List every two materials side by side: speed ratio, critical angle, impedance ratio, F_p
+    #[arg(long, conflicts_with_all = ["find_speed", "find_ratio"])]
+    ratios: bool,
+    /// List the media of this wave-speed bound, lightest first
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true, conflicts_with = "find_ratio")]
+    find_speed: Option<String>,
+    /// List the pairs of this speed ratio (faster over slower), lightest first
+    #[arg(long, value_name = "RATIO", allow_hyphen_values = true)]
+    find_ratio: Option<f64>,
+    /// Pairs of dimers too
+    #[arg(long)]
+    dimers: bool,
+    /// How far off a speed or ratio may be
+    #[arg(long, value_name = "PERCENT", default_value = "2 %", allow_hyphen_values = true)]
+    tolerance: String,
+}
+
+fn axis_names() -> impl clap::builder::TypedValueParser<Value = String> {
+    // Known to the parser so that it can be refused with its reason rather than as a misspelling.
+    let hidden = clap::builder::PossibleValue::new("radius").hide(true);
+    PossibleValuesParser::new(AXES.map(clap::builder::PossibleValue::new).into_iter().chain([hidden]))
+}
+
+fn axis(option: &str, name: &str) -> Result<Axis, Failure> {
+    Axis::ALL.into_iter().find(|axis| axis.name() == name).ok_or_else(|| {
+        Failure::input_with_help(
+            format!("--{option} radius: the radius is no influence"),
+            "The contact's stiffness grows with the radius as the mass per length does, and the speed stays the same.",
+        )
+    })
+}
+
+fn unit(axis: Axis) -> Option<Unit> {
+    match axis {
+        Axis::Stiffness => Some(Unit::Stiffness),
+        Axis::Density => Some(Unit::Density),
+        Axis::YieldStress | Axis::Modulus => Some(Unit::Pressure),
+        Axis::Amplitude | Axis::Dimension => None,
+    }
+}
+
+/// A positive quantity of an option.
+fn quantity(option: &str, unit: Option<Unit>, text: &str) -> Result<f64, Failure> {
+    let value = match unit {
+        Some(unit) => unit.parse(text).map_err(|error| Failure::input(format!("--{option}: {error}")))?,
+        None => text.trim().parse().map_err(|_| Failure::input(format!("--{option}: \"{text}\" is not a number")))?,
+    };
+    positive(option, value)
+}
+
+fn positive(option: &str, value: f64) -> Result<f64, Failure> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Failure::input(format!("--{option} must be positive and finite, not {value} (SI)")))
+    }
+}
+
+impl Surface {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let setting = self.setting()?;
+        let media = self.media()?;
+        if self.ratios || self.find_ratio.is_some() {
+            return self.pairs(common, &media, &setting);
+        }
+        if let Some(wanted) = &self.find_speed {
+            let speed = quantity("find-speed", Some(Unit::Speed), wanted)?;
+            let tolerance = quantity("tolerance", Some(Unit::Fraction), &self.tolerance)?;
+            let found = wave::find_speed(&media, speed, tolerance, setting.dimension, setting.constants);
+            let found: Vec<Medium> = found.into_iter().map(|k| media[k].clone()).collect();
+            if found.is_empty() {
+                note(common, &format!("no medium gives {wanted} within {}; widen --tolerance", self.tolerance));
+            }
+            return list(common, &found, &setting);
+        }
+        let Some(out) = &common.out else {
+            list(common, &media, &setting)?;
+            note(common, "draw the surface with --out FILE.svg");
+            return Ok(());
+        };
+        if out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+            return Err(Failure::input_with_help(
+                format!("--out {}: the surface is drawn as SVG only", out.display()),
+                "Let the name end in .svg; the numbers go to a .csv beside it.",
+            ));
+        }
+        let table = out.with_extension("csv");
+        probe(Some(&table))?;
+        let (grid, points) = self.grid(&media, &setting)?;
+        write_file(out, &report::surface(&grid, &points))?;
+        write_file(&table, &report::surface_csv(&grid, &points))?;
+        if common.json {
+            emit_json(&grid_json(&grid, &points));
+        }
+        note(common, &format!("surface: {}, numbers: {}", out.display(), table.display()));
+        Ok(())
+    }
+
+    /// The variables that are not shown.
+    fn setting(&self) -> Result<Setting, Failure> {
+        let mut material = find(&self.material, &[])?;
+        let given = |option: &str, axis: Axis, text: &Option<String>| {
+            if text.is_some() && [&self.x, &self.y].into_iter().any(|shown| shown == axis.name()) {
+                return Err(Failure::input(format!("--{option} is given, and is an axis too: leave one of them out")));
+            }
+            text.as_ref().map(|text| quantity(option, unit(axis), text)).transpose()
+        };
+        let density = given("density", Axis::Density, &self.density)?;
+        let yield_stress = given("yield-stress", Axis::YieldStress, &self.yield_stress)?;
+        let modulus = given("modulus", Axis::Modulus, &self.modulus)?;
+        let stiffness = given("stiffness", Axis::Stiffness, &self.stiffness)?;
+        material.density = density.unwrap_or(material.density);
+        material.yield_stress = yield_stress.unwrap_or(material.yield_stress);
+        material.youngs_modulus = modulus.unwrap_or(material.youngs_modulus);
+        if yield_stress.is_some() || modulus.is_some() {
+            let shown = |axis: Axis| self.x == axis.name() || self.y == axis.name();
+            if stiffness.is_some() || shown(Axis::Stiffness) {
+                return Err(Failure::input_with_help(
+                    "the stiffness follows from yield stress and modulus, so they cannot be given beside it",
+                    "Leave out --stiffness or the axis, or --yield-stress and --modulus.",
+                ));
+            }
+            if !shown(Axis::YieldStress) && !shown(Axis::Modulus) {
+                material.check().map_err(|error: MaterialError| Failure::input(error.to_string()))?;
+            }
+        }
+        if let Some(amplitude) = self.amplitude
+            && !(amplitude >= wave::AMPLITUDES[0] && amplitude.is_finite())
+        {
+            return Err(Failure::input_with_help(
+                format!(
+                    "--amplitude {amplitude}: below 1 F_p contacts stay partly elastic and the bound does not apply"
+                ),
+                "Give the contact force as a multiple of F_p, from 1.",
+            ));
+        }
+        Ok(Setting {
+            material,
+            stiffness,
+            dimension: Dimension::from_number(self.dimension).unwrap_or(Dimension::One),
+            amplitude: self.amplitude,
+            diameter: self.diameter,
+            constants: self.constants,
+        })
+    }
+
+    /// The library's materials and dimers, and the engineered spheres asked for: without any, the published ones.
+    fn media(&self) -> Result<Vec<Medium>, Failure> {
+        let materials = library();
+        let mut media = Medium::all(&materials);
+        if self.coated.is_empty() && self.hollow.is_empty() {
+            media.extend(Medium::published_engineered(&materials));
+        }
+        for text in &self.coated {
+            let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+            let [shell, density, core] = parts[..] else {
+                return Err(Failure::input(format!(
+                    "--coated \"{text}\": expected SHELL:FACTOR:CORE, such as al:5:wc"
+                )));
+            };
+            let (shell, core): (Material, Material) = (find(shell, &[])?, find(core, &[])?);
+            let density = match density.parse::<f64>() {
+                Ok(factor) => factor * shell.density,
+                Err(_) => {
+                    find(density, &[])
+                        .map_err(|_| {
+                            Failure::input(format!(
+                                "--coated \"{text}\": \"{density}\" is neither a factor nor a material"
+                            ))
+                        })?
+                        .density
+                }
+            };
+            let medium = Medium::coated(&shell, &core, density);
+            media.push(medium.map_err(|error| Failure::input(format!("--coated \"{text}\": {error}")))?);
+        }
+        for text in &self.hollow {
+            let fail = || Failure::input(format!("--hollow \"{text}\": expected NAME:FACTOR, such as wc:0.2"));
+            let (name, factor) = text.split_once(':').ok_or_else(fail)?;
+            let factor: f64 = factor.trim().parse().map_err(|_| fail())?;
+            let medium = Medium::hollow(&find(name.trim(), &[])?, factor);
+            media.push(medium.map_err(|error| Failure::input(format!("--hollow \"{text}\": {error}")))?);
+        }
+        Ok(media)
+    }
+
+    fn grid(&self, media: &[Medium], setting: &Setting) -> Result<(Grid, Vec<Point>), Failure> {
+        let axes = [axis("x", &self.x)?, axis("y", &self.y)?];
+        let points = wave::points(media, axes, setting);
+        let range = |k: usize, option: &str, text: &Option<String>| -> Result<[f64; 2], Failure> {
+            if let Some(text) = text {
+                let (from, to) = text.split_once("..").ok_or_else(|| {
+                    Failure::input(format!("--{option} \"{text}\": expected FROM..TO, each with its unit"))
+                })?;
+                return Ok([quantity(option, unit(axes[k]), from)?, quantity(option, unit(axes[k]), to)?]);
+            }
+            if axes[k] == Axis::Amplitude {
+                return Ok(wave::AMPLITUDES);
+            }
+            // A margin in which labels find room.
+            let places = points.iter().map(|point| point.place[k]);
+            let [low, high] = places.fold([f64::INFINITY, 0.0], |[l, h], p| [f64::min(l, p), f64::max(h, p)]);
+            Ok([low / 1.25, high * 1.25])
+        };
+        let ranges = [range(0, "x-range", &self.x_range)?, range(1, "y-range", &self.y_range)?];
+        let grid = Grid::new(axes, ranges, GRID, setting).map_err(|error| Failure::input(error.to_string()))?;
+        if grid.range().is_none() {
+            return Err(Failure::input_with_help(
+                "the closed form gives no speed anywhere on this surface",
+                "The yield stress must be below a tenth of the modulus, where the contact law's fit ends.",
+            ));
+        }
+        Ok((grid, points))
+    }
+
+    fn pairs(&self, common: &Common, media: &[Medium], setting: &Setting) -> Result<(), Failure> {
+        let asked = !self.coated.is_empty() || !self.hollow.is_empty();
+        let chosen: Vec<Medium> = media
+            .iter()
+            .filter(|medium| match medium.kind {
+                Kind::Uniform => true,
+                Kind::Dimer => self.dimers,
+                Kind::Engineered => asked,
+            })
+            .cloned()
+            .collect();
+        let mut pairs = wave::interfaces(&chosen, setting.dimension, setting.diameter, setting.constants);
+        if let Some(ratio) = self.find_ratio {
+            if !(ratio >= 1.0 && ratio.is_finite()) {
+                return Err(Failure::input(format!(
+                    "--find-ratio {ratio}: the faster over the slower speed is at least 1"
+                )));
+            }
+            let tolerance = quantity("tolerance", Some(Unit::Fraction), &self.tolerance)?;
+            pairs = wave::find_ratio(pairs, ratio, tolerance);
+            if pairs.is_empty() {
+                note(common, &format!("no pair has a ratio of {ratio} within {}; widen --tolerance", self.tolerance));
+            }
+        }
+        tables::pairs(common, &chosen, &pairs, setting)
+    }
+}
