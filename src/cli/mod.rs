@@ -14,6 +14,7 @@ mod folder;
 mod materials;
 mod run;
 mod speed;
+mod study;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -58,7 +59,7 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: run a folder, design and contact what they make, the others their JSON object
+    /// Where to write: run and study a folder, design and contact what they make, the others their JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
 }
@@ -73,6 +74,7 @@ enum Command {
     Materials(materials::Materials),
     Contact(contact::Contact),
     Speed(speed::Speed),
+    Study(study::Study),
 }
 
 pub fn main() -> ExitCode {
@@ -97,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::Materials(command) => command.run(common),
         Command::Contact(command) => command.run(common),
         Command::Speed(command) => command.run(common),
+        Command::Study(command) => command.run(common),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
