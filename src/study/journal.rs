@@ -288,4 +288,14 @@ mod tests {
         assert_eq!(unpack("3", 1, 3), None);
         assert_eq!(unpack("x", 1, 2), None);
     }
+
+    /// With a checksum that fits, as another version would write it.
+    #[test]
+    fn other_versions_are_refused_with_words() {
+        let path = Path::new("journal.jsonl");
+        let refusal = |header: Header| parse(path, sealed(&header).as_bytes()).unwrap_err().to_string();
+        let of = |format: u32, version: &str| Header { format, version: version.to_owned(), ..header() };
+        assert!(refusal(of(2, "0.1.0")).contains("journal.jsonl: has format 2, and this version reads format 1"));
+        assert!(refusal(of(1, "9.9.9")).contains("written by granulens 9.9.9"));
+    }
 }
