@@ -15,7 +15,7 @@ use crate::units::Dimension::Time;
 /// More materials have more kinds of pairs than the evaluator's tables hold.
 const MOST_MATERIALS: usize = 5;
 
-/// A sixteenth of the memory of an ordinary computer would be taken by the journal of more.
+/// More is taken for a slip: all evaluations are held in memory.
 const MOST_EVALUATIONS: u64 = 10_000_000;
 
 #[derive(Deserialize)]
