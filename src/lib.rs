@@ -2,12 +2,13 @@
 //! impact wave is steered to where it does no harm.
 //!
 //! ```text
-//! target + materials -> lens (rays, bound) -> layout -> sample -> dem -> score -> outcome -> report
+//! target + materials -> lens (rays, bound) -> layout -> sample -> dem -> score -> outcome -> search, study -> report
 //! ```
 //!
 //! Each module uses only those above it:
 
 pub mod units;
+pub mod search;
 pub mod real;
 pub mod material;
 pub mod lattice;
@@ -23,4 +24,5 @@ pub mod score;
 pub mod outcome;
 pub mod design;
 pub mod evaluate;
+pub mod study;
 pub mod report;

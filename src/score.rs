@@ -55,16 +55,20 @@ fn mean(values: &[f64], region: &Region, lattice: &HexagonalSheet) -> Option<f64
     (!sites.is_empty()).then(|| sites.iter().map(|&i| values[i]).sum::<f64>() / sites.len() as f64)
 }
 
+/// F and P: means over the focal and the protected region of each sphere's maximum kinetic energy (J).
+pub fn means(max_kinetic: &[f64], lattice: &HexagonalSheet, target: &Target) -> [f64; 2] {
+    [&target.focus, &target.protect].map(|region| mean(max_kinetic, region, lattice).unwrap_or(0.0))
+}
+
 /// `a` over `b`, where `b` is not zero.
-fn ratio(a: f64, b: f64) -> Option<f64> {
+pub fn ratio(a: f64, b: f64) -> Option<f64> {
     (b > 0.0).then(|| a / b)
 }
 
 impl Scores {
     /// Scores one arrangement by itself; the ratios to baselines follow by [`relate`](Self::relate).
     pub fn new(record: &Record<2>, lattice: &HexagonalSheet, target: &Target) -> Self {
-        let focal_mean = mean(&record.max_kinetic, &target.focus, lattice).unwrap_or(0.0);
-        let protected_mean = mean(&record.max_kinetic, &target.protect, lattice).unwrap_or(0.0);
+        let [focal_mean, protected_mean] = means(&record.max_kinetic, lattice, target);
         let ledger = &record.ledger;
         Self {
             focal_mean,

@@ -4,9 +4,10 @@ use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
 
 use granulens::design::{Design, DesignError};
-use granulens::evaluate::{Overrides, PlanError};
+use granulens::evaluate::{EvaluatorError, Overrides, PlanError};
 use granulens::layout::LayoutFileError;
 use granulens::lens::LensError;
+use granulens::study::StudyError;
 use serde_json::{Map, Value, json};
 
 use super::console::say;
@@ -199,6 +200,23 @@ impl From<LayoutFileError> for Failure {
             help: error.help.clone(),
             drawn: Some(miette::Report::new(error)),
         }))
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Design(error) => (*error).into(),
+            StudyError::Layout(error) => (*error).into(),
+            StudyError::File { path, line, message } => Self::of_file(&path, line, &message),
+            StudyError::Journal { path, message } => Self::of_file(&path, None, &message),
+            StudyError::Evaluator(EvaluatorError::Interrupted) => Self::Interrupted(error.to_string()),
+            StudyError::Evaluator(EvaluatorError::Baseline { .. }) => Self::Guard(vec![error.to_string()]),
+            StudyError::Evaluator(EvaluatorError::Plan(error)) => {
+                Self::input_with_help(format!("the study's {error}."), error.help())
+            }
+            StudyError::Evaluator(EvaluatorError::Batch(error)) => Self::input(error.to_string()),
+        }
     }
 }
 

@@ -15,6 +15,7 @@ mod materials;
 mod run;
 mod speed;
 mod surface;
+mod study;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -59,7 +60,7 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: run a folder, design, contact and surface what they make, the others their JSON object
+    /// Where to write: run and study a folder, design, contact and surface what they make, the others their JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
 }
@@ -75,6 +76,7 @@ enum Command {
     Contact(contact::Contact),
     Speed(speed::Speed),
     Surface(Box<surface::Surface>),
+    Study(study::Study),
 }
 
 pub fn main() -> ExitCode {
@@ -100,6 +102,7 @@ pub fn main() -> ExitCode {
         Command::Contact(command) => command.run(common),
         Command::Speed(command) => command.run(common),
         Command::Surface(command) => command.run(common),
+        Command::Study(command) => command.run(common),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -2,10 +2,13 @@
 //!
 //! - `plan`: step and window, chosen once for all arrangements
 //! - `compare`: the lens and its baselines, in parallel
+//! - `batch`: many layouts at once, in vector lanes, for those who search
 
+mod batch;
 mod compare;
 mod plan;
 
+pub use batch::{Evaluator, EvaluatorError, Marks};
 pub use compare::{Comparison, Progress, compare, laid, proposal, stops};
 pub use plan::{Overrides, Plan, PlanError};
 

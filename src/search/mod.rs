@@ -1,0 +1,135 @@
+//! Search on discrete designs by ask and tell. Numbers only: what a letter means and where a loss comes from is the caller's.
+//!
+//! A [`Choice`] gives each of a [`Space`]'s sites one letter of a small alphabet. A [`Search`] is asked for choices and told
+//! their losses, of which less is better. Everything follows from the seed and the losses told: neither threads nor a
+//! clock have a say.
+//!
+//! - `local`: flips of single sites until none improves
+//! - `genetic`: a population that exchanges rectangles
+//! - `level_set`: smooth random choices to begin with
+//! - `rounds`: the two after each other, again and again
+
+mod genetic;
+mod level_set;
+mod local;
+mod rounds;
+
+pub use genetic::Genetic;
+pub use level_set::level_set;
+pub use local::LocalSearch;
+pub use rounds::{Method, Rounds};
+
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+/// A letter for each site.
+pub type Choice = Vec<u8>;
+
+/// What can be chosen.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Space {
+    /// Row and column of each site.
+    pub sites: Vec<[u32; 2]>,
+    /// Size of the alphabet; letters count from 0.
+    pub letters: u8,
+}
+
+impl Space {
+    /// Number of choices that differ from a given one in one site.
+    pub fn flips(&self) -> usize {
+        self.sites.len() * usize::from(self.letters.max(1) - 1)
+    }
+
+    /// Any letter on any site, without regard to its neighbours.
+    pub fn random(&self, dice: &mut Dice) -> Choice {
+        self.sites.iter().map(|_| dice.below(u64::from(self.letters)) as u8).collect()
+    }
+
+    /// The sites of a random rectangle that holds at least one, with sides of at most `most` rows and columns.
+    fn rectangle(&self, dice: &mut Dice, most: u32) -> Vec<usize> {
+        let [row, column] = self.sites[dice.below(self.sites.len() as u64) as usize];
+        let mut side = || dice.below(u64::from(most.max(1))) as u32;
+        let (up, down, left, right) = (side() / 2, side() / 2, side() / 2, side() / 2);
+        let holds = |&[r, c]: &[u32; 2]| {
+            (row.saturating_sub(up)..=row + down).contains(&r)
+                && (column.saturating_sub(left)..=column + right).contains(&c)
+        };
+        (0..self.sites.len()).filter(|&i| holds(&self.sites[i])).collect()
+    }
+
+    /// The greater of the numbers of rows and columns.
+    fn extent(&self) -> u32 {
+        let span = |k: usize| {
+            let of = || self.sites.iter().map(|site| site[k]);
+            of().max().unwrap_or(0) - of().min().unwrap_or(0) + 1
+        };
+        span(0).max(span(1))
+    }
+
+    /// Gives one site another letter.
+    fn flip(&self, choice: &mut Choice, dice: &mut Dice) {
+        if self.letters > 1 {
+            let i = dice.below(choice.len() as u64) as usize;
+            let shift = 1 + dice.below(u64::from(self.letters) - 1) as u8;
+            choice[i] = shifted(choice[i], shift, self.letters);
+        }
+    }
+}
+
+/// The letter that stands `shift` further on in the alphabet, which is a ring.
+fn shifted(letter: u8, shift: u8, letters: u8) -> u8 {
+    ((u16::from(letter) + u16::from(shift)) % u16::from(letters)) as u8
+}
+
+/// Asked for choices, told their losses.
+pub trait Search {
+    /// The choices whose losses are wanted next; none when the search has ended.
+    fn ask(&mut self) -> Vec<Choice>;
+    /// The losses of what was asked for last, in its order; less is better. A failed one is infinite or not a number.
+    fn tell(&mut self, losses: &[f64]);
+    /// The best choice so far, and its loss.
+    fn best(&self) -> Option<(&Choice, f64)>;
+    /// Whether it is known of the best choice that no flip of a single site improves it.
+    fn one_opt(&self) -> bool {
+        false
+    }
+}
+
+/// Random numbers from raw outputs of xoshiro256++, so that they are the same on every platform.
+#[derive(Clone, Debug)]
+pub struct Dice(Xoshiro256PlusPlus);
+
+impl Dice {
+    /// From a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(Xoshiro256PlusPlus::seed_from_u64(seed))
+    }
+
+    /// Any 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
+    /// A whole number from 0 to `end` - 1, or 0 if there is none; all alike to 2^-64.
+    pub fn below(&mut self, end: u64) -> u64 {
+        ((u128::from(self.0.next_u64()) * u128::from(end)) >> 64) as u64
+    }
+
+    /// A number from 0 to 1.
+    pub fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// The sum of twelve such less six: close to a normal deviate, from sums only.
+    pub fn bell(&mut self) -> f64 {
+        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
+    }
+}
+
+/// What is not a number is worse than any number.
+fn sane(loss: f64) -> f64 {
+    if loss.is_nan() { f64::INFINITY } else { loss }
+}
+
+#[cfg(test)]
+mod tests;
