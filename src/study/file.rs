@@ -123,7 +123,24 @@ impl Source<'_> {
     fn toml(&self, error: &toml::de::Error) -> StudyError {
         let line =
             error.span().map(|span| self.text[..span.start.min(self.text.len())].matches('\n').count() as u64 + 1);
-        let message = format!("{}.", error.message().trim_end_matches('.').replace('\n', " "));
+        // The reader names types as the program does; a user knows numbers, text and lists.
+        let mut message = error.message().trim_end_matches('.').replace('\n', " ");
+        for (type_name, words) in [
+            ("u64", "a whole number from 0 up"),
+            ("u32", "a whole number from 0 up"),
+            ("f64", "a number"),
+            ("a string", "text in quotes"),
+            ("a sequence", "a list"),
+            ("usize", "a whole number from 0 up"),
+        ] {
+            message = message.replace(&format!("expected {type_name}"), &format!("expected {words}"));
+        }
+        let key = error.span().and_then(|span| {
+            let line = self.text.get(..span.start)?.rfind('\n').map_or(0, |end| end + 1);
+            let (key, _) = self.text.get(line..)?.lines().next()?.split_once('=')?;
+            Some(key.trim()).filter(|key| !message.contains(key)).map(|key| format!("{key}: "))
+        });
+        let message = format!("{}{message}.", key.unwrap_or_default());
         StudyError::File { path: self.path.to_owned(), line, message }
     }
 

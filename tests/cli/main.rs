@@ -13,6 +13,7 @@ mod jobs;
 mod laws;
 mod layouts;
 mod refusals;
+mod studies;
 mod surface;
 
 use std::path::{Path, PathBuf};
