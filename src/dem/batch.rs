@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::body::Grains;
 use super::contacts::{Contacts, Sweep};
 use super::guard::{self, Stop};
-use super::impact::{Impact, steps_in};
+use super::impact::{Impact, WATCH, steps_in};
 use super::neighbour::{OverlapAtRest, Touching};
 use super::record::{Fastest, Observer};
 use super::step::{Drive, Stepper};
@@ -101,9 +101,6 @@ struct Under<'a, 'b, const D: usize, F> {
     law: F,
 }
 
-/// Steps between two looks at guards and the request to stop.
-const WATCH: u64 = 64;
-
 impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, F> {
     type Output = Result<Vec<Brief>, BatchError>;
 
@@ -116,10 +113,7 @@ impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, 
         let mut contacts = Contacts::new(touching.clone(), &grains, laws, false);
         let mut drive = Drive::new(impact.pulse, &impact.struck);
         let mut stepper = Stepper::new(impact.integrator, Sweep::Accept, impact.step, spheres);
-        for &(i, speed) in &impact.moving {
-            grains.velocity[i][D - 1] = V::splat(speed);
-            grains.reached = grains.reached.max(i + 1);
-        }
+        grains.set_moving(&impact.moving);
         let mut fastest = Fastest(vec![V::splat(0.0); spheres]);
         let mut stops: Vec<Option<Stop>> = vec![None; samples.len()];
         let steps = steps_in(impact.window, impact.step);

@@ -59,6 +59,14 @@ impl<V: Real, const D: usize> Grains<V, D> {
         }
     }
 
+    /// Sets spheres in motion along the last axis at the given speeds (m/s), in all designs alike.
+    pub fn set_moving(&mut self, moving: &[(usize, f64)]) {
+        for &(i, speed) in moving {
+            self.velocity[i][D - 1] = V::splat(speed);
+            self.reached = self.reached.max(i + 1);
+        }
+    }
+
     /// Contact acceleration of a sphere under the contact force on its simulated part.
     #[inline(always)]
     pub fn acceleration_of(&self, sphere: usize, force: &[V; D]) -> [V; D] {

@@ -95,7 +95,7 @@ pub struct ContactRecord {
 }
 
 /// Most steps between two looks at guards, strangers and the request to stop.
-const WATCH: u64 = 64;
+pub(super) const WATCH: u64 = 64;
 
 /// Follows an impact on `sample`. `interrupt` is looked at now and then; when it is set the run ends with what it has.
 ///
@@ -132,9 +132,8 @@ fn follow<const D: usize, L: NormalLaw + Copy + Sync>(
     let mut grains = Grains::<f64, D>::at_rest(&[sample], &impact.mirrors);
     let mut contacts = Contacts::new(touching, &grains, laws, true);
     let mut drive = Drive::new(impact.pulse, &impact.struck);
+    grains.set_moving(&impact.moving);
     for &(i, speed) in &impact.moving {
-        grains.velocity[i][D - 1] = speed;
-        grains.reached = grains.reached.max(i + 1);
         // What moves at the start has been put in before it.
         drive.work += 0.5 * grains.weight[i] / grains.inverse_mass[i] * speed * speed;
     }
