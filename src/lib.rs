@@ -11,6 +11,7 @@ pub mod units;
 pub mod search;
 pub mod real;
 pub mod material;
+pub mod document;
 pub mod lattice;
 pub mod target;
 pub mod contact;

@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use super::error::{DesignError, Source};
-use super::file::{self, CompareFile, CrystalFile, DesignFile, ImpactFile, LensFile, RunFile, Written};
-use super::value::{Scope, is_plain_name};
-use super::{Accuracy, Design, own, region, syntax, threshold};
+use super::file::{CompareFile, CrystalFile, DesignFile, EXAMPLES, ImpactFile, LensFile, RunFile};
+use super::{Accuracy, Design, DesignError, region, threshold};
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
 use crate::dem::Integrator;
+use crate::document::{self, Scope, Source, Written, is_plain_name};
 use crate::lattice::HexagonalSheet;
 use crate::lens::LensRequest;
 use crate::material::Material;
@@ -29,11 +28,11 @@ const MOST_SPHERES: usize = 10_000_000;
 const MOST_STEPS_IN_PULSE: f64 = 1e7;
 
 pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
-    let source = Source { path, text };
-    let root = syntax::parse(source)?;
+    let source = Source { path, text, examples: EXAMPLES };
+    let root = document::parse(source)?;
     let top = Scope::root(source);
     // The format is read first: another one may have other keys.
-    let FormatOnly { format } = file::read(source, &root)?;
+    let FormatOnly { format } = document::read(source, &root)?;
     let format = top.required("format", &format)?;
     if format.whole(0..=u32::MAX)? != FORMAT {
         return Err(format.fail(
@@ -41,7 +40,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
             "This version of granulens reads format 1; a file of a later format needs a later version.",
         ));
     }
-    let file: DesignFile = file::read(source, &root)?;
+    let file: DesignFile = document::read(source, &root)?;
 
     let name = top.required("name", &file.name)?;
     if !is_plain_name(name.text()?) {
@@ -51,7 +50,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         ));
     }
     let own_materials = match top.section("materials", &file.materials) {
-        Some((_, sections)) => own::materials(source, sections)?,
+        Some((_, sections)) => document::materials(source, sections)?,
         None => Vec::new(),
     };
     let crystal = top.required_section(
@@ -133,7 +132,7 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
         ));
     }
     scope.required("sides", &file.sides)?.choice("kind of sides", &[("mirror", ())])?;
-    let host = own::chosen(&scope.required("host", &file.host)?, own)?;
+    let host = document::chosen(&scope.required("host", &file.host)?, own)?;
     let law = match scope.optional("law", &file.law) {
         Some(law) => {
             law.choice("contact law", &LawKind::ALL.iter().map(|&law| (law.name(), law)).collect::<Vec<_>>())?
@@ -166,7 +165,7 @@ fn read_lens(
 ) -> Result<LensRequest, DesignError> {
     scope.required("family", &file.family)?.choice("lens family", &[("plano-convex", ())])?;
     let entry = scope.required("material", &file.material)?;
-    let material = own::chosen(&entry, own)?;
+    let material = document::chosen(&entry, own)?;
     if material.name == crystal.host.name {
         return Err(entry.fail(
             "is the material of the crystal, crystal.host",

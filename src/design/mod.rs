@@ -4,29 +4,23 @@
 //! out. Whatever can be wrong with a file by itself is found here, in one step; after that nothing re-checks. What only
 //! physics can tell (a lens that cannot reach its focus, a step above the stability limit) is found by those who know it.
 //!
-//! - `syntax`: text that is no TOML; `file`: as written; `value`: one value read as its key asks
-//! - `check`: as checked; with `region`, `own` (materials) and `threshold` for their sections
-//! - `error`: what a refused file hears
+//! - `file`: as written; `check`: as checked, with `region` and `threshold` for their sections
 
 mod check;
-mod error;
 mod file;
-mod own;
 mod region;
-mod syntax;
 mod threshold;
-mod value;
 
 use std::fmt;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-pub use error::DesignError;
+pub use crate::document::DocumentError as DesignError;
 pub use threshold::{Measure, Threshold};
 
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
 use crate::dem::Integrator;
+use crate::document::{self, Source};
 use crate::lattice::HexagonalSheet;
 use crate::lens::LensRequest;
 use crate::material::{self, Material, UnknownMaterial};
@@ -109,17 +103,7 @@ impl Design {
     /// The file cannot be read, or the first thing that is wrong with it.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignError> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let valid = error.utf8_error().valid_up_to();
-            let mut refusal = DesignError::of_file(
-                path,
-                format!("is not UTF-8 text (byte {}).", valid + 1),
-                "Save the file as UTF-8; a design file is plain text.".to_owned(),
-            );
-            refusal.line = Some(error::line(error.as_bytes(), valid));
-            refusal
-        })?;
+        let text = crate::document::text(path)?;
         Self::parse(path, &text)
     }
 
@@ -134,8 +118,8 @@ impl Design {
     /// A complaint of those who know the physics about `key`, such as `run.step`: it points to where the key stands in the
     /// file, or, where it is left out, to its section.
     pub fn blame(&self, key: &str, message: String, help: String) -> DesignError {
-        let source = error::Source { path: &self.path, text: &self.text };
-        source.error(syntax::place(source, key), Some(key), message, help)
+        let source = Source { path: &self.path, text: &self.text, examples: file::EXAMPLES };
+        source.error(document::place(source, key), Some(key), message, help)
     }
 
     /// Finds a material by name or alias, among those of the file and in the library.
@@ -145,31 +129,4 @@ impl Design {
     pub fn material(&self, name: &str) -> Result<Material, UnknownMaterial> {
         material::find(name, &self.own_materials)
     }
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> DesignError {
-    let (message, help) = if error.kind() == ErrorKind::NotFound {
-        let help = near_file(path).map_or_else(
-            || "Check the path; it is taken from the current folder.".to_owned(),
-            |near| format!("Did you mean {}?", near.display()),
-        );
-        ("no such file.".to_owned(), help)
-    } else if path.is_dir() {
-        ("is a folder.".to_owned(), "Name a design file in it.".to_owned())
-    } else {
-        (format!("cannot be read: {error}."), "Check the file and its permissions.".to_owned())
-    };
-    DesignError::of_file(path, message, help)
-}
-
-/// The TOML file in the same folder whose name is most like that of `path`.
-fn near_file(path: &Path) -> Option<PathBuf> {
-    let wanted = path.file_name()?.to_str()?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let names: Vec<String> = std::fs::read_dir(folder)
-        .ok()?
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| name.ends_with(".toml"))
-        .collect();
-    error::nearest(wanted, names.iter().map(String::as_str)).map(|near| path.with_file_name(near))
 }

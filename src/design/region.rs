@@ -1,8 +1,8 @@
 //! The section [target]: two regions inside the crystal that hold spheres and share none.
 
-use super::error::DesignError;
-use super::file::{RegionFile, TargetFile};
-use super::value::{Entry, Scope};
+use super::DesignError;
+use super::file::{EXAMPLES, RegionFile, TargetFile};
+use crate::document::{Entry, Scope, example};
 use crate::lattice::{HexagonalSheet, Site};
 use crate::target::{Region, Target};
 
@@ -27,7 +27,7 @@ pub(super) fn target((scope, file): &(Scope, &TargetFile), lattice: &HexagonalSh
 }
 
 fn how(key: &str) -> String {
-    let example = super::file::example(&format!("target.{key}")).unwrap_or_default();
+    let example = example(EXAMPLES, &format!("target.{key}")).unwrap_or_default();
     format!("Add it to target, like {example}.")
 }
 

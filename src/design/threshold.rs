@@ -1,8 +1,8 @@
 //! The section [thresholds]: what `check --strict` asks of the scores.
 
-use super::error::DesignError;
-use super::file::{BoundsFile, Section, ThresholdsFile};
-use super::value::{Entry, Scope};
+use super::DesignError;
+use super::file::{BoundsFile, EXAMPLES, ThresholdsFile};
+use crate::document::{Entry, Scope, Section, example};
 use crate::score::Scores;
 use crate::units::Dimension;
 
@@ -107,7 +107,7 @@ fn threshold(measure: Measure, (scope, file): &(Scope, &BoundsFile)) -> Result<T
             Err(scope.fail("can never be met: min is greater than max", "Exchange them, or leave one out."))
         }
         (None, None) => {
-            let example = super::file::example(&format!("thresholds.{}", measure.name())).unwrap_or_default();
+            let example = example(EXAMPLES, &format!("thresholds.{}", measure.name())).unwrap_or_default();
             Err(scope.fail("has neither min nor max", &format!("Write it like {example}.")))
         }
         _ => Ok(threshold),

@@ -4,16 +4,28 @@ use std::collections::BTreeMap;
 
 use toml::Spanned;
 
-use super::error::{DesignError, Source, did_you_mean};
-use super::file::{Keys, MaterialFile};
+use super::error::{DocumentError, Source, did_you_mean};
+use super::keys::{Keys, Written, section};
 use super::value::{Entry, Scope, is_plain_name, name_error};
 use crate::material::{self, Material};
 use crate::units::Dimension;
 
-pub(super) fn materials(
-    source: Source,
-    sections: &BTreeMap<Spanned<String>, Spanned<Keys<MaterialFile>>>,
-) -> Result<Vec<Material>, DesignError> {
+/// The sections below [materials].
+pub(crate) type OwnMaterials = BTreeMap<Spanned<String>, Spanned<Keys<MaterialFile>>>;
+
+section!(MaterialFile: Written { density, youngs_modulus, poisson_ratio, yield_stress, rate_constant, source });
+
+/// How their keys are written; `*` stands for the name of a material.
+pub(super) const EXAMPLES: &[&str] = &[
+    "materials.*.density = \"7800 kg/m3\"",
+    "materials.*.youngs_modulus = \"200 GPa\"",
+    "materials.*.poisson_ratio = 0.3",
+    "materials.*.yield_stress = \"900 MPa\"",
+    "materials.*.rate_constant = 0.02",
+    "materials.*.source = \"own measurement, 2026\"",
+];
+
+pub(crate) fn materials(source: Source, sections: &OwnMaterials) -> Result<Vec<Material>, DocumentError> {
     sections.iter().map(|(name, section)| material(source, name, section)).collect()
 }
 
@@ -21,7 +33,7 @@ fn material(
     source: Source,
     name: &Spanned<String>,
     section: &Spanned<Keys<MaterialFile>>,
-) -> Result<Material, DesignError> {
+) -> Result<Material, DocumentError> {
     let refused = |rule: &str, help: &str| Err(name_error(source, name, "materials", rule, help));
     if !is_plain_name(name.get_ref()) {
         let help = "Layout files and tables hold this name. Write it like [materials.my-steel].";
@@ -71,11 +83,25 @@ fn material(
 }
 
 /// The material that a key names.
-pub(super) fn chosen(entry: &Entry, own: &[Material]) -> Result<Material, DesignError> {
+pub(crate) fn chosen(entry: &Entry, own: &[Material]) -> Result<Material, DocumentError> {
     material::find(entry.text()?, own).map_err(|unknown| {
         let near = unknown.nearest.map(|near| format!("\"{near}\""));
         let known = unknown.known.join(", ");
         let help = format!("{}Known are {known}; add others as [materials.NAME].", did_you_mean(near.as_deref()));
         entry.fail("is no known material", &help)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages rely on it.
+    #[test]
+    fn every_key_of_a_material_has_an_example_that_is_toml() {
+        for key in MaterialFile::KEYS {
+            let example = super::super::example(&[], &format!("materials.my-steel.{key}")).expect(key);
+            toml::de::DeTable::parse(&example).expect(&example);
+        }
+    }
 }

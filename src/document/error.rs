@@ -1,4 +1,4 @@
-//! What a refused design file hears: file, line, key, value, the rule broken, and the way out.
+//! What a refused file hears: file, line, key, value, the rule broken, and the way out.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use miette::{LabeledSpan, NamedSource, SourceCode};
 
-/// Why a design file was refused. Shown in one line, as `FILE:LINE: KEY = VALUE RULE.`; what to try is in `help`.
+/// Why a file was refused. Shown in one line, as `FILE:LINE: KEY = VALUE RULE.`; what to try is in `help`.
 #[derive(Debug, thiserror::Error)]
-pub struct DesignError {
+pub struct DocumentError {
     /// The file, as it was named.
     pub file: PathBuf,
     /// The line, from 1, where there is one to blame.
@@ -29,7 +29,7 @@ struct Excerpt {
     place: Range<usize>,
 }
 
-impl fmt::Display for DesignError {
+impl fmt::Display for DocumentError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:", self.file.display())?;
         if let Some(line) = self.line {
@@ -39,7 +39,7 @@ impl fmt::Display for DesignError {
     }
 }
 
-impl miette::Diagnostic for DesignError {
+impl miette::Diagnostic for DocumentError {
     fn help(&self) -> Option<Box<dyn fmt::Display + '_>> {
         Some(Box::new(&self.help))
     }
@@ -54,25 +54,38 @@ impl miette::Diagnostic for DesignError {
     }
 }
 
-impl DesignError {
+impl DocumentError {
     /// An error about a file as a whole.
-    pub(super) fn of_file(path: &Path, message: String, help: String) -> Self {
+    pub(crate) fn of_file(path: &Path, message: String, help: String) -> Self {
         Self { file: path.to_owned(), line: None, key: None, message, help, excerpt: None }
     }
 }
 
-/// The text that a design was read from: what every complaint points into.
+/// The text of a file: what every complaint points into.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     pub path: &'a Path,
     pub text: &'a str,
+    /// How each key of this kind of file is written.
+    pub examples: &'static [&'static str],
 }
 
 impl Source<'_> {
+    /// How a key, given with its sections, is written below the header of its section.
+    pub fn example(&self, key: &str) -> Option<String> {
+        super::keys::example(self.examples, key)
+    }
+
     /// A complaint about the bytes `place` of the text, or, where they are not known, about the file.
-    pub fn error(&self, place: Option<Range<usize>>, key: Option<&str>, message: String, help: String) -> DesignError {
+    pub fn error(
+        &self,
+        place: Option<Range<usize>>,
+        key: Option<&str>,
+        message: String,
+        help: String,
+    ) -> DocumentError {
         let place = place.map(|place| self.within(place));
-        DesignError {
+        DocumentError {
             file: self.path.to_owned(),
             line: place.as_ref().map(|place| line(self.text.as_bytes(), place.start)),
             key: key.map(str::to_owned),
@@ -115,14 +128,14 @@ impl Source<'_> {
 }
 
 /// The line, from 1, of the byte `at`. The end of the text belongs to its last line, even behind a final line break.
-pub(super) fn line(text: &[u8], at: usize) -> usize {
+pub(crate) fn line(text: &[u8], at: usize) -> usize {
     let before = &text[..at.min(text.len())];
     let before = if at >= text.len() { before.strip_suffix(b"\n").unwrap_or(before) } else { before };
     before.iter().filter(|&&byte| byte == b'\n').count() + 1
 }
 
 /// The known name that was probably meant, where one is near enough.
-pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // Below this similarity of Jaro and Winkler the names of this crate are no longer each other's misspellings.
     const NEAR: f64 = 0.75;
     known
@@ -134,6 +147,6 @@ pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
 }
 
 /// "Did you mean ...? " before a list of what is known.
-pub(super) fn did_you_mean(near: Option<&str>) -> String {
+pub(crate) fn did_you_mean(near: Option<&str>) -> String {
     near.map_or(String::new(), |near| format!("Did you mean {near}? "))
 }

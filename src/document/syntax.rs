@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{DesignError, Source};
+use super::error::{DocumentError, Source};
 
 /// Beginnings of the parser's complaints, what they mean, and what to try.
 const FAULTS: &[(&[&str], &str, &str)] = &[
@@ -54,7 +54,7 @@ const FAULTS: &[(&[&str], &str, &str)] = &[
 ];
 
 /// Parses the text; only its syntax can be wrong.
-pub(super) fn parse<'a>(source: Source<'a>) -> Result<Spanned<DeTable<'a>>, DesignError> {
+pub(crate) fn parse<'a>(source: Source<'a>) -> Result<Spanned<DeTable<'a>>, DocumentError> {
     DeTable::parse(source.text).map_err(|error| {
         let complaint = error.message();
         let known = FAULTS.iter().find(|(begins, ..)| begins.iter().any(|begin| complaint.starts_with(begin)));
@@ -80,7 +80,7 @@ pub(super) fn parse<'a>(source: Source<'a>) -> Result<Spanned<DeTable<'a>>, Desi
 }
 
 /// Where `key`, such as `run.step`, stands with its value; or, where it is left out, the name of its section.
-pub(super) fn place(source: Source<'_>, key: &str) -> Option<Range<usize>> {
+pub(crate) fn place(source: Source<'_>, key: &str) -> Option<Range<usize>> {
     let document = parse(source).ok()?;
     let mut table = document.get_ref();
     let mut place = None;

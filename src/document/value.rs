@@ -1,15 +1,15 @@
-//! One value of a design file, read as what its key asks for.
+//! One value of a file, read as what its key asks for.
 
 use std::ops::{Range, RangeInclusive};
 
 use toml::{Spanned, Value};
 
-use super::error::{DesignError, Source, did_you_mean, nearest};
-use super::file::{Section, Written, example};
+use super::error::{DocumentError, Source, did_you_mean, nearest};
+use super::keys::{Section, Sections, Written, numbered};
 use crate::units::Dimension;
 
 /// A section that was written: its keys are asked for by name.
-pub(super) struct Scope<'a> {
+pub(crate) struct Scope<'a> {
     source: Source<'a>,
     name: String,
     place: Range<usize>,
@@ -43,9 +43,9 @@ impl<'a> Scope<'a> {
     }
 
     /// A key that must be there.
-    pub fn required(&self, key: &str, value: &'a Written) -> Result<Entry<'a>, DesignError> {
+    pub fn required(&self, key: &str, value: &'a Written) -> Result<Entry<'a>, DocumentError> {
         self.optional(key, value).ok_or_else(|| {
-            let example = example(&self.path(key)).unwrap_or_default();
+            let example = self.source.example(&self.path(key)).unwrap_or_default();
             let place =
                 if self.name.is_empty() { "before the first section".to_owned() } else { format!("to {}", self.name) };
             self.missing(key, format!("Add it {place}, like {example}."))
@@ -58,13 +58,22 @@ impl<'a> Scope<'a> {
         Some((Self::new(self.source, self.path(key), section.span()), &section.get_ref().0))
     }
 
+    #[allow(dead_code, reason = "rig files, which come next, repeat sections")]
+    /// Repeated sections below this one, each with its number.
+    pub fn sections<T>(&self, key: &str, sections: &'a Sections<T>) -> Vec<(Scope<'a>, &'a T)> {
+        let named = |(k, section): (usize, &'a toml::Spanned<super::keys::Keys<T>>)| {
+            (Self::new(self.source, numbered(&self.path(key), k), section.span()), &section.get_ref().0)
+        };
+        sections.iter().flatten().enumerate().map(named).collect()
+    }
+
     /// A section below this one that must be there; `help` says how to write it.
     pub fn required_section<T>(
         &self,
         key: &str,
         section: &'a Section<T>,
         help: &str,
-    ) -> Result<(Scope<'a>, &'a T), DesignError> {
+    ) -> Result<(Scope<'a>, &'a T), DocumentError> {
         self.section(key, section).ok_or_else(|| {
             let mut error = self.missing(key, help.to_owned());
             if self.name.is_empty() {
@@ -74,14 +83,14 @@ impl<'a> Scope<'a> {
         })
     }
 
-    fn missing(&self, key: &str, help: String) -> DesignError {
+    fn missing(&self, key: &str, help: String) -> DocumentError {
         let path = self.path(key);
         let place = (!self.name.is_empty()).then(|| self.place.clone());
         self.source.error(place, Some(&path), format!("{path} is missing."), help)
     }
 
     /// A complaint about the section as a whole.
-    pub fn fail(&self, message: &str, help: &str) -> DesignError {
+    pub fn fail(&self, message: &str, help: &str) -> DocumentError {
         self.source.error(
             Some(self.place.clone()),
             Some(&self.name),
@@ -92,7 +101,7 @@ impl<'a> Scope<'a> {
 }
 
 /// A value with its key, or one item of such a value's list.
-pub(super) struct Entry<'a> {
+pub(crate) struct Entry<'a> {
     source: Source<'a>,
     key: String,
     place: Range<usize>,
@@ -102,7 +111,7 @@ pub(super) struct Entry<'a> {
 
 impl<'a> Entry<'a> {
     /// The complaint `KEY = VALUE RULE.` with what to try.
-    pub fn fail(&self, rule: &str, help: &str) -> DesignError {
+    pub fn fail(&self, rule: &str, help: &str) -> DocumentError {
         let value = self.source.written(self.place.clone());
         // In a list the item is named after the whole value.
         let value = if self.item { format!("{value}: {}", self.value) } else { value };
@@ -110,26 +119,26 @@ impl<'a> Entry<'a> {
     }
 
     /// The same with the value shown in another way.
-    pub fn fail_as(&self, value: &str, rule: &str, help: &str) -> DesignError {
+    pub fn fail_as(&self, value: &str, rule: &str, help: &str) -> DocumentError {
         let message = format!("{} = {value} {rule}.", self.key);
         self.source.error(Some(self.place.clone()), Some(&self.key), message, help.to_owned())
     }
 
     /// "Write it like ..." with this key's example.
     pub fn write_it_like(&self) -> String {
-        format!("Write it like {}.", example(&self.key).unwrap_or_default())
+        format!("Write it like {}.", self.source.example(&self.key).unwrap_or_default())
     }
 
-    fn wrong(&self, rule: &str) -> DesignError {
+    fn wrong(&self, rule: &str) -> DocumentError {
         self.fail(rule, &self.write_it_like())
     }
 
-    pub fn text(&self) -> Result<&'a str, DesignError> {
+    pub fn text(&self) -> Result<&'a str, DocumentError> {
         self.value.as_str().ok_or_else(|| self.wrong("must be text in quotes"))
     }
 
     /// A finite number without a unit.
-    pub fn number(&self) -> Result<f64, DesignError> {
+    pub fn number(&self) -> Result<f64, DocumentError> {
         let number = match self.value {
             Value::Integer(whole) => *whole as f64,
             Value::Float(number) => *number,
@@ -139,7 +148,7 @@ impl<'a> Entry<'a> {
     }
 
     /// A whole number within a range; one that ends at `u32::MAX` is open.
-    pub fn whole(&self, range: RangeInclusive<u32>) -> Result<u32, DesignError> {
+    pub fn whole(&self, range: RangeInclusive<u32>) -> Result<u32, DocumentError> {
         let (least, most) = (*range.start(), *range.end());
         let Value::Integer(whole) = *self.value else { return Err(self.wrong("must be a whole number")) };
         let whole = if most == u32::MAX { whole.min(u32::MAX.into()) } else { whole };
@@ -150,25 +159,25 @@ impl<'a> Entry<'a> {
     }
 
     /// A whole number from 0 on, as seeds are.
-    pub fn seed(&self) -> Result<u64, DesignError> {
+    pub fn seed(&self) -> Result<u64, DocumentError> {
         let seed = self.value.as_integer().and_then(|whole| u64::try_from(whole).ok());
         seed.ok_or_else(|| self.wrong("must be a whole number, 0 or more"))
     }
 
     /// A number with a unit, in SI.
-    pub fn quantity(&self, dimension: Dimension) -> Result<f64, DesignError> {
+    pub fn quantity(&self, dimension: Dimension) -> Result<f64, DocumentError> {
         let text = self.unit_text(&units(dimension))?;
         dimension.parse(text).map_err(|error| self.misread(&error.to_string(), &units(dimension)))
     }
 
     /// A quantity above zero, in SI.
-    pub fn positive(&self, dimension: Dimension) -> Result<f64, DesignError> {
+    pub fn positive(&self, dimension: Dimension) -> Result<f64, DocumentError> {
         let value = self.quantity(dimension)?;
         if value > 0.0 { Ok(value) } else { Err(self.wrong("must be more than zero")) }
     }
 
     /// A length in metres, written with its unit or in sphere diameters: `"2.5 D"`.
-    pub fn length(&self, diameter: f64) -> Result<f64, DesignError> {
+    pub fn length(&self, diameter: f64) -> Result<f64, DocumentError> {
         let units = units(Dimension::Length).replacen("(units: ", "(units: D for sphere diameters, ", 1);
         let text = self.unit_text(&units)?;
         let Some(number) = text.trim().strip_suffix('D') else {
@@ -182,7 +191,7 @@ impl<'a> Entry<'a> {
     }
 
     /// The text of a quantity; a bare number is told that it lacks a unit.
-    fn unit_text(&self, units: &str) -> Result<&'a str, DesignError> {
+    fn unit_text(&self, units: &str) -> Result<&'a str, DocumentError> {
         let rule = match self.value {
             Value::String(text) => return Ok(text),
             Value::Float(number) if !number.is_finite() => "is not a finite number",
@@ -193,7 +202,7 @@ impl<'a> Entry<'a> {
     }
 
     /// A complaint of `units`, which begins with the value in quotes.
-    fn misread(&self, complaint: &str, units: &str) -> DesignError {
+    fn misread(&self, complaint: &str, units: &str) -> DocumentError {
         let fault = complaint.rsplit_once("; write it like").map_or(complaint, |(fault, _)| fault);
         let quoted = self.value.as_str().map_or(0, |text| text.trim().len() + 2);
         let rule = fault.get(quoted..).unwrap_or(fault).trim_start_matches(':').trim();
@@ -202,11 +211,11 @@ impl<'a> Entry<'a> {
     }
 
     fn with_units(&self, units: &str) -> String {
-        format!("Write it like {} {units}.", example(&self.key).unwrap_or_default())
+        format!("Write it like {} {units}.", self.source.example(&self.key).unwrap_or_default())
     }
 
     /// One of a few names.
-    pub fn choice<T: Copy>(&self, what: &str, known: &[(&str, T)]) -> Result<T, DesignError> {
+    pub fn choice<T: Copy>(&self, what: &str, known: &[(&str, T)]) -> Result<T, DocumentError> {
         let name = self.text()?;
         if let Some((_, choice)) = known.iter().find(|(known, _)| *known == name) {
             return Ok(*choice);
@@ -221,7 +230,7 @@ impl<'a> Entry<'a> {
     }
 
     /// The two items of a list `[first, last]`.
-    pub fn pair(&self) -> Result<[Entry<'a>; 2], DesignError> {
+    pub fn pair(&self) -> Result<[Entry<'a>; 2], DocumentError> {
         let items = self.value.as_array().map(Vec::as_slice);
         let Some([first, last]) = items else {
             return Err(self.wrong("must be a list of two, the first and the last"));
@@ -250,13 +259,19 @@ fn units(dimension: Dimension) -> String {
 }
 
 /// Whether a name can stand in file names and in tables: letters, digits, `-` and `_`.
-pub(super) fn is_plain_name(name: &str) -> bool {
+pub(crate) fn is_plain_name(name: &str) -> bool {
     (1..=100).contains(&name.len())
         && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_'))
 }
 
 /// The place of a section's name, for complaints about the name itself.
-pub(super) fn name_error(source: Source, name: &Spanned<String>, section: &str, rule: &str, help: &str) -> DesignError {
+pub(crate) fn name_error(
+    source: Source,
+    name: &Spanned<String>,
+    section: &str,
+    rule: &str,
+    help: &str,
+) -> DocumentError {
     let key = format!("{section}.{}", name.get_ref());
     let message = format!("{section}.{} {rule}.", source.written(name.span()));
     source.error(Some(name.span()), Some(&key), message, help.to_owned())

@@ -1,0 +1,24 @@
+//! Files that people write: TOML with quantities in units, and what a wrong one hears.
+//!
+//! Design files and rig files share this: the reader that knows where every value stands, and a [`DocumentError`] that names
+//! file, line, key, value, the rule broken and the way out. What the keys mean is known by those who read them.
+//!
+//! - `text`: from a path to text; `syntax`: text that is no TOML; `keys`: the file as written
+//! - `value`: one value read as its key asks; `own`: the sections [materials.NAME]
+//! - `error`: what a refused file hears
+
+mod error;
+mod keys;
+mod own;
+mod syntax;
+mod text;
+mod value;
+
+pub use error::DocumentError;
+
+pub(crate) use error::Source;
+pub(crate) use keys::{Section, Written, example, read, section};
+pub(crate) use own::{OwnMaterials, chosen, materials};
+pub(crate) use syntax::{parse, place};
+pub(crate) use text::text;
+pub(crate) use value::{Entry, Scope, is_plain_name};
