@@ -2,6 +2,17 @@
 //!
 //! The wave runs along +z. Row 1 is struck and lies at z = 0; x = 0 is the lens axis. A design that is symmetric about the
 //! axis is held as its half x ≥ 0, between mirror lines at x = 0 and x = half width.
+//!
+//! - here: the hexagonal sheet that lenses are designed on
+//! - `cell`, `crystal`: chains, sheets and crystals of every structure, orientation and outline
+
+mod cell;
+mod crystal;
+#[cfg(test)]
+mod crystal_tests;
+
+pub use cell::Cell;
+pub use crystal::{Crystal, CrystalError, CrystalSite, Outline, Width, hexagonal_distance};
 
 use serde::{Deserialize, Serialize};
 

@@ -17,6 +17,7 @@ pub mod target;
 pub mod contact;
 pub mod sample;
 pub mod layout;
+pub mod pattern;
 pub mod wave;
 pub mod ray;
 pub mod lens;
