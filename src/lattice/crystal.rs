@@ -131,9 +131,9 @@ impl<const D: usize> Crystal<D> {
                         place[k] = (12 * n + i64::from(basis[k])) as f64 * cell.edges()[k] / 12.0;
                     }
                     if within(&place, widths) && encloses(outline, &place) {
-                        // Layers are equally deep; the product is rounded once.
-                        place[D - 1] = f64::from(layer) * cell.layer_spacing();
-                        sites.push(CrystalSite { layer: layer + 1, column: 0, centre: place.map(|x| x * diameter) });
+                        let mut centre = place.map(|x| x * diameter);
+                        centre[D - 1] = f64::from(layer) * (cell.layer_spacing() * diameter);
+                        sites.push(CrystalSite { layer: layer + 1, column: 0, centre });
                     }
                 });
             }

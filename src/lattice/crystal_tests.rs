@@ -91,7 +91,7 @@ fn a_hexagonal_crystal_is_the_hexagonal_sheet() {
     let cell = Cell::<2>::named("hexagonal").unwrap();
     let crystal = Crystal::new(cell, 6.35e-3, 50, &[Width::Between(0.0, 16.5)], Outline::All).unwrap();
     let places: Vec<[f64; 2]> = sheet.sites().iter().map(|site| [site.x, site.z]).collect();
-    assert_eq!(crystal.sites().iter().map(|site| site.centre).collect::<Vec<_>>(), places);
+    assert!(crystal.sites().iter().map(|site| site.centre).eq(places));
 }
 
 /// A hexagon 2n + 1 spheres across holds 3 n (n + 1) + 1 of a close-packed layer. On a triangular hollow of it the layer
