@@ -1,44 +1,10 @@
-//! Geometric rays through a plano-convex lens: Snell's law, paths and arrival times.
-//!
-//! Points are (x, z), distance from the axis and depth, in metres. Rays start at row 1 (z = 0) along +z, as the plane wave
-//! of the impact does, are reflected at the mirror lines x = 0 and x = half width, and end at the last row. A face only
-//! refracts: what part of the wave it reflects below the critical angle is not considered.
+//! The plano-convex lens by itself: faces known in advance, so that a ray takes nanoseconds. The search for a lens of this
+//! family traces millions of them.
 
 use nalgebra::Vector2;
 
-/// A wave that meets a faster medium so obliquely that nothing passes.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("total reflection: incidence at {:.1} degrees, critical angle {:.1} degrees", .incidence.to_degrees(), .critical.to_degrees())]
-pub struct TotalReflection {
-    /// Angle between ray and normal (rad).
-    pub incidence: f64,
-    /// arcsin(V_in/V_out) (rad)
-    pub critical: f64,
-}
-
-/// Direction of the refracted ray: sin θ_out / sin θ_in = V_out / V_in, angles against the normal.
-///
-/// Directions and normal are unit vectors; the sense of the normal does not matter. In terms of the interface's angle θ_i and
-/// the wave's angles θ₁, θ₂ against the rows this is θ₂ = θ_i − arcsin((V₂/V₁) sin(θ_i − θ₁)), Burgoyne 2016, eq. 5.5.
-///
-/// # Errors
-/// Beyond the critical angle.
-pub fn refract(
-    direction: Vector2<f64>,
-    normal: Vector2<f64>,
-    speed_in: f64,
-    speed_out: f64,
-) -> Result<Vector2<f64>, TotalReflection> {
-    let ratio = speed_out / speed_in;
-    let along = direction.dot(&normal);
-    let normal = if along < 0.0 { -normal } else { normal };
-    let cosine = along.abs();
-    let sine_squared = ratio * ratio * (1.0 - cosine * cosine).max(0.0);
-    if sine_squared > 1.0 {
-        return Err(TotalReflection { incidence: cosine.acos(), critical: (1.0 / ratio).asin() });
-    }
-    Ok(direction * ratio + normal * ((1.0 - sine_squared).sqrt() - ratio * cosine))
-}
+use super::path::{Path, fold};
+use super::snell::{TotalReflection, refract};
 
 /// A face of the lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,15 +62,6 @@ pub struct Bench {
     pub end: f64,
     /// Wave speeds of host and lens (m/s).
     pub speeds: [f64; 2],
-}
-
-/// The way of a ray.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Path {
-    /// Corners (x, z) (m): start, faces, mirror lines, end.
-    pub points: Vec<[f64; 2]>,
-    /// Time at which the front passes each corner (s), 0 at the start.
-    pub times: Vec<f64>,
 }
 
 /// Why a ray does not come out of the back of the lens.
@@ -239,30 +196,6 @@ impl Walk {
     }
 }
 
-/// The place between the mirror lines to which an unfolded `x` belongs.
-fn fold(x: f64, half_width: f64) -> f64 {
-    let wrapped = x.abs() % (2.0 * half_width);
-    wrapped.min(2.0 * half_width - wrapped)
-}
-
-impl Path {
-    /// Place (m) and time (s) at which the ray passes a depth; none if it does not come there.
-    pub fn at_depth(&self, depth: f64) -> Option<(f64, f64)> {
-        let leg = self.points.windows(2).position(|leg| (leg[0][1]..=leg[1][1]).contains(&depth))?;
-        let ([x0, z0], [x1, z1]) = (self.points[leg], self.points[leg + 1]);
-        let part = if z1 > z0 { (depth - z0) / (z1 - z0) } else { 0.0 };
-        let (t0, t1) = (self.times[leg], self.times[leg + 1]);
-        Some((x0 + part * (x1 - x0), t0 + part * (t1 - t0)))
-    }
-
-    /// Depth at which the ray first comes to the axis (m); none if it does not, or runs along it.
-    pub fn axis_crossing(&self) -> Option<f64> {
-        if self.points[0][0] == 0.0 {
-            return None;
-        }
-        self.points.iter().find(|point| point[0] == 0.0).map(|point| point[1])
-    }
-}
-
 #[cfg(test)]
+#[path = "bench_tests.rs"]
 mod tests;

@@ -1,0 +1,236 @@
+//! Interfaces: curves that rays meet.
+
+use nalgebra::Vector2;
+
+type Vector = Vector2<f64>;
+
+/// Where a ray meets a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting {
+    /// From the ray's origin (m).
+    pub distance: f64,
+    /// Unit normal there; it points from the curve's first side to its second.
+    pub normal: Vector,
+}
+
+/// A curve that separates two media, its first side and its second.
+pub trait Curve: Send + Sync {
+    /// The first place, farther than `least` (m) from `origin` (m), where the ray along the unit vector `direction` meets
+    /// the curve.
+    fn meet(&self, origin: Vector, direction: Vector, least: f64) -> Option<Meeting>;
+}
+
+/// A straight piece. Its second side is that of +z where it runs along +x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// First end (m).
+    pub from: Vector,
+    /// Last end (m).
+    pub to: Vector,
+}
+
+/// How far beyond its ends, over its length, a piece still counts: round-off, so that nothing slips through where two
+/// pieces join.
+const END_SLACK: f64 = 1e-12;
+
+impl Curve for Segment {
+    fn meet(&self, origin: Vector, direction: Vector, least: f64) -> Option<Meeting> {
+        let along = self.to - self.from;
+        let cross = |a: Vector, b: Vector| a.x * b.y - a.y * b.x;
+        let denominator = cross(direction, along);
+        if denominator == 0.0 {
+            return None;
+        }
+        let to_start = self.from - origin;
+        let (distance, part) = (cross(to_start, along) / denominator, cross(to_start, direction) / denominator);
+        let inside = (-END_SLACK..=1.0 + END_SLACK).contains(&part);
+        (inside && distance > least)
+            .then(|| Meeting { distance, normal: Vector::new(-along.y, along.x) / along.norm() })
+    }
+}
+
+/// Straight pieces from corner to corner, sides as those of [`Segment`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polyline(pub Vec<Vector>);
+
+impl Curve for Polyline {
+    fn meet(&self, origin: Vector, direction: Vector, least: f64) -> Option<Meeting> {
+        let pieces = self.0.windows(2).map(|ends| Segment { from: ends[0], to: ends[1] });
+        nearest(pieces.filter_map(|piece| piece.meet(origin, direction, least)))
+    }
+}
+
+fn nearest(meetings: impl Iterator<Item = Meeting>) -> Option<Meeting> {
+    meetings.min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+/// A full circle; its second side is outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circle {
+    /// Its centre (m).
+    pub centre: Vector,
+    /// Its radius (m).
+    pub radius: f64,
+}
+
+impl Curve for Circle {
+    fn meet(&self, origin: Vector, direction: Vector, least: f64) -> Option<Meeting> {
+        let from = origin - self.centre;
+        let half = from.dot(&direction);
+        let roots = quadratic(1.0, 2.0 * half, from.norm_squared() - self.radius * self.radius)?;
+        let meeting = |distance: f64| Meeting { distance, normal: (from + direction * distance) / self.radius };
+        nearest(roots.into_iter().filter(|&distance| distance > least).map(meeting))
+    }
+}
+
+/// Real roots of a t² + b t + c, without cancellation; twice the same where a vanishes.
+fn quadratic(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant < 0.0 {
+        return None;
+    }
+    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+    let roots = [q / a, c / q];
+    match roots.map(f64::is_finite) {
+        [true, true] => Some(roots),
+        [true, false] => Some([roots[0]; 2]),
+        [false, true] => Some([roots[1]; 2]),
+        [false, false] => None,
+    }
+}
+
+/// A piece of a conic about an axis along z; its second side is that of +z.
+///
+///   z − z₀ = c r² / (1 + √(1 − (1 + k) c² r²)),   r = x − x₀
+///
+/// with curvature c at the vertex (x₀, z₀), positive where the curve bends towards +z, and the conic constant k: a circle
+/// has 0, ellipses −1 < k < 0 (k > 0 at the end of the minor axis), the parabola −1, hyperbolas k < −1 (M. Born and E. Wolf, Principles of Optics, on
+/// aspherical surfaces). With c = 0 it is straight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conic {
+    /// (x₀, z₀) (m)
+    pub vertex: Vector,
+    /// c (1/m)
+    pub curvature: f64,
+    /// k
+    pub constant: f64,
+    /// Least and greatest x of the piece (m).
+    pub x: [f64; 2],
+}
+
+impl Conic {
+    /// z at a distance `r` from the axis, over z₀ (m); that of the widest place where the conic is not as wide.
+    pub fn sag(&self, r: f64) -> f64 {
+        let root = (1.0 - (1.0 + self.constant) * (self.curvature * r).powi(2)).max(0.0).sqrt();
+        self.curvature * r * r / (1.0 + root)
+    }
+
+    /// dz/dx at a distance `r` from the axis; infinite at the widest place of a closed conic.
+    pub fn slope(&self, r: f64) -> f64 {
+        self.curvature * r / (1.0 - (1.0 + self.constant) * (self.curvature * r).powi(2)).max(0.0).sqrt()
+    }
+}
+
+impl Curve for Conic {
+    fn meet(&self, origin: Vector, direction: Vector, least: f64) -> Option<Meeting> {
+        let (c, g) = (self.curvature, (1.0 + self.constant) * self.curvature);
+        let from = origin - self.vertex;
+        let (d, z) = (direction, from.y);
+        // c r² + (1 + k) c s² − 2 s = 0 with s = z − z₀.
+        let roots = quadratic(
+            c * d.x * d.x + g * d.y * d.y,
+            2.0 * (c * from.x * d.x + g * z * d.y - d.y),
+            c * from.x * from.x + g * z * z - 2.0 * z,
+        )?;
+        let slack = END_SLACK * (self.x[1] - self.x[0]);
+        let meeting = |distance: f64| {
+            let (r, s) = (from.x + distance * d.x, z + distance * d.y);
+            let x = r + self.vertex.x;
+            // The branch through the vertex, where the root in the equation of z is not negative.
+            let root = 1.0 - g * s;
+            let here = distance > least && root >= 0.0 && (self.x[0] - slack..=self.x[1] + slack).contains(&x);
+            here.then(|| Meeting { distance, normal: Vector::new(-c * r, root).normalize() })
+        };
+        nearest(roots.into_iter().filter_map(meeting))
+    }
+}
+
+/// Any curve z(x), met by bracketing: its second side is that of +z.
+///
+/// The way of the ray over the curve's range of x and z is cut into parts; where it changes from one side to the other the
+/// crossing is found by bisection to round-off. A ray that crosses the curve twice within one part is missed: choose more
+/// parts than the curve has bends.
+pub struct Graph<F> {
+    /// z(x) (m).
+    pub height: F,
+    /// Least and greatest x (m).
+    pub x: [f64; 2],
+    /// Least and greatest z in that range (m).
+    pub z: [f64; 2],
+    /// Parts of the way to look at.
+    pub parts: u32,
+}
+
+impl<F: Fn(f64) -> f64 + Send + Sync> Curve for Graph<F> {
+    fn meet(&self, origin: Vector, direction: Vector, least: f64) -> Option<Meeting> {
+        // The part of the ray within the curve's rectangle.
+        let (mut near, mut far) = (least, f64::INFINITY);
+        let margin = END_SLACK * (self.x[1] - self.x[0] + self.z[1] - self.z[0]);
+        for (from, along, [low, high]) in [(origin.x, direction.x, self.x), (origin.y, direction.y, self.z)] {
+            let (low, high) = (low - margin, high + margin);
+            if along == 0.0 {
+                if !(low..=high).contains(&from) {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [(low - from) / along, (high - from) / along];
+            (near, far) = (near.max(ends[0].min(ends[1])), far.min(ends[0].max(ends[1])));
+        }
+        if near > far || !far.is_finite() {
+            return None;
+        }
+        let above = |distance: f64| {
+            let point = origin + direction * distance;
+            point.y - (self.height)(point.x.clamp(self.x[0], self.x[1]))
+        };
+        let place = |k: u32| near + (far - near) * f64::from(k) / f64::from(self.parts);
+        let mut start = above(near);
+        for k in 1..=self.parts {
+            let end = above(place(k));
+            if (start < 0.0) != (end < 0.0) {
+                let distance = bisect(place(k - 1), place(k), start < 0.0, above);
+                return Some(Meeting { distance, normal: self.normal((origin + direction * distance).x) });
+            }
+            start = end;
+        }
+        None
+    }
+}
+
+/// The place between two at which the sign changes, to round-off.
+fn bisect(mut low: f64, mut high: f64, negative_at_low: bool, value: impl Fn(f64) -> f64) -> f64 {
+    // 64 halvings exhaust the digits of any bracket.
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        *(if (value(middle) < 0.0) == negative_at_low { &mut low } else { &mut high }) = middle;
+    }
+    0.5 * (low + high)
+}
+
+impl<F: Fn(f64) -> f64> Graph<F> {
+    /// By second-order differences over 10⁻⁶ of the width, one-sided at the ends: they leave some 10⁻¹⁰ of error in the
+    /// direction of a smooth curve.
+    fn normal(&self, x: f64) -> Vector {
+        let step = 1e-6 * (self.x[1] - self.x[0]);
+        let height = |steps: f64| (self.height)(x + steps * step);
+        let differences = if x - step < self.x[0] {
+            -3.0 * height(0.0) + 4.0 * height(1.0) - height(2.0)
+        } else if x + step > self.x[1] {
+            3.0 * height(0.0) - 4.0 * height(-1.0) + height(-2.0)
+        } else {
+            height(1.0) - height(-1.0)
+        };
+        Vector::new(-differences / (2.0 * step), 1.0).normalize()
+    }
+}

@@ -1,0 +1,27 @@
+//! Geometric rays: Snell's law at interfaces of any shape, paths, arrival times, and what a fan of rays makes together.
+//!
+//! Points are (x, z), distance from the axis and depth, in metres. The rays of an impact start at row 1 (z = 0) along +z, as
+//! its plane wave does, are reflected at the mirror lines x = 0 and x = half width, and end at the last row. An interface
+//! refracts or reflects totally: what part of the wave it reflects below the critical angle is not considered, nor that the
+//! wave slows down as it decays.
+//!
+//! - `snell`: what happens at an interface, as types: [`Passage`], never NaN
+//! - `curve`: interfaces: straight, circular, conic, polylines, and any curve z(x) by bracketing
+//! - `scene`: media and interfaces; a ray through all of them, with its [`Fate`]
+//! - `fan`: many rays together: spot, caustic, wavefronts
+//! - `path`: the way of one ray
+//! - `bench`: the plano-convex lens by itself, for searches
+
+mod bench;
+mod curve;
+mod fan;
+mod path;
+mod scene;
+mod snell;
+
+pub use bench::{Bench, Face, Reason, Stray, enter, leave};
+pub use curve::{Circle, Conic, Curve, Graph, Meeting, Polyline, Segment};
+pub use fan::{Spot, caustic, fan, least_spot, spot, wavefront};
+pub use path::Path;
+pub use scene::{Event, Fate, Interface, Scene, Trace};
+pub use snell::{Passage, TotalReflection, pass, reflect, refract};

@@ -1,0 +1,35 @@
+//! The way of a ray between the mirror lines.
+
+/// The way of a ray.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// Corners (x, z) (m): start, faces, mirror lines, end.
+    pub points: Vec<[f64; 2]>,
+    /// Time at which the front passes each corner (s), 0 at the start.
+    pub times: Vec<f64>,
+}
+
+impl Path {
+    /// Place (m) and time (s) at which the ray passes a depth; none if it does not come there.
+    pub fn at_depth(&self, depth: f64) -> Option<(f64, f64)> {
+        let leg = self.points.windows(2).position(|leg| (leg[0][1]..=leg[1][1]).contains(&depth))?;
+        let ([x0, z0], [x1, z1]) = (self.points[leg], self.points[leg + 1]);
+        let part = if z1 > z0 { (depth - z0) / (z1 - z0) } else { 0.0 };
+        let (t0, t1) = (self.times[leg], self.times[leg + 1]);
+        Some((x0 + part * (x1 - x0), t0 + part * (t1 - t0)))
+    }
+
+    /// Depth at which the ray first comes to the axis (m); none if it does not, or runs along it.
+    pub fn axis_crossing(&self) -> Option<f64> {
+        if self.points[0][0] == 0.0 {
+            return None;
+        }
+        self.points.iter().find(|point| point[0] == 0.0).map(|point| point[1])
+    }
+}
+
+/// The place between the mirror lines to which an unfolded `x` belongs.
+pub(super) fn fold(x: f64, half_width: f64) -> f64 {
+    let wrapped = x.abs() % (2.0 * half_width);
+    wrapped.min(2.0 * half_width - wrapped)
+}
