@@ -99,20 +99,25 @@ pub struct Proposal {
     pub amplitude_lens: f64,
     /// Whether the impact is strong enough for the bound, in words.
     pub validity: String,
-    /// Row of the apex on the axis.
+    /// Family of the lens.
+    pub family: String,
+    /// First row of the lens.
     pub apex_row: u32,
     /// Last row of the lens.
     pub back_row: u32,
-    /// Radius of the curved face (m).
+    /// Radius of the curved face, or focal length of a graded slab (m), of families that have it.
     #[serde(rename = "radius_m")]
-    pub radius: f64,
+    pub radius: Option<f64>,
+    /// Distance of the lens's own axis from that of the crystal (m).
+    #[serde(rename = "axis_m")]
+    pub axis: f64,
     /// Greatest angle of the curved face against the rows (rad).
     #[serde(rename = "rim_angle_rad")]
     pub rim_angle: f64,
     /// Half aperture (m)
     #[serde(rename = "aperture_m")]
     pub aperture: f64,
-    /// Number of spheres of lens material in the simulated half.
+    /// Number of spheres in the simulated half that are not of the host.
     pub spheres: usize,
     /// Fraction of the struck width that rays send through the focal region at its mid depth.
     pub fraction: f64,
@@ -121,12 +126,29 @@ pub struct Proposal {
     /// Depths (m) at which the innermost and the outermost ray cross the axis, where they do.
     #[serde(rename = "crossing_m")]
     pub crossing: [Option<f64>; 2],
-    /// The curved face as a polyline (x, z) (m), from the axis outwards.
-    #[serde(rename = "front_m")]
-    pub front: Vec<[f64; 2]>,
-    /// Depth of the flat face (m).
-    #[serde(rename = "back_m")]
-    pub back: f64,
+    /// Fraction of the struck width whose rays pass the protected region, with the lens and without.
+    pub protected: [f64; 2],
+    /// Focal length (m) of rays close to the lens's axis, negative if they spread; none if they stay parallel.
+    #[serde(rename = "focal_length_m")]
+    pub focal_length: Option<f64>,
+    /// Greatest extent of the lens along the wave (m).
+    #[serde(rename = "thickness_m")]
+    pub thickness: f64,
+    /// Number of spheres of each material in the whole piece: host, lens, then others.
+    pub counts: Vec<usize>,
+    /// Mass of everything but the host in the whole piece (kg).
+    #[serde(rename = "mass_kg")]
+    pub mass: f64,
+    /// Earliest and latest time (s) at which rays come to the middle row of the focal region within it.
+    #[serde(rename = "arrival_s")]
+    pub arrival: Option<[f64; 2]>,
+    /// How many times more rays pass the focal region, less what faces reflect; none for a region of no width.
+    pub predicted_gain: Option<f64>,
+    /// What to know before trusting the rays.
+    pub warnings: Vec<String>,
+    /// The faces as polylines (x, z) (m), x >= 0.
+    #[serde(rename = "faces_m")]
+    pub faces: Vec<Vec<[f64; 2]>>,
     /// A few rays as polylines (x, z) (m), to be drawn; they run to the end of the crystal.
     #[serde(rename = "rays_m")]
     pub rays: Vec<Vec<[f64; 2]>>,

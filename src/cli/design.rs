@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{laid, proposal, validity};
+use granulens::evaluate::{proposal, validity};
 use granulens::layout;
 use granulens::lens::Lens;
-use granulens::units::Dimension::{Force, Length};
+use granulens::material::Material;
+use granulens::units::Dimension::{Force, Length, Mass, Time};
 use serde_json::json;
 
 use super::console::{emit, emit_json, note};
@@ -30,7 +31,7 @@ impl Propose {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
         let lens = propose(&design)?;
-        let laid = laid(&design, &lens);
+        let laid = lens.layout();
         let text = if self.full { layout::write_full(&laid) } else { layout::write(&laid) };
         if let Some(path) = &common.out {
             write_file(path, &text)?;
@@ -51,8 +52,7 @@ impl Propose {
 
 /// What is proposed, for a person.
 pub fn words(design: &Design, lens: &Lens) -> String {
-    let layout = laid(design, lens);
-    let [host, material] = [&layout.palette[0], &layout.palette[1]];
+    let [host, material] = [&lens.palette[0], &lens.palette[1]];
     let diameter = design.lattice.diameter();
     let in_diameters = |length: f64| format!("{:.2} D", length / diameter);
     let critical = granulens::wave::critical_angle([lens.host_speed, lens.lens_speed])
@@ -62,12 +62,24 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         None => "does not cross the axis".to_owned(),
     };
     let [mid, x] = [design.target.focus.mid_row(), design.target.focus.x[1] / diameter];
-    format!(
+    let of = |material: &Material| format!("{}: {}", material.name, validity(design, material).words());
+    let radius = match (lens.family.radius(), lens.radius) {
+        (Some(name), Some(radius)) => format!(", {name} {} ({})", in_diameters(radius), Length.show(radius)),
+        _ => String::new(),
+    };
+    let names = lens.palette.iter().zip(&lens.first_order.counts).skip(1);
+    let counts: Vec<String> = names.map(|(material, count)| format!("{count} {}", material.name)).collect();
+    let first = &lens.first_order;
+    let focal = first.focal_length.map_or("none".to_owned(), in_diameters);
+    let arrival = first.arrival.map_or("never".to_owned(), |[a, b]| format!("{} to {}", Time.show(a), Time.show(b)));
+    let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
+    let mut words = format!(
         "speeds: {} {:.0} m/s, {} {:.0} m/s (bound, 2D), ratio {:.3}, critical angle {critical}\n\
-         impact: {} per sphere, {} per contact; {}: {}; {}: {}\n\
-         lens: rows {} to {}, radius {} ({}), rim angle {:.1} deg, half aperture {}, {} spheres\n\
-         rays: {:.1} % of the struck width reach the focus (row {mid}, x <= {x:.1} D), {:.1} % without the lens; innermost \
-         ray {}, rim ray {}",
+         impact: {} per sphere, {} per contact; {}\n\
+         lens: rows {} to {}, {}{radius}, steepest {:.1} deg, half aperture {}, {} spheres\n\
+         piece: {} in both halves, {}, thickness {}, axis at {}, focal length {focal}\n\
+         rays: {} of the struck width reach the focus (row {mid}, x <= {x:.1} D), {} without the lens; {} pass the protected \
+         region, {} without; arrival {arrival}; innermost ray {}, rim ray {}",
         host.name,
         lens.host_speed,
         material.name,
@@ -75,20 +87,26 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         lens.host_speed / lens.lens_speed,
         Force.show(design.impact.force),
         Force.show(granulens::wave::contact_force(design.impact.force)),
-        host.name,
-        validity(design, host).words(),
-        material.name,
-        validity(design, material).words(),
+        lens.palette.iter().map(of).collect::<Vec<_>>().join("; "),
         lens.apex_row,
         lens.back_row,
-        in_diameters(lens.radius),
-        Length.show(lens.radius),
+        lens.family.name(),
         lens.rim_angle.to_degrees(),
         in_diameters(lens.aperture),
-        layout.count(1),
-        100.0 * lens.fraction,
-        100.0 * lens.fraction_without,
+        lens.spheres,
+        counts.join(", "),
+        Mass.show(first.mass),
+        in_diameters(first.thickness),
+        in_diameters(lens.axis),
+        percent(lens.fraction),
+        percent(lens.fraction_without),
+        percent(lens.protected[0]),
+        percent(lens.protected[1]),
         crossing(lens.crossing[0]),
         crossing(lens.crossing[1]),
-    )
+    );
+    for warning in &lens.warnings {
+        words.push_str(&format!("\nwarning: {warning}"));
+    }
+    words
 }

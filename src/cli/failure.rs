@@ -99,6 +99,8 @@ impl Failure {
             LensError::Rows { .. } => ("lens.rows", "Leave it out to have the rows up to the focal region."),
             LensError::FocusRows { .. } => ("target.focus.rows", "Choose rows of the crystal."),
             LensError::FocusWidth(_) => ("target.focus.x", "Give the nearer distance from the axis first."),
+            LensError::Axis { .. } => ("lens.axis", "Leave it out to have it placed before the focal region."),
+            LensError::Span { .. } => ("lens.rows", "Widen them, or ask for fewer stages."),
             LensError::MaxAngle(_) => ("lens.max_interface_angle", "Leave it out for 60 degrees."),
             LensError::ApexRow { .. } => ("lens.apex_row", "Leave it out to have it solved."),
             LensError::BackRow { .. } => ("lens.back_row", "Leave it out to have it solved."),

@@ -2,16 +2,14 @@
 
 use std::path::Path;
 
-use super::file::{CompareFile, CrystalFile, DesignFile, EXAMPLES, ImpactFile, LensFile, RunFile};
-use super::{Accuracy, Design, DesignError, region, threshold};
+use super::file::{CompareFile, CrystalFile, DesignFile, EXAMPLES, ImpactFile, RunFile};
+use super::{Accuracy, Design, DesignError, lens, region, threshold};
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
 use crate::dem::Integrator;
 use crate::document::{self, Scope, Source, Written, is_plain_name};
 use crate::lattice::HexagonalSheet;
-use crate::lens::LensRequest;
 use crate::material::Material;
-use crate::target::Target;
 use crate::units::Dimension;
 
 /// The format that is read.
@@ -65,7 +63,9 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
     let regions = top.required_section("target", &file.target, "Add the section [target] with focus and protect.")?;
     let target = region::target(&regions, &crystal.lattice)?;
     let lens = match top.section("lens", &file.lens) {
-        Some(lens) => Some(read_lens(&lens, &crystal, &target, &regions.0, &own_materials)?),
+        Some(section) => {
+            Some(lens::read(&section, &crystal.lattice, &crystal.host, &target, &regions.0, &own_materials)?)
+        }
         None => None,
     };
     let run = match top.section("run", &file.run) {
@@ -154,87 +154,6 @@ fn read_impact((scope, file): &(Scope, &ImpactFile)) -> Result<ForcePulse, Desig
         force: scope.required("force", &file.force)?.positive(Dimension::Force)?,
         duration: scope.required("duration", &file.duration)?.positive(Dimension::Time)?,
     })
-}
-
-fn read_lens(
-    (scope, file): &(Scope, &LensFile),
-    crystal: &Crystal,
-    target: &Target,
-    regions: &Scope,
-    own: &[Material],
-) -> Result<LensRequest, DesignError> {
-    scope.required("family", &file.family)?.choice("lens family", &[("plano-convex", ())])?;
-    let entry = scope.required("material", &file.material)?;
-    let material = document::chosen(&entry, own)?;
-    if material.name == crystal.host.name {
-        return Err(entry.fail(
-            "is the material of the crystal, crystal.host",
-            "Choose another; a lens bends a wave only where its material differs from what surrounds it.",
-        ));
-    }
-    let focus = target.focus.rows[0];
-    let rows = match scope.optional("rows", &file.rows) {
-        Some(entry) => {
-            let [first, last] = region::rows(&entry, crystal.lattice.rows())?;
-            if last >= focus {
-                return Err(entry.fail_as(
-                    &entry.range_text(),
-                    &format!("reaches into the focal region, which begins in row {focus}"),
-                    &format!("End it at row {} or before.", focus - 1),
-                ));
-            }
-            if first == last {
-                return Err(entry.fail_as(
-                    &entry.range_text(),
-                    "is a single row",
-                    "Give the lens at least two rows, one for its apex and one for its flat face.",
-                ));
-            }
-            [first, last]
-        }
-        None if focus >= 4 => [2, focus - 1],
-        None => {
-            return Err(regions.fail(
-                &format!(
-                    "leaves no room for a lens: focus begins in row {focus}, row 1 is struck, and a lens needs two rows between"
-                ),
-                "Begin target.focus.rows at row 4 or later.",
-            ));
-        }
-    };
-    let [first, last] = rows;
-    let within = format!("must lie within the lens's rows, {first} to {last}");
-    let row = |key: &str, written, allowed: [u32; 2], help: &str| -> Result<Option<u32>, DesignError> {
-        let Some(entry) = scope.optional(key, written) else { return Ok(None) };
-        let row = entry.whole(1..=crystal.lattice.rows())?;
-        match row {
-            _ if !(first..=last).contains(&row) => Err(entry.fail(&within, "Change it, or lens.rows.")),
-            _ if !(allowed[0]..=allowed[1]).contains(&row) => {
-                Err(entry.fail(&format!("must lie from {} to {}", allowed[0], allowed[1]), help))
-            }
-            _ => Ok(Some(row)),
-        }
-    };
-    let before_back = "The apex lies at least one row in front of the flat face, lens.back_row.";
-    let apex_row = row("apex_row", &file.apex_row, [first, last - 1], before_back)?;
-    let after_apex = apex_row.unwrap_or(first);
-    let help = format!("The flat face lies at least one row behind the apex, in row {after_apex}.");
-    let back_row = row("back_row", &file.back_row, [after_apex + 1, last], &help)?;
-    let radius = match scope.optional("radius", &file.radius) {
-        Some(entry) => match entry.length(crystal.lattice.diameter())? {
-            radius if radius > 0.0 => Some(radius),
-            _ => return Err(entry.fail("must be more than zero", &entry.write_it_like())),
-        },
-        None => None,
-    };
-    let max_interface_angle = match scope.optional("max_interface_angle", &file.max_interface_angle) {
-        Some(entry) => match entry.quantity(Dimension::Angle)? {
-            angle if angle > 0.0 && angle < 90.0_f64.to_radians() => angle,
-            _ => return Err(entry.fail("must lie between 0 and 90 deg, both excluded", &entry.write_it_like())),
-        },
-        None => 60.0_f64.to_radians(),
-    };
-    Ok(LensRequest { material, rows, max_interface_angle, apex_row, back_row, radius })
 }
 
 #[derive(Default)]

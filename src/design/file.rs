@@ -25,7 +25,9 @@ section!(CrystalFile: Written { packing, diameter, rows, half_width, sides, host
 section!(ImpactFile: Written { kind, force, duration });
 section!(TargetFile: Section<RegionFile> { focus, protect });
 section!(RegionFile: Written { rows, x });
-section!(LensFile: Written { family, material, apex_row, back_row, radius, max_interface_angle, rows });
+section!(LensFile: Written {
+    family, material, others, apex_row, back_row, radius, max_interface_angle, rows, axis, stages, raster, seed
+});
 section!(RunFile: Written { integrator, step, accuracy, window });
 section!(CompareFile: Written { seeds, first_seed });
 section!(ThresholdsFile: Section<BoundsFile> {
@@ -61,6 +63,11 @@ pub(super) const EXAMPLES: &[&str] = &[
     "lens.radius = \"19 D\"",
     "lens.max_interface_angle = \"60 deg\"",
     "lens.rows = [2, 29]",
+    "lens.others = [\"aluminium-2017\"]",
+    "lens.axis = \"8 D\"",
+    "lens.stages = 2",
+    "lens.raster = \"nearest\"",
+    "lens.seed = 1",
     "run.integrator = \"verlet\"",
     "run.step = \"1e-7 s\"",
     "run.accuracy = \"0.1 %\"",

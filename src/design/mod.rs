@@ -4,10 +4,11 @@
 //! out. Whatever can be wrong with a file by itself is found here, in one step; after that nothing re-checks. What only
 //! physics can tell (a lens that cannot reach its focus, a step above the stability limit) is found by those who know it.
 //!
-//! - `file`: as written; `check`: as checked, with `region` and `threshold` for their sections
+//! - `file`: as written; `check`: as checked, with `region`, `lens` and `threshold` for their sections
 
 mod check;
 mod file;
+mod lens;
 mod region;
 mod threshold;
 

@@ -229,6 +229,14 @@ impl<'a> Entry<'a> {
         Err(self.fail(&format!("is no known {what}"), &format!("{}{list}", did_you_mean(near.as_deref()))))
     }
 
+    /// The items of a list.
+    pub fn items(&self) -> Result<Vec<Entry<'a>>, DocumentError> {
+        let items = self.value.as_array().ok_or_else(|| self.wrong("must be a list"))?;
+        let item =
+            |value| Entry { source: self.source, key: self.key.clone(), place: self.place.clone(), value, item: true };
+        Ok(items.iter().map(item).collect())
+    }
+
     /// The two items of a list `[first, last]`.
     pub fn pair(&self) -> Result<[Entry<'a>; 2], DocumentError> {
         let items = self.value.as_array().map(Vec::as_slice);

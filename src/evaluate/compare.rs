@@ -47,7 +47,7 @@ impl<'a> Comparison<'a> {
     /// # Errors
     /// A step or window with which nothing can be simulated.
     pub fn of_lens(design: &'a Design, lens: &Lens, overrides: Overrides) -> Result<Self, PlanError> {
-        let subject = laid(design, lens);
+        let subject = lens.layout();
         let plan = Plan::new(design, overrides, &subject.palette)?;
         let proposal = Some(proposal(design, lens));
         Ok(Self { design, plan, name: "lens".to_owned(), rows: lens.rows(), subject, proposal })
@@ -239,17 +239,10 @@ fn relate(arrangements: &mut [ArrangementOutcome]) {
     }
 }
 
-/// The proposed lens on the design's lattice: host, then lens material.
-pub fn laid(design: &Design, lens: &Lens) -> Layout {
-    // A lens is proposed only where the design asks for one.
-    let material = design.lens.as_ref().map_or(&design.host, |request| &request.material);
-    lens.layout(&design.host, material)
-}
-
 /// What ray tracing proposed, as it is stored.
 pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
-    let layout = laid(design, lens);
-    let [host, material] = [&layout.palette[0], &layout.palette[1]].map(|material| validity(design, material));
+    let strengths: Vec<_> = lens.palette.iter().map(|material| (material, validity(design, material))).collect();
+    let [host, material] = [&strengths[0].1, &strengths[1].1];
     Proposal {
         host_speed: lens.host_speed,
         lens_speed: lens.lens_speed,
@@ -257,24 +250,31 @@ pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
         critical_angle: crate::wave::critical_angle([lens.host_speed, lens.lens_speed]),
         amplitude_host: host.amplitude,
         amplitude_lens: material.amplitude,
-        validity: format!(
-            "{}: {}; {}: {}",
-            layout.palette[0].name,
-            host.words(),
-            layout.palette[1].name,
-            material.words()
-        ),
+        validity: strengths
+            .iter()
+            .map(|(material, strength)| format!("{}: {}", material.name, strength.words()))
+            .collect::<Vec<_>>()
+            .join("; "),
+        family: lens.family.name().to_owned(),
         apex_row: lens.apex_row,
         back_row: lens.back_row,
         radius: lens.radius,
+        axis: lens.axis,
         rim_angle: lens.rim_angle,
         aperture: lens.aperture,
-        spheres: layout.count(1),
+        spheres: lens.spheres,
         fraction: lens.fraction,
         fraction_without: lens.fraction_without,
         crossing: lens.crossing,
-        front: lens.front_polyline(),
-        back: lens.back_depth(),
+        protected: lens.protected,
+        focal_length: lens.first_order.focal_length,
+        thickness: lens.first_order.thickness,
+        counts: lens.first_order.counts.clone(),
+        mass: lens.first_order.mass,
+        arrival: lens.first_order.arrival,
+        predicted_gain: lens.first_order.gain,
+        warnings: lens.warnings.clone(),
+        faces: lens.faces(),
         rays: lens.sample_rays(17),
     }
 }

@@ -9,7 +9,7 @@ mod compare;
 mod plan;
 
 pub use batch::{Evaluator, EvaluatorError, Marks};
-pub use compare::{Comparison, Progress, compare, laid, proposal, stops};
+pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use plan::{Overrides, Plan, PlanError};
 
 use std::sync::atomic::AtomicBool;

@@ -72,6 +72,24 @@ pub enum LensError {
         /// Least radius that does not (m).
         least: f64,
     },
+    /// The lens's axis lies outside the crystal.
+    #[error("axis = {}: the lens's axis must lie within the half crystal, 0 to {}", Length.show(*.given), Length.show(*.half_width))]
+    Axis {
+        /// As given (m).
+        given: f64,
+        /// Distance to the far mirror line (m).
+        half_width: f64,
+    },
+    /// The family needs more rows.
+    #[error("lens rows {} to {}: a lens of the family {family} needs at least {least}", .given[0], .given[1])]
+    Span {
+        /// Its name.
+        family: &'static str,
+        /// First and last row as given.
+        given: [u32; 2],
+        /// Least number of rows.
+        least: u32,
+    },
     /// No lens within the limits serves the target.
     #[error(transparent)]
     Unreachable(Box<Unreachable>),
@@ -95,6 +113,15 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
     if !(max_angle > 0.0 && max_angle < std::f64::consts::FRAC_PI_2) {
         return Err(LensError::MaxAngle(max_angle));
     }
+    if let Some(axis) = request.axis
+        && !(0.0..=lattice.half_width() * (1.0 + 1e-9)).contains(&axis)
+    {
+        return Err(LensError::Axis { given: axis, half_width: lattice.half_width() });
+    }
+    let span = request.family.least_span(request.stages);
+    if request.rows[1] - request.rows[0] < span {
+        return Err(LensError::Span { family: request.family.name(), given: request.rows, least: span + 1 });
+    }
     let last_row = request.rows[1].min(focus.rows[0] - 1);
     if let Some(given) = request.apex_row {
         let last = last_row.saturating_sub(1);
@@ -112,6 +139,9 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
     if let Some(given) = request.radius {
         if !(given.is_finite() && given > 0.0) {
             return Err(LensError::RadiusSign(given));
+        }
+        if !matches!(request.family, super::Family::PlanoConvex) || request.axis.is_some() {
+            return Ok(());
         }
         // The thinnest lens that the rows allow has the smallest least radius.
         let rows = match (request.apex_row, request.back_row) {

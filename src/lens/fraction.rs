@@ -1,6 +1,6 @@
 //! How much of the struck width rays send through the focal region.
 
-use crate::ray::{Bench, enter, leave};
+use crate::ray::{Bench, Optics, Trace, enter, leave};
 
 /// Slopes of rays for a set of places on the front, the same for lenses of all sizes: where a ray goes depends on the
 /// angle of the face that it meets, and so on x/R only.
@@ -163,6 +163,33 @@ impl Stripes {
         }
         ((self.up_to(to) - self.up_to(from)) / way).clamp(0.0, 1.0)
     }
+}
+
+/// Fraction of the struck width whose rays pass `depth` (m) between `region[0]` and `region[1]` (m) from the axis, by `count`
+/// rays through any optics, evenly from the axis to the mirror line.
+///
+/// Between neighbours that have met the same interfaces the place of arrival is taken as linear; between others each counts
+/// for half of the way. Rays that do not come to the depth are lost.
+pub(super) fn passing(optics: &dyn Optics, depth: f64, region: [f64; 2], count: usize) -> f64 {
+    let within = Stripes::new(region, optics.half_width());
+    let passage = |trace: &Trace| -> Option<(f64, usize)> {
+        let leg = trace.path.points.windows(2).position(|ends| (ends[0][1]..=ends[1][1]).contains(&depth))?;
+        Some((trace.path.at_depth(depth)?.0, leg))
+    };
+    let alone = |arrival: &Option<(f64, usize)>| {
+        arrival.map_or(0.0, |(x, _)| if (region[0]..=region[1]).contains(&x) { 0.5 } else { 0.0 })
+    };
+    let traces = crate::ray::fan(optics, count);
+    let arrivals: Vec<Option<(f64, usize)>> = traces.iter().map(passage).collect();
+    let mut sum = 0.0;
+    for k in 1..traces.len() {
+        let same = |leg: usize| traces[k - 1].events.get(..leg) == traces[k].events.get(..leg);
+        sum += match (arrivals[k - 1], arrivals[k]) {
+            (Some((from, a)), Some((to, b))) if a == b && same(a) => within.share(from, to),
+            _ => alone(&arrivals[k - 1]) + alone(&arrivals[k]),
+        };
+    }
+    (sum / (traces.len() - 1) as f64).clamp(0.0, 1.0)
 }
 
 /// Fraction of the struck width from which straight rays pass through the region.

@@ -7,11 +7,13 @@
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::goldensectionsearch::GoldenSectionSearch;
 
-use super::LensRequest;
-use super::fraction::{Fan, without};
-use super::plano_convex::{Shape, least_radius};
+use super::family::Place;
+use super::form::{Form, Surrounds};
+use super::fraction::{Fan, passing, without};
+use super::plano_convex::Shape;
+use super::{Family, LensRequest};
 use crate::lattice::HexagonalSheet;
-use crate::target::Target;
+use crate::target::{Region, Target};
 
 /// Fractions that differ by less are equal, and then fewer spheres are better. It is below every error of the ray picture;
 /// its use is to treat as equal the many lenses that send all of the width through.
@@ -45,22 +47,54 @@ pub(super) struct Grid {
     rows: u32,
     /// Whether curvatures and rows are refined
     refine: bool,
+    /// Most pairs of rows to refine
+    most: usize,
+    /// To what relative accuracy a curvature is refined
+    curvature: f64,
 }
 
 impl Grid {
     /// For the solution.
-    pub(super) const FINE: Self = Self { scan_rays: 96, rays: 256, curvatures: 32, rows: 40, refine: true };
+    pub(super) fn fine(family: Family) -> Self {
+        match family {
+            Family::PlanoConvex => Self {
+                scan_rays: 96,
+                rays: 256,
+                curvatures: 32,
+                rows: 40,
+                refine: true,
+                most: usize::MAX,
+                curvature: CURVATURE,
+            },
+            // Rays through any form take some hundred times as long as those of the fan.
+            _ => Self { scan_rays: 33, rays: 129, curvatures: 10, rows: 8, refine: true, most: 6, curvature: 1e-3 },
+        }
+    }
+
     /// To find out whether there is any lens that helps.
-    pub(super) const COARSE: Self = Self { scan_rays: 64, rays: 64, curvatures: 12, rows: 12, refine: false };
+    pub(super) fn coarse(family: Family) -> Self {
+        match family {
+            Family::PlanoConvex => {
+                Self { scan_rays: 64, rays: 64, curvatures: 12, rows: 12, refine: false, ..Self::fine(family) }
+            }
+            _ => Self { scan_rays: 33, rays: 33, curvatures: 6, rows: 5, refine: false, ..Self::fine(family) },
+        }
+    }
 }
 
 /// What a lens is sought for, and within which limits.
 #[derive(Clone, Debug)]
 pub(super) struct Problem<'a> {
     pub lattice: &'a HexagonalSheet,
+    pub family: Family,
     /// Of host and lens (m/s)
     pub speeds: [f64; 2],
-    /// Distances from the axis between which rays shall pass (m)
+    /// Of further materials (m/s)
+    pub others: Vec<f64>,
+    /// Where the lens's own axis lies (m)
+    pub axis: f64,
+    pub stages: u32,
+    /// Distances from the axis between which rays shall pass or, of a shield, shall not (m)
     pub region: [f64; 2],
     /// Depth at which they shall (m)
     pub depth: f64,
@@ -86,26 +120,99 @@ pub(super) struct Candidate {
 
 impl<'a> Problem<'a> {
     pub(super) fn new(lattice: &'a HexagonalSheet, speeds: [f64; 2], request: &LensRequest, target: &Target) -> Self {
-        let focus = &target.focus;
+        let family = request.family;
+        let region = if family == Family::Shield { &target.protect } else { &target.focus };
+        // A shield may not lie in the focal region either.
+        let first = region.rows[0].min(target.focus.rows[0]);
         Self {
             lattice,
+            family,
             speeds,
-            region: focus.x,
-            depth: lattice.depth(focus.mid_row()),
-            mid_row: focus.mid_row(),
-            region_rows: focus.rows[1] - focus.rows[0] + 1,
-            last_free_row: focus.rows[0] - 1,
+            others: Vec::new(),
+            axis: request.axis.unwrap_or_else(|| before(family, region, lattice)),
+            stages: request.stages,
+            region: region.x,
+            depth: lattice.depth(region.mid_row()),
+            mid_row: region.mid_row(),
+            region_rows: region.rows[1] - region.rows[0] + 1,
+            last_free_row: first - 1,
             rows: request.rows,
             max_angle: request.max_interface_angle,
             apex_row: request.apex_row,
             back_row: request.back_row,
-            radius: request.radius,
+            radius: request.radius.filter(|_| family.radius().is_some()),
         }
+    }
+
+    /// Whether the fan for plano-convex lenses on the axis serves.
+    pub(super) fn is_fast(&self) -> bool {
+        self.family == Family::PlanoConvex && self.axis == 0.0
+    }
+
+    pub(super) fn fan(&self, grid: Grid, max_angle: f64) -> Fan {
+        Fan::new(grid.rays, max_angle, self.speeds)
+    }
+
+    /// Speeds (m/s) of host, lens and further materials.
+    pub(super) fn palette_speeds(&self) -> Vec<f64> {
+        self.speeds.iter().chain(&self.others).copied().collect()
+    }
+
+    pub(super) fn surrounds<'s>(&self, speeds: &'s [f64]) -> Surrounds<'s> {
+        let end = self.lattice.depth(f64::from(self.lattice.rows()));
+        Surrounds { speeds, half_width: self.lattice.half_width(), end }
+    }
+
+    fn place(&self, rows: [u32; 2]) -> Place {
+        Place {
+            depth: rows.map(|row| self.lattice.depth(f64::from(row))),
+            spacing: self.lattice.row_spacing(),
+            half_width: self.lattice.half_width(),
+            axis: self.axis,
+            focus: self.depth,
+            speeds: self.graded_speeds(),
+            max_angle: self.max_angle,
+            stages: self.stages,
+            others: self.others.len() as u32,
+        }
+    }
+
+    /// Host and lens; of a graded lens the slowest of all.
+    fn graded_speeds(&self) -> [f64; 2] {
+        let slowest = self.others.iter().copied().fold(self.speeds[1], f64::min);
+        if self.family == Family::Graded { [self.speeds[0], slowest] } else { self.speeds }
+    }
+
+    /// The form between two rows; none if there is none within the limits.
+    pub(super) fn form(&self, rows: [u32; 2], curvature: f64) -> Option<Form> {
+        if rows[1] - rows[0] < self.family.least_span(self.stages) {
+            return None;
+        }
+        self.family.form(&self.place(rows), curvature)
+    }
+
+    /// What part of the struck width is served: passes the region or, of a shield, does not.
+    fn served(&self, rows: [u32; 2], curvature: f64, rays: usize) -> f64 {
+        let Some(form) = self.form(rows, curvature) else { return 0.0 };
+        let speeds = self.palette_speeds();
+        let passing = passing(&*form.optics(self.surrounds(&speeds)), self.depth, self.region, rays);
+        if self.family == Family::Shield { 1.0 - passing } else { passing }
+    }
+
+    /// Number of sites that a form covers.
+    fn count(&self, shape: &Shape) -> usize {
+        if self.is_fast() {
+            return shape.count(self.lattice);
+        }
+        let Some(form) = self.form([shape.apex_row, shape.back_row], 1.0 / shape.radius) else { return usize::MAX };
+        let slack = 1e-9 * self.lattice.diameter();
+        self.lattice.sites().iter().filter(|site| form.at([site.x, site.z], slack) != 0).count()
     }
 
     /// Fraction without a lens.
     pub(super) fn without(&self) -> f64 {
-        without(self.region, self.lattice.half_width())
+        let passing = without(self.region, self.lattice.half_width());
+        if self.family == Family::Shield { 1.0 - passing } else { passing }
     }
 
     /// Whether a lens does more than none.
@@ -113,9 +220,9 @@ impl<'a> Problem<'a> {
         candidate.fraction > self.without() + LEAST_GAIN
     }
 
-    /// Whether the lens gathers rays at all: only a slower one of this family does.
-    pub(super) fn converges(&self) -> bool {
-        self.speeds[1] < self.speeds[0]
+    /// Whether a lens of these materials may serve at all: what gathers does so only if it is slower than its host.
+    pub(super) fn may_gain(&self) -> bool {
+        matches!(self.family, Family::PlanoConcave | Family::Prism | Family::Shield) || self.speeds[1] < self.speeds[0]
     }
 
     /// Apex and back rows that may be tried.
@@ -125,25 +232,41 @@ impl<'a> Problem<'a> {
         [fixed_or(self.apex_row, [self.rows[0], last]), fixed_or(self.back_row, [self.rows[0], last])]
     }
 
-    /// Greatest curvature 1/R that the limits allow to a lens over these rows.
-    fn greatest_curvature(&self, apex_row: u32, back_row: u32) -> f64 {
-        let thickness = f64::from(back_row - apex_row) * self.lattice.row_spacing();
-        1.0 / least_radius(thickness, self.lattice.half_width(), self.max_angle)
-    }
-
     /// The best lens that the limits allow; none if they allow none.
     pub(super) fn best(&self, grid: Grid) -> Option<Candidate> {
-        let fan = |rays| Fan::new(rays, self.max_angle, self.speeds);
-        Search { problem: self, scan_fan: fan(grid.scan_rays), fan: fan(grid.rays), grid }.run()
+        let rays = |count| match self.is_fast() {
+            true => Rays::Fan(Fan::new(count, self.max_angle, self.speeds)),
+            false => Rays::Traced(count),
+        };
+        Search { problem: self, scan_rays: rays(grid.scan_rays), rays: rays(grid.rays), grid }.run()
     }
 }
 
 /// One search.
 struct Search<'a> {
     problem: &'a Problem<'a>,
-    scan_fan: Fan,
-    fan: Fan,
+    scan_rays: Rays,
+    rays: Rays,
     grid: Grid,
+}
+
+/// By what rays are followed.
+enum Rays {
+    /// The fan for plano-convex lenses on the axis
+    Fan(Fan),
+    /// So many rays through any form
+    Traced(usize),
+}
+
+/// Where a lens of the family stands by itself.
+fn before(family: Family, region: &Region, lattice: &HexagonalSheet) -> f64 {
+    let near = 0.75 * lattice.diameter();
+    match region.x {
+        _ if family == Family::PlanoConvex => 0.0,
+        [low, _] if low <= near => 0.0,
+        [_, high] if high >= lattice.half_width() - near => lattice.half_width(),
+        [low, high] => 0.5 * (low + high),
+    }
 }
 
 /// Curvatures of one pair of rows, and the fraction at each by the coarser fan.
@@ -156,13 +279,18 @@ struct Scan {
 
 impl Search<'_> {
     fn fraction(&self, rows: [u32; 2], curvature: f64) -> f64 {
-        self.fraction_by(&self.fan, rows, curvature)
+        self.fraction_by(&self.rays, rows, curvature)
     }
 
-    fn fraction_by(&self, fan: &Fan, [apex_row, back_row]: [u32; 2], curvature: f64) -> f64 {
-        let shape = Shape { apex_row, back_row, radius: 1.0 / curvature };
-        let bench = shape.bench(self.problem.lattice, self.problem.speeds);
-        fan.fraction(&bench, self.problem.depth, self.problem.region)
+    fn fraction_by(&self, rays: &Rays, [apex_row, back_row]: [u32; 2], curvature: f64) -> f64 {
+        match rays {
+            Rays::Fan(fan) => {
+                let shape = Shape { apex_row, back_row, radius: 1.0 / curvature };
+                let bench = shape.bench(self.problem.lattice, self.problem.speeds);
+                fan.fraction(&bench, self.problem.depth, self.problem.region)
+            }
+            Rays::Traced(count) => self.problem.served([apex_row, back_row], curvature, *count),
+        }
     }
 
     fn candidate(&self, [apex_row, back_row]: [u32; 2], curvature: f64) -> Candidate {
@@ -173,15 +301,17 @@ impl Search<'_> {
     }
 
     fn scan(&self, rows: [u32; 2]) -> Option<Scan> {
-        let greatest = self.problem.greatest_curvature(rows[0], rows[1]);
-        let curvatures: Vec<f64> = match self.problem.radius {
-            Some(radius) if 1.0 / radius > greatest * (1.0 + 1e-9) => return None,
+        let problem = self.problem;
+        if rows[1] - rows[0] < problem.family.least_span(problem.stages) {
+            return None;
+        }
+        let place = problem.place(rows);
+        let curvatures: Vec<f64> = match problem.radius {
+            Some(radius) if 1.0 / radius > problem.family.greatest_curvature(&place) * (1.0 + 1e-9) => return None,
             Some(radius) => vec![1.0 / radius],
-            None => {
-                (1..=self.grid.curvatures).map(|k| greatest * f64::from(k) / f64::from(self.grid.curvatures)).collect()
-            }
+            None => problem.family.curvatures(&place, self.grid.curvatures),
         };
-        let fractions: Vec<f64> = curvatures.iter().map(|&c| self.fraction_by(&self.scan_fan, rows, c)).collect();
+        let fractions: Vec<f64> = curvatures.iter().map(|&c| self.fraction_by(&self.scan_rays, rows, c)).collect();
         let best = (0..fractions.len()).max_by(|&a, &b| fractions[a].total_cmp(&fractions[b]))?;
         Some(Scan { rows, curvatures, fractions, best })
     }
@@ -196,13 +326,20 @@ impl Search<'_> {
         if !self.grid.refine || self.problem.radius.is_some() {
             return self.choose(scans.iter().map(|scan| (scan, scan.curvatures[scan.best])).collect());
         }
-        let worth = scans.iter().filter(|scan| scan.fractions[scan.best] >= best_of_grid - WORTH_REFINING);
+        let mut worth: Vec<&Scan> =
+            scans.iter().filter(|scan| scan.fractions[scan.best] >= best_of_grid - WORTH_REFINING).collect();
+        if worth.len() > self.grid.most {
+            worth.sort_by(|a, b| b.fractions[b.best].total_cmp(&a.fractions[a.best]));
+            worth.truncate(self.grid.most);
+        }
         // First roughly, to 1e-4 of the curvature; then those to the end that may still win.
-        let rough: Vec<(&Scan, f64)> = worth.map(|scan| (scan, self.refine(scan, 1e-4))).collect();
+        let rough: Vec<(&Scan, f64)> =
+            worth.iter().map(|&scan| (scan, self.refine(scan, self.grid.curvature.max(1e-4)))).collect();
         let fractions: Vec<f64> = rough.iter().map(|(scan, c)| self.fraction(scan.rows, *c)).collect();
         let leader = fractions.iter().copied().max_by(f64::total_cmp)?;
         let may_win = rough.iter().zip(&fractions).filter(|(_, fraction)| **fraction >= leader - WORTH_FINISHING);
-        let mut best = self.choose(may_win.map(|((scan, _), _)| (*scan, self.refine(scan, CURVATURE))).collect())?;
+        let mut best =
+            self.choose(may_win.map(|((scan, _), _)| (*scan, self.refine(scan, self.grid.curvature))).collect())?;
         let mut stride = stride.max(other_stride) / 2;
         while stride >= 1 {
             best = self.descend(best, stride, apex_rows, back_rows);
@@ -238,7 +375,7 @@ impl Search<'_> {
                     scans.extend(self.scan([a, b]));
                 }
             }
-            match self.choose(scans.iter().map(|scan| (scan, self.refine(scan, CURVATURE))).collect()) {
+            match self.choose(scans.iter().map(|scan| (scan, self.refine(scan, self.grid.curvature))).collect()) {
                 Some(better) if better.shape != best.shape && self.is_better(&better, &best) => best = better,
                 _ => return best,
             }
@@ -247,13 +384,16 @@ impl Search<'_> {
 
     fn is_better(&self, new: &Candidate, old: &Candidate) -> bool {
         let gain = new.fraction - old.fraction;
-        let lattice = self.problem.lattice;
-        gain > TIE || (gain >= 0.0 && new.shape.count(lattice) < old.shape.count(lattice))
+        let problem = self.problem;
+        gain > TIE || (gain >= 0.0 && problem.count(&new.shape) < problem.count(&old.shape))
     }
 
     /// The curvature near the best of the grid at which the fraction is greatest, to a relative `tolerance`.
     fn refine(&self, scan: &Scan, tolerance: f64) -> f64 {
         let (start, last) = (scan.curvatures[scan.best], scan.curvatures.len() - 1);
+        if !self.problem.family.is_curved() {
+            return start;
+        }
         let at_start = self.fraction(scan.rows, start);
         if last == 0 || at_start >= 1.0 - 0.1 * TIE {
             return start;
@@ -278,11 +418,14 @@ impl Search<'_> {
         let equal = candidates.into_iter().filter(|c| c.2 >= best - TIE);
         equal
             .map(|(scan, curvature, _)| self.candidate(scan.rows, self.most_curved(scan, curvature, best - TIE)))
-            .min_by_key(|c| (c.shape.count(self.problem.lattice), c.shape.back_row, c.shape.apex_row))
+            .min_by_key(|c| (self.problem.count(&c.shape), c.shape.back_row, c.shape.apex_row))
     }
 
     /// The greatest curvature that still sends `least` through: the front then cuts off most sites.
     fn most_curved(&self, scan: &Scan, curvature: f64, least: f64) -> f64 {
+        if !self.problem.family.is_curved() {
+            return curvature;
+        }
         let last_good = (0..scan.curvatures.len())
             .rev()
             .find(|&k| scan.curvatures[k] >= curvature && self.fraction(scan.rows, scan.curvatures[k]) >= least);

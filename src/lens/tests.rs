@@ -1,3 +1,4 @@
+use super::fraction::Fan;
 use super::*;
 use crate::material::find;
 use crate::target::Region;
@@ -9,14 +10,7 @@ fn crystal() -> HexagonalSheet {
 }
 
 fn request() -> LensRequest {
-    LensRequest {
-        material: find("brass", &[]).unwrap(),
-        rows: [5, 29],
-        max_interface_angle: 60.0_f64.to_radians(),
-        apex_row: None,
-        back_row: None,
-        radius: None,
-    }
+    LensRequest::new(Family::PlanoConvex, find("brass", &[]).unwrap(), [5, 29])
 }
 
 /// Rows and distances from the axis in diameters.
@@ -56,7 +50,7 @@ fn the_published_lens_is_laid_and_focuses_where_it_was_found_to() {
     let lens = solve(&thesis_request(), &thesis_target()).unwrap();
     assert_eq!(lens.spheres, 139);
     assert_eq!(lens.rows(), [5, 16]);
-    let layout = lens.layout(&find("440c", &[]).unwrap(), &request().material);
+    let layout = lens.layout();
     assert_eq!((layout.count(1), layout.palette[1].name.as_str()), (139, "brass-260"));
     assert!((lens.rim_angle.to_degrees() - 60.0).abs() < 1e-6);
     assert!((lens.aperture / DIAMETER - 16.5).abs() < 1e-9);
@@ -113,10 +107,10 @@ fn no_lens_of_a_fine_grid_beats_the_solution() {
                 }
             }
         }
-        println!("{} {} {} grid {best:?}", solved.apex_row, solved.back_row, solved.radius / DIAMETER);
+        println!("{} {} {} grid {best:?}", solved.apex_row, solved.back_row, solved.radius.unwrap() / DIAMETER);
         println!("{} spheres, {}", solved.spheres, solved.fraction);
         assert!(solved.fraction > best.0 - 1e-5, "{} {best:?} {rows:?}", solved.fraction);
-        let denser = dense.fraction(&solved.bench(), problem.depth, problem.region);
+        let denser = dense.fraction(&solved.shape().bench(&crystal, problem.speeds), problem.depth, problem.region);
         assert!((solved.fraction - denser).abs() < 1e-4, "{} {denser}", solved.fraction);
         assert!(solved.back_row < rows[0] && solved.apex_row >= lens_rows[0] && solved.back_row <= lens_rows[1]);
         assert!(solved.rim_angle < request.max_interface_angle + 1e-6);
@@ -129,7 +123,7 @@ fn no_lens_of_a_fine_grid_beats_the_solution() {
 fn what_is_fixed_stays_fixed() {
     let radius = 25.0 * DIAMETER;
     let lens = solve(&LensRequest { radius: Some(radius), apex_row: Some(6), ..request() }, &thesis_target()).unwrap();
-    assert_eq!((lens.radius, lens.apex_row), (radius, 6));
+    assert_eq!((lens.radius, lens.apex_row), (Some(radius), 6));
     let lens = solve(&LensRequest { back_row: Some(20), ..request() }, &thesis_target()).unwrap();
     assert_eq!(lens.back_row, 20);
 }
@@ -184,9 +178,9 @@ fn a_flat_face_is_unreachable_because_of_its_angle() {
 #[test]
 fn a_region_outside_the_crystal_is_unreachable_by_itself() {
     let why = unreachable(&request(), &target([30, 34], [20.0, 25.0]));
-    assert_eq!((why.binding, why.nearest), (vec![Limit::Region], None));
+    assert_eq!((why.binding, why.nearest), (vec![Limit::Region(Family::PlanoConvex)], None));
     let far = unreachable(&LensRequest { rows: [2, 5], ..request() }, &target([6, 6], [14.0, 16.5]));
-    assert_eq!(far.binding, vec![Limit::Region], "{far}");
+    assert_eq!(far.binding, vec![Limit::Region(Family::PlanoConvex)], "{far}");
     // Farther on rays that crossed the axis come there from the other side.
     assert!(far.nearest.unwrap().mid_row > 10.0, "{far}");
 }
@@ -224,10 +218,12 @@ fn the_lens_problem_is_solved_in_milliseconds() {
 #[test]
 fn drawings_follow_the_lens() {
     let lens = solve(&thesis_request(), &thesis_target()).unwrap();
-    let front = lens.front_polyline();
+    let [front, back] = &lens.faces()[..] else { panic!("two faces") };
     assert_eq!(front[0], [0.0, crystal().depth(5.0)]);
-    let rim = front.last().unwrap();
-    assert!((rim[0] / DIAMETER - 16.5).abs() < 1e-9 && (rim[1] - lens.back_depth()).abs() < 1e-9 * DIAMETER);
+    for rim in [front.last().unwrap(), back.last().unwrap()] {
+        let off = [rim[0] / DIAMETER - 16.5, (rim[1] - crystal().depth(16.0)) / DIAMETER];
+        assert!(off.iter().all(|off| off.abs() < 1e-9), "{off:?}");
+    }
     let rays = lens.sample_rays(17);
     assert_eq!(rays.len(), 17);
     assert!(rays.iter().all(|ray| (ray.last().unwrap()[1] - crystal().depth(50.0)).abs() < 1e-12));

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::Family;
 use super::solve::{Candidate, Grid, Problem};
 use crate::units::Dimension::{Angle, Length};
 
@@ -27,8 +28,8 @@ pub enum Limit {
     },
     /// The apex row, back row or radius that the request fixes.
     Fixed,
-    /// The region itself: no plano-convex lens before it sends more there, whatever it is made of.
-    Region,
+    /// The region itself: no lens of this family before it serves it, whatever it is made of.
+    Region(Family),
 }
 
 impl fmt::Display for Limit {
@@ -50,7 +51,8 @@ impl fmt::Display for Limit {
             }
             Self::Rows { rows: [first, last], .. } => write!(f, "the lens may only lie in rows {first} to {last}"),
             Self::Fixed => f.write_str("the apex_row, back_row or radius given"),
-            Self::Region => f.write_str("no plano-convex lens in front of the region sends rays there"),
+            Self::Region(Family::Shield) => f.write_str("no shield in front of the region turns rays away from it"),
+            Self::Region(family) => write!(f, "no {} lens in front of the region sends rays there", family.name()),
         }
     }
 }
@@ -67,6 +69,8 @@ pub struct Nearest {
 /// No lens within the limits sends more through the focal region than straight rays do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unreachable {
+    /// Family of the lens.
+    pub family: Family,
     /// Name of the lens material.
     pub material: String,
     /// Distances from the axis between which rays should pass (m).
@@ -91,9 +95,11 @@ impl fmt::Display for Unreachable {
         let [low, high] = self.x.map(|x| Length.show(x));
         write!(
             f,
-            "unreachable: no allowed lens of {} sends more of the struck width through {low} to {high} off the axis at row {} \
-             than straight rays do ({:.1} %",
+            "unreachable: no allowed {} of {} sends more of the struck width {} {low} to {high} off the axis at row {} than \
+             straight rays do ({:.1} %",
+            if self.family == Family::Shield { "shield" } else { "lens" },
             self.material,
+            if self.family == Family::Shield { "past" } else { "through" },
             self.mid_row,
             100.0 * self.fraction_without
         )?;
@@ -121,9 +127,10 @@ const FASTEST: f64 = 10.0;
 impl Unreachable {
     /// Finds out why, by relaxing one limit after the other.
     pub(super) fn explain(problem: &Problem, material: &str) -> Self {
-        let best = problem.best(Grid::FINE);
-        let comparable = problem.converges();
+        let best = problem.best(Grid::fine(problem.family));
+        let comparable = problem.may_gain();
         Self {
+            family: problem.family,
             material: material.to_owned(),
             x: problem.region,
             mid_row: problem.mid_row,
@@ -147,14 +154,14 @@ fn relax<'a>(problem: &Problem<'a>, limits: &[Limit]) -> Problem<'a> {
             Limit::InterfaceAngle { .. } => relaxed.max_angle = relaxed.max_angle.max(STEEPEST.to_radians()),
             Limit::Rows { .. } => relaxed.rows = [1, problem.last_free_row],
             Limit::Fixed => (relaxed.apex_row, relaxed.back_row, relaxed.radius) = (None, None, None),
-            Limit::Region => {}
+            Limit::Region(_) => {}
         }
     }
     relaxed
 }
 
 fn reachable(problem: &Problem) -> Option<Candidate> {
-    problem.best(Grid::COARSE).filter(|candidate| problem.gains(candidate))
+    problem.best(Grid::coarse(problem.family)).filter(|candidate| problem.gains(candidate))
 }
 
 fn binding(problem: &Problem) -> Vec<Limit> {
@@ -172,7 +179,7 @@ fn binding(problem: &Problem) -> Vec<Limit> {
         return alone;
     }
     if !helps(&limits) {
-        return vec![Limit::Region];
+        return vec![Limit::Region(problem.family)];
     }
     // Together they help: leave out what is not needed.
     let mut needed = limits;

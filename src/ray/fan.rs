@@ -1,16 +1,28 @@
 //! What the rays of a plane impact make together: spot, caustic and wavefronts.
 
-use super::scene::{Fate, Scene, Trace};
+use super::scene::{Fate, Trace};
+
+/// What a plane impact runs through, for rays.
+pub trait Optics: Send + Sync {
+    /// Follows the ray that starts at a distance `x` (m) from the axis, 0 ≤ x ≤ half width.
+    fn trace(&self, x: f64) -> Trace;
+
+    /// Distance from the axis to the far mirror line (m).
+    fn half_width(&self) -> f64;
+
+    /// Why a ray did not come to the last row, in words; none if it did.
+    fn failure(&self, fate: &Fate) -> Option<String>;
+}
 
 /// Rays keep this part of the half width away from mirror lines, where a lens may end in an edge of no thickness.
 const INSET: f64 = 1e-7;
 
 /// `count` rays, evenly from the axis to the far mirror line, both (nearly) included.
-pub fn fan(scene: &Scene, count: usize) -> Vec<Trace> {
+pub fn fan(optics: &dyn Optics, count: usize) -> Vec<Trace> {
     let last = count.max(2) - 1;
     (0..count)
         .map(|k| k as f64 / last as f64)
-        .map(|part| scene.trace(scene.half_width * part.min(1.0 - INSET)))
+        .map(|part| optics.trace(optics.half_width() * part.min(1.0 - INSET)))
         .collect()
 }
 
@@ -40,7 +52,8 @@ pub fn spot<'a>(traces: impl IntoIterator<Item = &'a Trace>, depth: f64, about_a
     let mean = |value: &dyn Fn(f64) -> f64| passages.iter().map(|p| value(p.0)).sum::<f64>() / passages.len() as f64;
     let centre = if about_axis { 0.0 } else { mean(&|x| x) };
     let radius = mean(&|x| (x - centre).powi(2)).sqrt();
-    let times = passages.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &(_, t)| [low.min(t), high.max(t)]);
+    let times =
+        passages.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &(_, t)| [low.min(t), high.max(t)]);
     Some(Spot { depth, centre, radius, times, rays: passages.len() })
 }
 
@@ -55,15 +68,15 @@ pub fn least_spot(traces: &[Trace], [low, high]: [f64; 2], about_axis: bool) -> 
 ///
 /// Every one of `count` rays is traced with two neighbours 10⁻⁶ of the half width to either side, and the point is where
 /// these cross: the envelope to second order of that distance.
-pub fn caustic(scene: &Scene, count: usize) -> Vec<Vec<[f64; 2]>> {
-    let step = 1e-6 * scene.half_width;
+pub fn caustic(optics: &dyn Optics, count: usize) -> Vec<Vec<[f64; 2]>> {
+    let step = 1e-6 * optics.half_width();
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
     // By leg: the line that is being drawn, and what its rays have met.
     let mut open: Vec<Option<usize>> = Vec::new();
     let mut before = None;
     for k in 0..count {
-        let x = scene.half_width * (k as f64 + 0.5) / count as f64;
-        let (left, right) = (scene.trace(x - step), scene.trace(x + step));
+        let x = optics.half_width() * (k as f64 + 0.5) / count as f64;
+        let (left, right) = (optics.trace(x - step), optics.trace(x + step));
         let same = left.events == right.events;
         if !same || before.as_ref() != Some(&left.events) {
             open.clear();

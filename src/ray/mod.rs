@@ -8,6 +8,7 @@
 //! - `snell`: what happens at an interface, as types: [`Passage`], never NaN
 //! - `curve`: interfaces: straight, circular, conic, polylines, and any curve z(x) by bracketing
 //! - `scene`: media and interfaces; a ray through all of them, with its [`Fate`]
+//! - `slab`: a flat slab whose speed changes across it
 //! - `fan`: many rays together: spot, caustic, wavefronts
 //! - `path`: the way of one ray
 //! - `bench`: the plano-convex lens by itself, for searches
@@ -17,11 +18,13 @@ mod curve;
 mod fan;
 mod path;
 mod scene;
+mod slab;
 mod snell;
 
 pub use bench::{Bench, Face, Reason, Stray, enter, leave};
 pub use curve::{Circle, Conic, Curve, Graph, Meeting, Polyline, Segment};
-pub use fan::{Spot, caustic, fan, least_spot, spot, wavefront};
+pub use fan::{Optics, Spot, caustic, fan, least_spot, spot, wavefront};
 pub use path::Path;
 pub use scene::{Event, Fate, Interface, Scene, Trace};
+pub use slab::Slab;
 pub use snell::{Passage, TotalReflection, pass, reflect, refract};

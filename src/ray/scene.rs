@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 
 use super::curve::{Curve, Meeting};
+use super::fan::Optics;
 use super::path::Path;
 use super::snell::{Passage, TotalReflection, pass};
 
@@ -57,6 +58,8 @@ pub enum Event {
     Reflected(usize),
     /// The mirror line at the axis or, if true, at the half width.
     Mirror(bool),
+    /// Nothing: its way is curved, and this is a point of it.
+    Bent,
 }
 
 /// A ray: its way, what it met at each inner corner, and its end.
@@ -74,11 +77,6 @@ pub struct Trace {
 const MOST_CORNERS: usize = 1000;
 
 impl Scene {
-    /// Follows the ray of the impact that starts at a distance `x` (m) from the axis.
-    pub fn trace(&self, x: f64) -> Trace {
-        self.trace_from([x, 0.0], Vector2::y(), self.speed)
-    }
-
     /// Follows a ray from any point (m) along a unit vector, through a medium of `speed` (m/s) at first.
     pub fn trace_from(&self, start: [f64; 2], direction: Vector2<f64>, speed: f64) -> Trace {
         // Nothing that the ray meets within this is not the place that it comes from.
@@ -167,9 +165,18 @@ impl Scene {
             .filter_map(|(index, interface)| Some((index, interface.curve.meet(point, direction, least)?)))
             .min_by(|a, b| a.1.distance.total_cmp(&b.1.distance))
     }
+}
 
-    /// Why a ray did not come to the last row, in words; none if it did.
-    pub fn failure(&self, fate: &Fate) -> Option<String> {
+impl Optics for Scene {
+    fn trace(&self, x: f64) -> Trace {
+        self.trace_from([x, 0.0], Vector2::y(), self.speed)
+    }
+
+    fn half_width(&self) -> f64 {
+        self.half_width
+    }
+
+    fn failure(&self, fate: &Fate) -> Option<String> {
         let name = |index: &usize| self.interfaces[*index].name.as_str();
         Some(match fate {
             Fate::Arrived => return None,

@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::*;
+use crate::ray::Optics;
 use crate::ray::{Circle, Conic, Graph, Polyline, Segment, caustic, fan, least_spot, spot, wavefront};
 
 type Vector = Vector2<f64>;
@@ -22,12 +23,8 @@ fn along(degrees: f64) -> Vector {
 #[test]
 fn a_hyperbolic_back_brings_all_rays_to_one_point_at_one_time() {
     let (n, f, vertex) = (1.7, 20.0, 15.0);
-    let back = Conic {
-        vertex: Vector::new(0.0, vertex),
-        curvature: -1.0 / ((n - 1.0) * f),
-        constant: -n * n,
-        x: [0.0, 10.0],
-    };
+    let back =
+        Conic { vertex: Vector::new(0.0, vertex), curvature: -1.0 / ((n - 1.0) * f), constant: -n * n, x: [0.0, 10.0] };
     // All of the crystal in front of it is lens.
     let scene = scene(back, [1.0, n]);
     let traces = fan(&scene, 101);
@@ -43,12 +40,8 @@ fn a_hyperbolic_back_brings_all_rays_to_one_point_at_one_time() {
 #[test]
 fn an_elliptic_front_brings_all_rays_to_one_point_within() {
     let (n, radius, vertex) = (1.7, 12.0, 5.0);
-    let front = Conic {
-        vertex: Vector::new(0.0, vertex),
-        curvature: 1.0 / radius,
-        constant: -1.0 / (n * n),
-        x: [0.0, 9.0],
-    };
+    let front =
+        Conic { vertex: Vector::new(0.0, vertex), curvature: 1.0 / radius, constant: -1.0 / (n * n), x: [0.0, 9.0] };
     let scene = Scene { half_width: 9.0, ..scene(front, [n, 1.0]) };
     let focus = spot(&fan(&scene, 50), vertex + n * radius / (n - 1.0), true).unwrap();
     assert_eq!(focus.rays, 50);
@@ -216,7 +209,10 @@ fn what_does_not_pass_is_named() {
     assert_eq!(grazing.fate, Fate::Grazing(0));
     let total = blocked.trace_from(start, along(50.0), 1.0);
     let Fate::Reflected(0, reflection) = total.fate else { panic!("{:?}", total.fate) };
-    assert!((reflection.critical.to_degrees() - 45.0).abs() < 1e-9 && (reflection.incidence.to_degrees() - 50.0).abs() < 1e-9);
+    assert!(
+        (reflection.critical.to_degrees() - 45.0).abs() < 1e-9
+            && (reflection.incidence.to_degrees() - 50.0).abs() < 1e-9
+    );
     let words = blocked.failure(&total.fate).unwrap();
     assert_eq!(words, "ends at the face: total reflection: incidence at 50.0 degrees, critical angle 45.0 degrees");
     let followed = Scene { reflections: 1, ..scene(step, [1.0, 2.0_f64.sqrt()]) }.trace_from(start, along(50.0), 1.0);

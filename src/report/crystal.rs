@@ -196,12 +196,11 @@ impl<'a> Crystal<'a> {
         });
     }
 
-    /// The ideal faces of the lens: curved front and flat back.
+    /// The ideal faces of the lens.
     pub fn faces(&self, svg: &mut Svg, proposal: &Proposal, attributes: &str) {
-        self.mirrored(svg, &proposal.front, attributes);
-        let edge = if self.extent == Extent::Half { 0.0 } else { -proposal.aperture };
-        let back = [[edge, proposal.back], [proposal.aperture, proposal.back]].map(|p| self.place(p));
-        svg.polyline(&back, attributes);
+        for face in &proposal.faces {
+            self.mirrored(svg, face, attributes);
+        }
     }
 
     fn mirrored(&self, svg: &mut Svg, line: &[[f64; 2]], attributes: &str) {

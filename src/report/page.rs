@@ -158,14 +158,32 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
                 significant(proposal.amplitude_lens, 3)
             ),
         ),
-        pair("Rows of the lens", format!("apex {}, back {}", proposal.apex_row, proposal.back_row)),
-        pair("Radius of the curved face", diameters(proposal.radius)),
+        pair("Family", &proposal.family),
+        pair("Rows of the lens", format!("first {}, last {}", proposal.apex_row, proposal.back_row)),
+        pair(
+            if proposal.family == "graded" { "Focal length aimed at" } else { "Radius of the curved face" },
+            proposal.radius.map_or("none".to_owned(), diameters),
+        ),
+        pair("Its axis", diameters(proposal.axis)),
         pair("Half aperture", diameters(proposal.aperture)),
-        pair("Angle of the face at the rim", degrees(proposal.rim_angle)),
-        pair("Spheres of lens material", format!("{} in the simulated half", proposal.spheres)),
+        pair("Thickness", diameters(proposal.thickness)),
+        pair("Steepest angle of a face", degrees(proposal.rim_angle)),
+        pair("Focal length of innermost rays", proposal.focal_length.map_or("none".to_owned(), diameters)),
+        pair("Spheres that are not of the host", format!("{} in the simulated half", proposal.spheres)),
+        pair("Their mass, both halves", Dimension::Mass.show(proposal.mass)),
         pair(
             "Struck width whose rays reach the focal region",
             format!("{} with the lens, {} straight on", percent(proposal.fraction), percent(proposal.fraction_without)),
+        ),
+        pair(
+            "Struck width whose rays pass the protected region",
+            format!("{} with the lens, {} straight on", percent(proposal.protected[0]), percent(proposal.protected[1])),
+        ),
+        pair(
+            "Rays arrive in the focal region",
+            proposal.arrival.map_or("never".to_owned(), |[first, last]| {
+                format!("{} to {}", Dimension::Time.show(first), Dimension::Time.show(last))
+            }),
         ),
         pair(
             "Depth at which rays cross the axis",

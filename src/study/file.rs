@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::{Goal, Objective, StudyError};
 use crate::design::Design;
-use crate::evaluate::{Overrides, laid};
+use crate::evaluate::Overrides;
 use crate::layout::{self, Layout};
 use crate::material::Material;
 use crate::search::{Choice, Dice, Method, Space, level_set};
@@ -334,7 +334,7 @@ fn read_start(
                 .map_err(|error| {
                 source.fail("start", format!("start = \"lens\": {error} Try start = \"random\"."))
             })?;
-            let laid = laid(design, &lens);
+            let laid = lens.layout();
             let place = |m: &u8| {
                 let material = &laid.palette[usize::from(*m)];
                 palette.iter().position(|known| known == material).unwrap_or(0) as u8

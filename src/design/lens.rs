@@ -1,0 +1,202 @@
+//! The section [lens]: which family, of what, and what is already decided about it.
+
+use super::file::LensFile;
+use super::{DesignError, region};
+use crate::document::{self, Entry, Scope};
+use crate::lattice::HexagonalSheet;
+use crate::lens::{Family, LensRequest, Raster};
+use crate::material::Material;
+use crate::target::Target;
+use crate::units::Dimension;
+
+/// More stages than that leave none of them a face to speak of.
+const MOST_STAGES: u32 = 10;
+
+/// The palette of a layout is counted in bytes, and nobody buys more.
+const MOST_OTHERS: usize = 10;
+
+pub(super) fn read(
+    (scope, file): &(Scope, &LensFile),
+    lattice: &HexagonalSheet,
+    host: &Material,
+    target: &Target,
+    regions: &Scope,
+    own: &[Material],
+) -> Result<LensRequest, DesignError> {
+    let families = Family::ALL.map(|family| (family.name(), family));
+    let family = scope.required("family", &file.family)?.choice("lens family", &families)?;
+    let foreign = |entry: &Entry| {
+        let material = document::chosen(entry, own)?;
+        if material.name == host.name {
+            return Err(entry.fail(
+                "is the material of the crystal, crystal.host",
+                "Choose another; a lens bends a wave only where its material differs from what surrounds it.",
+            ));
+        }
+        Ok(material)
+    };
+    let material = foreign(&scope.required("material", &file.material)?)?;
+    let others = match scope.optional("others", &file.others) {
+        Some(entry) => others(&entry, family, &material, foreign)?,
+        None => Vec::new(),
+    };
+    let focus = target.focus.rows[0];
+    let rows = match scope.optional("rows", &file.rows) {
+        Some(entry) => {
+            let [first, last] = region::rows(&entry, lattice.rows())?;
+            if last >= focus {
+                return Err(entry.fail_as(
+                    &entry.range_text(),
+                    &format!("reaches into the focal region, which begins in row {focus}"),
+                    &format!("End it at row {} or before.", focus - 1),
+                ));
+            }
+            if first == last {
+                return Err(entry.fail_as(
+                    &entry.range_text(),
+                    "is a single row",
+                    "Give the lens at least two rows, one for its apex and one for its flat face.",
+                ));
+            }
+            [first, last]
+        }
+        None if focus >= 4 => [2, focus - 1],
+        None => {
+            return Err(regions.fail(
+                &format!(
+                    "leaves no room for a lens: focus begins in row {focus}, row 1 is struck, and a lens needs two rows between"
+                ),
+                "Begin target.focus.rows at row 4 or later.",
+            ));
+        }
+    };
+    let [first, last] = rows;
+    let within = format!("must lie within the lens's rows, {first} to {last}");
+    let row = |key: &str, written, allowed: [u32; 2], help: &str| -> Result<Option<u32>, DesignError> {
+        let Some(entry) = scope.optional(key, written) else { return Ok(None) };
+        let row = entry.whole(1..=lattice.rows())?;
+        match row {
+            _ if !(first..=last).contains(&row) => Err(entry.fail(&within, "Change it, or lens.rows.")),
+            _ if !(allowed[0]..=allowed[1]).contains(&row) => {
+                Err(entry.fail(&format!("must lie from {} to {}", allowed[0], allowed[1]), help))
+            }
+            _ => Ok(Some(row)),
+        }
+    };
+    let before_back = "The apex lies at least one row in front of the flat face, lens.back_row.";
+    let apex_row = row("apex_row", &file.apex_row, [first, last - 1], before_back)?;
+    let after_apex = apex_row.unwrap_or(first);
+    let help = format!("The flat face lies at least one row behind the apex, in row {after_apex}.");
+    let back_row = row("back_row", &file.back_row, [after_apex + 1, last], &help)?;
+    let radius = match scope.optional("radius", &file.radius) {
+        Some(entry) if family.radius().is_none() => {
+            return Err(entry.fail(
+                &format!("has no meaning for a lens of the family {}", family.name()),
+                "Leave it out: its faces follow from the rows and the focal region.",
+            ));
+        }
+        Some(entry) => match entry.length(lattice.diameter())? {
+            radius if radius > 0.0 => Some(radius),
+            _ => return Err(entry.fail("must be more than zero", &entry.write_it_like())),
+        },
+        None => None,
+    };
+    let max_interface_angle = match scope.optional("max_interface_angle", &file.max_interface_angle) {
+        Some(entry) => match entry.quantity(Dimension::Angle)? {
+            angle if angle > 0.0 && angle < 90.0_f64.to_radians() => angle,
+            _ => return Err(entry.fail("must lie between 0 and 90 deg, both excluded", &entry.write_it_like())),
+        },
+        None => 60.0_f64.to_radians(),
+    };
+    let axis = match scope.optional("axis", &file.axis) {
+        Some(entry) if !family.has_axis() => {
+            let rule = format!("has no meaning for a lens of the family {}", family.name());
+            return Err(entry.fail(&rule, "Leave it out: its edge lies on the axis or on the far mirror line."));
+        }
+        Some(entry) => Some(axis(&entry, lattice)?),
+        None => None,
+    };
+    let stages = match scope.optional("stages", &file.stages) {
+        Some(entry) if family != Family::Stages => {
+            return Err(entry.fail("belongs to the family stages", "Leave it out, or ask for that family."));
+        }
+        Some(entry) => {
+            let stages = entry.whole(2..=MOST_STAGES)?;
+            let least = family.least_span(stages) + 1;
+            if last - first + 1 < least {
+                return Err(entry.fail(
+                    &format!("needs {least} rows, and the lens may lie in rows {first} to {last}"),
+                    "Ask for fewer, or widen lens.rows: a stage takes two rows, and one of host lies between two.",
+                ));
+            }
+            stages
+        }
+        None => 2,
+    };
+    let raster = match scope.optional("raster", &file.raster) {
+        Some(entry) => Some(entry.choice("raster", &Raster::ALL.map(|raster| (raster.name(), raster)))?),
+        None => None,
+    };
+    let seed = match scope.optional("seed", &file.seed) {
+        Some(entry) if raster != Some(Raster::Random) => {
+            return Err(entry.fail("has no use without a random raster", "Leave it out, or write raster = \"random\"."));
+        }
+        Some(entry) => entry.seed()?,
+        None => 1,
+    };
+    Ok(LensRequest {
+        family,
+        material,
+        others,
+        rows,
+        max_interface_angle,
+        apex_row,
+        back_row,
+        radius,
+        axis,
+        stages,
+        raster,
+        seed,
+    })
+}
+
+/// Further materials, all different from host and lens and from each other.
+fn others(
+    entry: &Entry,
+    family: Family,
+    material: &Material,
+    foreign: impl Fn(&Entry) -> Result<Material, DesignError>,
+) -> Result<Vec<Material>, DesignError> {
+    if !family.takes_others() {
+        return Err(entry.fail(
+            &format!("has no meaning for a lens of the family {}, which is of one material", family.name()),
+            "Leave it out, or ask for one of the families stages and graded.",
+        ));
+    }
+    let mut found: Vec<Material> = Vec::new();
+    for item in entry.items()? {
+        let next = foreign(&item)?;
+        if next.name == material.name || found.iter().any(|known| known.name == next.name) {
+            return Err(
+                item.fail("is named twice", "Name each material of the lens once, in lens.material or lens.others.")
+            );
+        }
+        found.push(next);
+    }
+    if found.len() > MOST_OTHERS {
+        return Err(entry.fail(&format!("names more than {MOST_OTHERS} materials"), "Choose fewer."));
+    }
+    Ok(found)
+}
+
+fn axis(entry: &Entry, lattice: &HexagonalSheet) -> Result<f64, DesignError> {
+    let half_width = lattice.half_width();
+    let axis = entry.length(lattice.diameter())?;
+    // Lengths in other units are rounded.
+    if !(0.0..=half_width * (1.0 + 1e-9)).contains(&axis) {
+        let edge = half_width / lattice.diameter();
+        let help = "A design describes the half x >= 0; a lens off the axis has its mirror image on the other side.";
+        return Err(entry.fail(&format!("must lie in the half crystal, from 0 D to {edge} D"), help));
+    }
+    Ok(axis.min(half_width))
+}
