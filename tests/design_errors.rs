@@ -274,7 +274,16 @@ fn wrong_target() {
 fn wrong_lens() {
     let rows = "rows = [3, 20]";
     let mut page = page(&[
-        ("\"plano-convex\"", "\"plano-concave\""),
+        ("\"plano-convex\"", "\"plano-convexe\""),
+        ("\"plano-convex\"", "\"aspheric-back\""),
+        ("\"plano-convex\"", "\"plano-convex\"\naxis = \"17 D\""),
+        ("\"plano-convex\"", "\"plano-convex\"\nstages = 3"),
+        ("\"plano-convex\"", "\"stages\"\nstages = 8"),
+        ("\"plano-convex\"", "\"plano-convex\"\nothers = [\"brass\"]"),
+        ("\"plano-convex\"", "\"graded\"\nothers = [\"brass\", \"brass-260\"]"),
+        ("\"plano-convex\"", "\"graded\"\nothers = \"brass\""),
+        ("\"plano-convex\"", "\"graded\"\nraster = \"fine\""),
+        ("\"plano-convex\"", "\"graded\"\nseed = 3"),
         ("material = \"my-steel\"", "material = \"bras\""),
         ("material = \"my-steel\"", "material = \"stainless-440c\""),
         ("apex_row = 5", "apex_row = 2"),

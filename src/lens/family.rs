@@ -243,8 +243,9 @@ impl Family {
             Self::Fresnel => {
                 let step = last - first;
                 let base = conic(first, curvature, 0.0, whole);
-                let zones = (base.sag(place.widest()) / step).ceil().max(1.0);
-                if zones > MOST_ZONES {
+                let zones = (base.sag(place.widest()) / step).ceil();
+                // One zone is a plano-convex lens.
+                if !(2.0..=MOST_ZONES).contains(&zones) {
                     return None;
                 }
                 // Ring k lies where the sag of the unfolded face is from k to k + 1 steps.

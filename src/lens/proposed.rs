@@ -56,7 +56,8 @@ pub struct Lens {
     pub fraction_without: f64,
     /// The same fraction of the protected region, with the lens and without.
     pub protected: [f64; 2],
-    /// Depths (m) at which the innermost and the outermost ray come to the axis, where they do within the crystal.
+    /// Depths (m) at which the innermost and the outermost ray of a lens on the axis come to the axis, where they do within
+    /// the crystal.
     pub crossing: [Option<f64>; 2],
     /// Its data of first order.
     pub first_order: FirstOrder,
@@ -117,7 +118,7 @@ impl Lens {
         let [aperture, thickness] = form.extent(problem.axis, half_width);
         let traces = fan(&*optics, RAYS);
         let first_order = FirstOrder {
-            focal_length: focal_length(&*optics, problem.axis),
+            focal_length: if family == Family::Prism { None } else { focal_length(&*optics, problem.axis) },
             thickness,
             counts: counts(lattice, &palette, &materials),
             mass: 0.0,
@@ -130,6 +131,9 @@ impl Lens {
             let bench = shape.bench(lattice, problem.speeds);
             let paraxial = shape.paraxial_crossing(lattice, problem.speeds).filter(|&depth| depth <= bench.end);
             [paraxial, bench.trace(bench.aperture()).ok().and_then(|path| path.axis_crossing())]
+        } else if problem.axis > 0.0 || family == Family::Prism {
+            // Off the axis, or all one way: no ray is the innermost.
+            [None, None]
         } else {
             let inner = 1e-4 * half_width;
             let outer = ((problem.axis + aperture).min(half_width)) * (1.0 - 1e-7);

@@ -66,6 +66,10 @@ impl Grid {
                 most: usize::MAX,
                 curvature: CURVATURE,
             },
+            // A ray takes hundreds of steps through a graded slab.
+            Family::Graded => {
+                Self { scan_rays: 17, rays: 65, curvatures: 8, rows: 6, refine: true, most: 3, curvature: 1e-2 }
+            }
             // Rays through any form take some hundred times as long as those of the fan.
             _ => Self { scan_rays: 33, rays: 129, curvatures: 10, rows: 8, refine: true, most: 6, curvature: 1e-3 },
         }
@@ -77,7 +81,7 @@ impl Grid {
             Family::PlanoConvex => {
                 Self { scan_rays: 64, rays: 64, curvatures: 12, rows: 12, refine: false, ..Self::fine(family) }
             }
-            _ => Self { scan_rays: 33, rays: 33, curvatures: 6, rows: 5, refine: false, ..Self::fine(family) },
+            _ => Self { scan_rays: 17, rays: 17, curvatures: 6, rows: 5, refine: false, ..Self::fine(family) },
         }
     }
 }

@@ -229,3 +229,131 @@ fn drawings_follow_the_lens() {
     assert!(rays.iter().all(|ray| (ray.last().unwrap()[1] - crystal().depth(50.0)).abs() < 1e-12));
     assert!(rays[16].len() > 4, "the outermost ray passes through the rim, not beside it");
 }
+
+fn of(family: Family) -> LensRequest {
+    LensRequest { rows: [5, 25], ..LensRequest::new(family, find("brass", &[]).unwrap(), [5, 25]) }
+}
+
+/// Every family that can serve a target at all serves one better than straight rays, within its rows, and its layout is what
+/// it says.
+#[test]
+fn every_family_serves_a_target() {
+    let off_axis = target([30, 34], [6.0, 10.0]);
+    for family in Family::ALL {
+        let target = if family == Family::PlanoConcave { off_axis } else { thesis_target() };
+        let lens = solve(&of(family), &target).unwrap_or_else(|error| panic!("{}: {error}", family.name()));
+        let served = match family {
+            Family::Shield => lens.protected[1] - lens.protected[0],
+            _ => lens.fraction - lens.fraction_without,
+        };
+        assert!(served > 0.01, "{} {served}", family.name());
+        let layout = lens.layout();
+        let [first, last] = lens.rows();
+        assert!(first >= 5 && last <= 25, "{}", family.name());
+        assert_eq!(layout.materials.iter().filter(|&&m| m != 0).count(), lens.spheres);
+        assert!(lens.spheres > 20 && lens.rim_angle < request().max_interface_angle + 1e-6);
+        // Both halves: odd rows have a sphere on the axis, even ones one on the far mirror line.
+        let whole: usize = lens.first_order.counts.iter().sum();
+        assert_eq!(whole, 2 * 850 - 50);
+        println!("{:15} {:.3} {:?} {} {:?}", family.name(), lens.fraction, lens.rows(), lens.spheres, lens.warnings);
+    }
+}
+
+/// Both aspheric lenses bring the rays of their aperture to one point of the region's middle row, at one time: exactly the
+/// one with the conic back, the other to the 1e-9 of its table and the differences of its normal.
+#[test]
+fn aspheric_lenses_have_no_spot() {
+    for (family, off) in [(Family::AsphericFront, 1e-6), (Family::AsphericBack, 1e-9)] {
+        for (x, axis) in [([0.0, 2.5], 0.0), ([6.0, 10.0], 8.0), ([14.0, 16.5], 16.5)] {
+            let lens = solve(&of(family), &target([30, 34], x)).unwrap();
+            assert!((lens.axis / DIAMETER - axis).abs() < 1e-9);
+            let optics = lens.optics();
+            let inside = |x: f64| (x - lens.axis).abs() < lens.aperture * 0.9999;
+            let places = (1..200).map(|k| f64::from(k) * 16.5 / 200.0 * DIAMETER).filter(|&x| inside(x));
+            let traces: Vec<_> = places.map(|x| optics.trace(x)).collect();
+            let passages: Vec<_> = traces.iter().filter_map(|t| t.path.at_depth(crystal().depth(32.0))).collect();
+            assert!(passages.len() == traces.len() && traces.len() > 60, "{}", traces.len());
+            let time = lens.first_order.arrival.unwrap()[0];
+            for (x, at) in passages {
+                assert!((x - lens.axis).abs() < off * DIAMETER, "{} {}", family.name(), (x - lens.axis) / DIAMETER);
+                assert!((at / time - 1.0).abs() < off, "{at} {time}");
+            }
+        }
+    }
+}
+
+/// The general rays through the published lens are those of its own fan: 513 rays resolve 2e-3.
+#[test]
+fn general_rays_agree_with_the_fan() {
+    let lens = solve(&thesis_request(), &thesis_target()).unwrap();
+    let depth = crystal().depth(32.0);
+    for x in [[0.0, 2.5], [4.0, 8.0], [12.0, 16.5]] {
+        let x = x.map(|x| x * DIAMETER);
+        let general = fraction::passing(&*lens.optics(), depth, x, 513);
+        let bench = lens.shape().bench(&crystal(), [lens.host_speed, lens.lens_speed]);
+        let fan = Fan::new(256, request().max_interface_angle, [lens.host_speed, lens.lens_speed]);
+        assert!((general - fan.fraction(&bench, depth, x)).abs() < 2e-3, "{general}");
+    }
+}
+
+/// A zoned front turns rays as the unfolded one of its radius: direction depends on the angle of the face alone. Rays that
+/// meet a step are those that have met more than a front and a back.
+#[test]
+fn zones_turn_rays_as_the_whole_lens_does() {
+    let zoned =
+        LensRequest { apex_row: Some(5), back_row: Some(8), radius: Some(25.0 * DIAMETER), ..of(Family::Fresnel) };
+    let zoned = solve(&zoned, &thesis_target()).unwrap();
+    assert!(zoned.first_order.thickness < 3.0 * DIAMETER);
+    let (optics, mut same) = (zoned.optics(), 0);
+    for k in 1..160 {
+        let x = f64::from(k) * 0.1 * DIAMETER;
+        let trace = optics.trace(x);
+        let passed = trace.events.iter().filter(|e| matches!(e, crate::ray::Event::Passed(_))).count();
+        if passed != 2 {
+            continue;
+        }
+        let speeds = [zoned.host_speed, zoned.lens_speed];
+        let behind = crate::ray::leave(crate::ray::enter(x / (25.0 * DIAMETER), speeds).unwrap(), speeds).unwrap();
+        let [a, b] = [trace.path.points[2], trace.path.points[3]];
+        let slope = (b[0] - a[0]) / (b[1] - a[1]);
+        assert!((slope - behind.x / behind.y).abs() < 1e-9, "{k}");
+        same += 1;
+    }
+    assert!(same > 100, "{same}");
+}
+
+/// What gathers does not if it is not slower, and says so; what spreads does.
+#[test]
+fn a_faster_lens_of_any_family_is_refused_or_spreads() {
+    let brass = find("brass", &[]).unwrap();
+    for family in Family::ALL {
+        let request = LensRequest { material: find("440c", &[]).unwrap(), ..of(family) };
+        let answer = propose(&crystal(), &brass, &request, &thesis_target(), Constants::Code);
+        match family {
+            // Hollow and faster is as convex and slower; a wedge turns rays the other way.
+            Family::PlanoConcave | Family::Prism => assert!(answer.is_ok(), "{}", family.name()),
+            Family::Shield => {}
+            _ => {
+                let why = answer.unwrap_err().to_string();
+                assert!(why.contains("not slower than the host"), "{}: {why}", family.name());
+            }
+        }
+    }
+}
+
+/// A cell that a face cuts holds the part that the face leaves: the flat back at a row's centres halves its cells, as the
+/// area of the hexagons says, so that diffusion lays half of that row.
+#[test]
+fn rasters_by_area_keep_the_area() {
+    let flat = LensRequest { raster: Some(Raster::Diffused), ..thesis_request() };
+    let lens = solve(&flat, &thesis_target()).unwrap();
+    // Area of the segment of circle and flat back, over that of a site's cell, √3/2 D²; within the error of one row.
+    let (r, t, w) = (16.5 / 60.0_f64.to_radians().sin(), 11.0 * 0.75_f64.sqrt(), 16.5_f64);
+    let under_arc = 0.5 * (w * (r * r - w * w).sqrt() + r * r * (w / r).asin());
+    let area = under_arc - (r - t) * w;
+    let expected = area / 0.75_f64.sqrt();
+    assert!((lens.spheres as f64 - expected).abs() < 6.0, "{} {expected}", lens.spheres);
+    let back = crystal().index(16, 1).unwrap();
+    let laid = lens.materials[back..back + 17].iter().filter(|&&m| m == 1).count();
+    assert!((7..=10).contains(&laid), "{laid}");
+}

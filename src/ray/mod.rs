@@ -10,11 +10,13 @@
 //! - `scene`: media and interfaces; a ray through all of them, with its [`Fate`]
 //! - `slab`: a flat slab whose speed changes across it
 //! - `fan`: many rays together: spot, caustic, wavefronts
+//! - `eikonal`: first arrivals on the lattice, without rays
 //! - `path`: the way of one ray
 //! - `bench`: the plano-convex lens by itself, for searches
 
 mod bench;
 mod curve;
+mod eikonal;
 mod fan;
 mod path;
 mod scene;
@@ -23,6 +25,7 @@ mod snell;
 
 pub use bench::{Bench, Face, Reason, Stray, enter, leave};
 pub use curve::{Circle, Conic, Curve, Graph, Meeting, Polyline, Segment};
+pub use eikonal::Eikonal;
 pub use fan::{Optics, Spot, caustic, fan, least_spot, spot, wavefront};
 pub use path::Path;
 pub use scene::{Event, Fate, Interface, Scene, Trace};
