@@ -8,6 +8,7 @@
 //! - `elastic`: Hertz, with and without the published clipping by history
 //! - `elastoplastic`: the published elastic-plastic law and its linear simplification, with and without rate
 //! - `consistent`: our variant of it, which creates no energy on any path
+//! - `tabulated`: a measured force-displacement curve; `dashpot`: spring and dashpot of granular beds
 //! - `law`: the laws by name, and one type that holds any of them
 //!
 //! # Choosing a law
@@ -21,16 +22,20 @@
 //! published figures, `consistent` to design: `docs/consistent-law.md` derives it and says how far the two lie apart.
 
 mod consistent;
+mod dashpot;
 mod elastic;
 mod elastoplastic;
 mod law;
 mod pair;
+mod tabulated;
 
 pub use consistent::Consistent;
+pub use dashpot::Dashpot;
 pub use elastic::{Hertz, HertzThesis};
 pub use elastoplastic::{ElastoPlastic, LinearPlastic};
 pub use law::{AnyLaw, Constants, LawKind, UnknownName};
 pub use pair::{Pair, Regions};
+pub use tabulated::{TableError, Tabulated};
 
 use crate::real::Real;
 

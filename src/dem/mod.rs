@@ -11,6 +11,7 @@
 //! - `guard`: what stops a run
 //! - `impact`: one run from start to end
 //! - `batch`: many designs on one lattice at once
+//! - `rig`: everything else that a lab can build: contacts that come and go, flats, bars, friction, gravity
 //!
 //! Only spheres that the wave has reached are stepped. Those beyond are exactly at rest (displacements are held, not
 //! positions), so leaving them out changes no bit.
@@ -25,6 +26,7 @@ mod ledger;
 mod load;
 mod neighbour;
 mod record;
+pub mod rig;
 mod step;
 mod table;
 

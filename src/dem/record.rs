@@ -25,39 +25,43 @@ pub(super) struct Felt<const D: usize> {
 }
 
 /// A sphere's speed at the accepted steps at which it was greater than ever before, as far as they can still matter.
-#[derive(Clone, Debug, Default)]
-struct Rise {
-    points: Vec<Point>,
-    previous: f64,
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Rise {
+    pub points: Vec<Point>,
+    pub previous: f64,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Point {
-    time: f64,
-    speed: f64,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    pub time: f64,
+    pub speed: f64,
     /// Speed one accepted step before.
-    before: f64,
+    pub before: f64,
 }
 
 /// A sphere has been reached when its speed is this part of its own maximum.
 const ARRIVAL: f64 = 0.01;
 
 impl Rise {
+    /// The speed (m/s) at an accepted step, and whether it is the greatest so far. Speeds below `floor` will not be asked for.
     #[inline]
-    fn push(&mut self, time: f64, speed: f64, is_maximum: bool) {
+    pub fn push(&mut self, time: f64, speed: f64, is_maximum: bool, floor: f64) {
         if is_maximum {
             self.points.push(Point { time, speed, before: self.previous });
-            // Speeds below 1 % of the present maximum are below 1 % of the final one.
             if self.points.len().is_power_of_two() && self.points.len() >= 64 {
-                self.points.retain(|point| point.speed >= ARRIVAL * speed);
+                self.points.retain(|point| point.speed >= floor);
             }
         }
         self.previous = speed;
     }
 
-    /// When the speed first reached 1 % of its maximum, linear between accepted steps.
-    fn arrival(&self, step: f64) -> Option<f64> {
-        let threshold = ARRIVAL * self.points.last()?.speed;
+    /// The greatest speed so far (m/s); none if there was no motion.
+    pub fn maximum(&self) -> Option<f64> {
+        self.points.last().map(|point| point.speed)
+    }
+
+    /// When the speed first reached `threshold` (m/s), linear between accepted steps.
+    pub fn arrival(&self, step: f64, threshold: f64) -> Option<f64> {
         let point = self.points.iter().find(|point| point.speed >= threshold)?;
         let share = (threshold - point.before) / (point.speed - point.before);
         Some(point.time - step * (1.0 - share))
@@ -78,7 +82,7 @@ impl<const D: usize> Felt<D> {
 
     /// First arrivals (s), with the step by which the run advanced.
     pub fn arrivals(&self, step: f64) -> Vec<Option<f64>> {
-        self.arrivals.iter().map(|rise| rise.arrival(step)).collect()
+        self.arrivals.iter().map(|rise| rise.arrival(step, ARRIVAL * rise.maximum()?)).collect()
     }
 }
 
@@ -90,7 +94,9 @@ impl<const D: usize> Observer<f64, D> for Felt<D> {
             if is_maximum {
                 self.speed_squared[i] = speed_squared;
             }
-            self.arrivals[i].push(time, speed_squared.sqrt(), is_maximum);
+            // Speeds below 1 % of the present maximum are below 1 % of the final one.
+            let speed = speed_squared.sqrt();
+            self.arrivals[i].push(time, speed, is_maximum, ARRIVAL * speed);
             self.acceleration_squared[i] = square(&grains.acceleration[i]).max(self.acceleration_squared[i]);
         }
         let (mut momentum, mut force) = (0.0, 0.0);

@@ -1,0 +1,252 @@
+//! A machine whatever its law, and its state to and from numbers.
+
+use super::Rig;
+use super::bodies::Bodies;
+use super::checkpoint::State;
+use super::contacts::{Account, Facing, Kept, NearFace, Strain, Sums};
+use super::law::{Binder, Bonding};
+use super::ledger::EnergyLedger;
+use super::machine::Machine;
+use super::pairs::pair;
+use super::simulation::Touching;
+
+/// A machine of any law.
+pub(super) trait Engine<const D: usize>: Send {
+    fn begin(&mut self, rig: &Rig<D>);
+    fn advance(&mut self, rig: &Rig<D>);
+    fn count(&self) -> u64;
+    fn bodies(&self) -> &Bodies<D>;
+    fn sums(&self) -> &Sums<D>;
+    fn ledger(&self, rig: &Rig<D>) -> EnergyLedger;
+    /// The ledger, of which the energy at hand is remembered.
+    fn look(&mut self, rig: &Rig<D>) -> EnergyLedger;
+    /// Number of contacts, open ones included.
+    fn contacts(&self) -> usize;
+    /// A contact that is closed.
+    fn touching(&self, rig: &Rig<D>, c: usize) -> Option<Touching<D>>;
+    /// What each contact that carries or has carried force has borne, also those dropped since `forget_dropped`.
+    fn strains(&self) -> Box<dyn Iterator<Item = Strain> + '_>;
+    fn forget_dropped(&mut self);
+    /// What contacts have taken from each sphere (J).
+    fn dissipated(&self) -> Vec<f64>;
+    fn save(&self) -> State;
+    fn load(&mut self, rig: &Rig<D>, state: State) -> bool;
+}
+
+impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L, B> {
+    fn begin(&mut self, rig: &Rig<D>) {
+        Machine::begin(self, rig);
+    }
+    fn advance(&mut self, rig: &Rig<D>) {
+        Machine::advance(self, rig);
+    }
+    fn count(&self) -> u64 {
+        self.count
+    }
+    fn bodies(&self) -> &Bodies<D> {
+        &self.bodies
+    }
+    fn sums(&self) -> &Sums<D> {
+        &self.sums
+    }
+    fn ledger(&self, rig: &Rig<D>) -> EnergyLedger {
+        Machine::ledger(self, rig)
+    }
+    fn look(&mut self, rig: &Rig<D>) -> EnergyLedger {
+        Machine::look(self, rig)
+    }
+    fn contacts(&self) -> usize {
+        self.contacts.len()
+    }
+
+    fn touching(&self, rig: &Rig<D>, c: usize) -> Option<Touching<D>> {
+        let contacts = &self.contacts;
+        let normal = contacts.normal(rig, &self.bodies, c)?;
+        let Account { overlap, force, work, slid, wound, .. } = contacts.account[c];
+        let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
+        let [overlap_max, force_max] = L::greatest(&contacts.memory[c]).unwrap_or([overlap, force]);
+        Some(Touching {
+            bodies: contacts.bodies(c),
+            normal,
+            overlap,
+            force,
+            tangential: contacts.tangential(c),
+            overlap_max,
+            force_max,
+            stored: contacts.weight(c) * stored + contacts.share(c) * wound,
+            dissipated: contacts.weight(c) * (work - stored) + contacts.share(c) * (slid - wound),
+        })
+    }
+
+    fn strains(&self) -> Box<dyn Iterator<Item = Strain> + '_> {
+        let contacts = &self.contacts;
+        Box::new((0..contacts.len()).filter_map(|c| contacts.strain(c)).chain(contacts.dropped.iter().copied()))
+    }
+
+    fn forget_dropped(&mut self) {
+        self.contacts.dropped.clear();
+    }
+
+    fn dissipated(&self) -> Vec<f64> {
+        let (contacts, bodies) = (&self.contacts, &self.bodies);
+        let mut sum = contacts.lost_by_sphere.clone();
+        for c in 0..contacts.len() {
+            let Account { overlap, work, slid, wound, .. } = contacts.account[c];
+            if work == 0.0 && slid == 0.0 {
+                continue;
+            }
+            let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
+            let loss = contacts.weight(c) * (work - stored) + contacts.share(c) * (slid - wound);
+            for (sphere, part) in contacts.spheres(c) {
+                sum[sphere] += part * loss / bodies.weight[sphere];
+            }
+        }
+        for (([a, b], _), kept) in &contacts.kept_pairs {
+            for i in [*a as usize, *b as usize] {
+                sum[i] += 0.5 * kept.loss() / bodies.weight[i];
+            }
+        }
+        for ((sphere, _), kept) in &contacts.kept_faces {
+            sum[*sphere as usize] += kept.loss() / bodies.weight[*sphere as usize];
+        }
+        sum
+    }
+
+    fn save(&self) -> State {
+        let contacts = &self.contacts;
+        let flat = |rows: &[[f64; D]]| rows.as_flattened().to_vec();
+        let b = &self.bodies;
+        let face = |facing: Facing| match facing {
+            Facing::Flat(f) => (false, f),
+            Facing::Mirror(m) => (true, m),
+        };
+        let kept = |kept: &Kept<L::Memory>| {
+            let mut numbers = vec![kept.work, kept.slid, kept.weight, kept.share];
+            numbers.extend(L::numbers(&kept.memory));
+            numbers
+        };
+        State {
+            step: self.step,
+            count: self.count,
+            bodies: vec![
+                flat(&b.displacement),
+                flat(&b.velocity),
+                flat(&b.acceleration),
+                b.spin.as_flattened().to_vec(),
+                b.spin_rate.as_flattened().to_vec(),
+                flat(&b.flat_moved),
+                flat(&b.flat_velocity),
+                flat(&b.flat_acceleration),
+                flat(&self.seen),
+                flat(&self.flat_seen),
+                flat(&self.sums.force),
+                self.sums.torque.as_flattened().to_vec(),
+                flat(&self.sums.flat),
+            ],
+            work_in: self.work_in,
+            absorbed: self.absorbed,
+            at_hand: self.at_hand,
+            near: contacts.near.iter().map(|pair| pair.ends).collect(),
+            images: contacts.near.iter().flat_map(|pair| pair.image).collect(),
+            faces: contacts.faces.iter().map(|f| (f.sphere, face(f.facing).0, face(f.facing).1)).collect(),
+            memory: contacts.memory.iter().flat_map(L::numbers).collect(),
+            stretch: flat(&contacts.stretch),
+            account: contacts.account.iter().flat_map(|a| a.numbers()).collect(),
+            kept_pairs: contacts.kept_pairs.iter().map(|((ends, image), k)| (*ends, image.to_vec(), kept(k))).collect(),
+            kept_faces: contacts
+                .kept_faces
+                .iter()
+                .map(|((sphere, facing), k)| ((*sphere, face(*facing).0, face(*facing).1), kept(k)))
+                .collect(),
+            lost: contacts.lost,
+            lost_by_sphere: contacts.lost_by_sphere.clone(),
+            ..State::default()
+        }
+    }
+
+    fn load(&mut self, rig: &Rig<D>, state: State) -> bool {
+        let spheres = rig.sample.spheres.len();
+        let facing = |mirror: bool, place: u32| if mirror { Facing::Mirror(place) } else { Facing::Flat(place) };
+        let image = |numbers: &[i8]| std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(0));
+        let known = |i: u32| (i as usize) < spheres;
+        let face_known = |&(sphere, mirror, place): &(u32, bool, u32)| {
+            known(sphere) && (place as usize) < if mirror { rig.mirrors.len() } else { rig.flats.len() }
+        };
+        if state.images.len() != D * state.near.len()
+            || !state.near.iter().all(|ends| ends.iter().all(|&i| known(i)))
+            || !state.faces.iter().all(face_known)
+        {
+            return false;
+        }
+        let near: Vec<_> = (state.near.iter().zip(state.images.chunks(D.max(1))))
+            .map(|(ends, shift)| pair(rig, ends.map(|i| i as usize), image(shift)))
+            .collect();
+        let faces: Vec<NearFace> = (state.faces.iter())
+            .map(|&(sphere, mirror, place)| NearFace::of(rig, &self.bodies, sphere as usize, facing(mirror, place)))
+            .collect();
+        let count = near.len() + faces.len();
+        self.contacts.replace(rig, near, faces, &self.bodies, &self.binder);
+        let contacts = &mut self.contacts;
+        let mut fits = state.memory.len() == count * L::NUMBERS
+            && state.account.len() == count * Account::NUMBERS
+            && state.stretch.len() == contacts.stretch.len() * D
+            && state.lost_by_sphere.len() == spheres;
+        if !fits {
+            return false;
+        }
+        for c in 0..count {
+            contacts.memory[c] = L::from_numbers(&state.memory[c * L::NUMBERS..(c + 1) * L::NUMBERS]);
+            let numbers = &state.account[c * Account::NUMBERS..(c + 1) * Account::NUMBERS];
+            contacts.account[c] = Account::from_numbers(numbers);
+        }
+        contacts.stretch.as_flattened_mut().copy_from_slice(&state.stretch);
+        let kept = |numbers: &[f64]| {
+            let [work, slid, weight, share, memory @ ..] = numbers else { return None };
+            (memory.len() == L::NUMBERS).then(|| Kept {
+                memory: L::from_numbers(memory),
+                work: *work,
+                slid: *slid,
+                weight: *weight,
+                share: *share,
+            })
+        };
+        for (ends, shift, numbers) in &state.kept_pairs {
+            let Some(kept) = kept(numbers) else { return false };
+            fits &= ends.iter().all(|&i| known(i));
+            contacts.kept_pairs.insert((*ends, image(shift)), kept);
+        }
+        for (face, numbers) in &state.kept_faces {
+            let Some(kept) = kept(numbers) else { return false };
+            fits &= face_known(face);
+            contacts.kept_faces.insert((face.0, facing(face.1, face.2)), kept);
+        }
+        contacts.lost = state.lost;
+        contacts.lost_by_sphere = state.lost_by_sphere;
+        (self.count, self.at_hand) = (state.count, state.at_hand);
+        (self.work_in, self.absorbed) = (state.work_in, state.absorbed);
+        let b = &mut self.bodies;
+        let mut arrays = [
+            b.displacement.as_flattened_mut(),
+            b.velocity.as_flattened_mut(),
+            b.acceleration.as_flattened_mut(),
+            b.spin.as_flattened_mut(),
+            b.spin_rate.as_flattened_mut(),
+            b.flat_moved.as_flattened_mut(),
+            b.flat_velocity.as_flattened_mut(),
+            b.flat_acceleration.as_flattened_mut(),
+            self.seen.as_flattened_mut(),
+            self.flat_seen.as_flattened_mut(),
+            self.sums.force.as_flattened_mut(),
+            self.sums.torque.as_flattened_mut(),
+            self.sums.flat.as_flattened_mut(),
+        ];
+        fits &= state.bodies.len() == arrays.len();
+        for (array, numbers) in arrays.iter_mut().zip(&state.bodies) {
+            fits &= array.len() == numbers.len();
+            if fits {
+                array.copy_from_slice(numbers);
+            }
+        }
+        fits
+    }
+}

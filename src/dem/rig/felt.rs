@@ -1,0 +1,145 @@
+//! What each sphere of a rig felt at most, and when it was first reached.
+
+use super::bodies::{Bodies, dot};
+use super::contacts::Sums;
+use crate::dem::record::{Point, Rise};
+
+/// When a sphere counts as reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arrival {
+    /// Its speed is this part of its own greatest.
+    OwnMaximum(f64),
+    /// Its speed is this part of the first sphere's greatest (Burgoyne 2016, section 2.1.2, with 0.01).
+    FirstSphere(f64),
+    /// Its speed (m/s).
+    Speed(f64),
+    /// How far it has moved (m).
+    Displacement(f64),
+}
+
+/// Greatest speeds and forces over accepted steps, and first arrivals.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Felt {
+    pub arrivals: Vec<Arrival>,
+    /// (m²/s²)
+    pub speed_squared: Vec<f64>,
+    /// Square of the net force of contacts (N²).
+    pub force_squared: Vec<f64>,
+    pub rises: Vec<Rise>,
+    /// Per displacement threshold and sphere the first time it was passed (s), NaN before.
+    pub moved: Vec<Vec<f64>>,
+    /// Squared displacement one accepted step before (m²).
+    pub moved_before: Vec<f64>,
+}
+
+impl Felt {
+    pub fn new(spheres: usize, arrivals: Vec<Arrival>) -> Self {
+        let thresholds = arrivals.iter().filter(|arrival| matches!(arrival, Arrival::Displacement(_))).count();
+        Self {
+            arrivals,
+            speed_squared: vec![0.0; spheres],
+            force_squared: vec![0.0; spheres],
+            rises: vec![Rise::default(); spheres],
+            moved: vec![vec![f64::NAN; spheres]; thresholds],
+            moved_before: vec![0.0; if thresholds > 0 { spheres } else { 0 }],
+        }
+    }
+
+    /// Looks at the spheres after an accepted step; those with a speed at time zero are seen from then on.
+    pub fn accepted<const D: usize>(&mut self, time: f64, step: f64, bodies: &Bodies<D>, sums: &Sums<D>) {
+        let first = self.speed_squared.first().copied().unwrap_or(0.0).sqrt();
+        // The least speed that any threshold can still ask for, as a part of the own and of the first sphere's maximum.
+        let (mut own, mut of_first, mut fixed) = (1.0_f64, f64::INFINITY, f64::INFINITY);
+        for arrival in &self.arrivals {
+            match *arrival {
+                Arrival::OwnMaximum(part) => own = own.min(part),
+                Arrival::FirstSphere(part) => of_first = of_first.min(part),
+                Arrival::Speed(speed) => fixed = fixed.min(speed),
+                Arrival::Displacement(_) => {}
+            }
+        }
+        for i in 0..self.rises.len() {
+            let speed_squared = bodies.speed_squared(i);
+            let is_maximum = speed_squared > self.speed_squared[i];
+            if is_maximum {
+                self.speed_squared[i] = speed_squared;
+            }
+            let speed = speed_squared.sqrt();
+            let floor = (own * speed).min(of_first * first).min(fixed);
+            self.rises[i].push(time, speed, is_maximum, floor);
+            self.force_squared[i] = dot(&sums.force[i], &sums.force[i]).max(self.force_squared[i]);
+        }
+        if self.moved_before.is_empty() {
+            return;
+        }
+        let thresholds = self.arrivals.iter().filter_map(|arrival| match arrival {
+            Arrival::Displacement(moved) => Some(*moved),
+            _ => None,
+        });
+        for (threshold, times) in thresholds.zip(&mut self.moved) {
+            for i in 0..times.len() {
+                let moved = dot(&bodies.displacement[i], &bodies.displacement[i]).sqrt();
+                if times[i].is_nan() && moved >= threshold {
+                    let before = self.moved_before[i].sqrt();
+                    times[i] = time - step * (moved - threshold) / (moved - before);
+                }
+            }
+        }
+        for (before, moved) in self.moved_before.iter_mut().zip(&bodies.displacement) {
+            *before = dot(moved, moved);
+        }
+    }
+
+    /// First arrivals (s) by the k-th threshold, with the step by which the run advanced.
+    pub fn arrivals(&self, k: usize, step: f64) -> Vec<Option<f64>> {
+        let first = self.rises.first().and_then(Rise::maximum);
+        let of = |rise: &Rise| match self.arrivals[k] {
+            Arrival::OwnMaximum(part) => rise.arrival(step, part * rise.maximum()?),
+            Arrival::FirstSphere(part) => rise.arrival(step, part * first?),
+            Arrival::Speed(speed) => rise.arrival(step, speed),
+            Arrival::Displacement(_) => None,
+        };
+        if matches!(self.arrivals[k], Arrival::Displacement(_)) {
+            let place = self.arrivals[..k].iter().filter(|a| matches!(a, Arrival::Displacement(_))).count();
+            return self.moved[place].iter().map(|&time| (!time.is_nan()).then_some(time)).collect();
+        }
+        self.rises.iter().map(of).collect()
+    }
+
+    /// As numbers, for a checkpoint.
+    pub fn numbers(&self) -> Vec<Vec<f64>> {
+        let mut rows = vec![self.speed_squared.clone(), self.force_squared.clone(), self.moved_before.clone()];
+        rows.extend(self.moved.iter().cloned());
+        for rise in &self.rises {
+            let mut row = vec![rise.previous];
+            row.extend(rise.points.iter().flat_map(|point| [point.time, point.speed, point.before]));
+            rows.push(row);
+        }
+        rows
+    }
+
+    /// Takes up numbers from a checkpoint; false if they are not of this shape.
+    pub fn take_up(&mut self, rows: Vec<Vec<f64>>) -> bool {
+        let mut rows = rows.into_iter();
+        let same = |old: &mut Vec<f64>, new: Option<Vec<f64>>| match new {
+            Some(new) if new.len() == old.len() => {
+                *old = new;
+                true
+            }
+            _ => false,
+        };
+        let mut fits = same(&mut self.speed_squared, rows.next());
+        fits &= same(&mut self.force_squared, rows.next());
+        fits &= same(&mut self.moved_before, rows.next());
+        for times in &mut self.moved {
+            fits &= same(times, rows.next());
+        }
+        for rise in &mut self.rises {
+            let row = rows.next().unwrap_or_default();
+            let [previous, points @ ..] = row.as_slice() else { return false };
+            rise.previous = *previous;
+            rise.points = points.chunks_exact(3).map(|p| Point { time: p[0], speed: p[1], before: p[2] }).collect();
+        }
+        fits && rows.next().is_none()
+    }
+}

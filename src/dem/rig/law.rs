@@ -1,0 +1,270 @@
+//! Which law holds between which bodies.
+
+use std::sync::Arc;
+
+use crate::contact::{AnyLaw, Constants, Dashpot, ForceLaw as _, History, LawKind, NormalLaw, Pair, Tabulated};
+use crate::material::Material;
+
+/// The laws of a rig.
+#[derive(Clone, Debug)]
+pub enum LawBook {
+    /// Laws of spheres by their materials.
+    Materials {
+        /// Between all materials that `pairs` does not name.
+        law: Law,
+        /// Set of fitted constants of the elastic-plastic laws.
+        constants: Constants,
+        /// Laws of single pairs of materials, by their indices in the sample. A flat counts as a sphere like the one it meets.
+        pairs: Vec<([usize; 2], Law)>,
+        /// Friction at every contact; none switches off tangential forces and rotation.
+        friction: Option<Friction>,
+    },
+    /// Linear spring and dashpot, F = k δ + γ m̄ v with closing speed v, which pulls as a contact ends (Kondic et al. 2012).
+    Dashpot {
+        /// k (N/m)
+        stiffness: f64,
+        /// Per material of the sample γ (1/s) and friction; between two materials those of the one with the higher index hold.
+        materials: Vec<(f64, Option<Friction>)>,
+        /// Whether the force is cut at zero, so that contacts never pull.
+        cut: bool,
+    },
+}
+
+/// A normal law by name or by table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Law {
+    /// One of the named laws.
+    Named(LawKind),
+    /// Force over overlap from a table.
+    Tabulated(Arc<Tabulated>),
+}
+
+/// Friction at a contact: F_t = −k_t ξ − γ_t m̄ v_t, at most μ |F_n|, with ξ the tangential spring (Cundall and Strack 1979;
+/// Kondic et al. 2012).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// μ
+    pub coefficient: f64,
+    /// The tangential spring.
+    pub spring: Spring,
+    /// γ_t (1/s), per reduced mass.
+    pub damping: f64,
+}
+
+/// The spring of static friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spring {
+    /// None: kinetic friction, by damping and the cap alone.
+    None,
+    /// k_t (N/m)
+    Constant(f64),
+    /// k_t = 8 G* √(r* δ), of two elastic spheres (Mindlin 1949), with 1/G* = 2(2−ν₁)(1+ν₁)/E₁ + 2(2−ν₂)(1+ν₂)/E₂.
+    Mindlin,
+}
+
+impl LawBook {
+    /// Whether any contact has friction, so that spheres turn.
+    pub fn has_friction(&self) -> bool {
+        match self {
+            Self::Materials { friction, .. } => friction.is_some(),
+            Self::Dashpot { materials, .. } => materials.iter().any(|(_, friction)| friction.is_some()),
+        }
+    }
+
+    /// One named law between all materials, with the code's constants and without friction.
+    pub fn named(kind: LawKind) -> Self {
+        Self::Materials { law: Law::Named(kind), constants: Constants::default(), pairs: Vec::new(), friction: None }
+    }
+}
+
+/// A normal law as the rig evaluates it, with what a contact under it remembers.
+pub(super) trait Bonding: Clone + Send + Sync + 'static {
+    /// What a contact remembers.
+    type Memory: Copy + Default + PartialEq + Send + Sync + 'static;
+    /// How many numbers that is.
+    const NUMBERS: usize;
+    /// Force (N), and the memory after an accepted step.
+    fn respond(&self, overlap: f64, closing_speed: f64, memory: &Self::Memory) -> (f64, Self::Memory);
+    /// Energy (J) that the contact would give back.
+    fn stored(&self, overlap: f64, memory: &Self::Memory) -> f64;
+    /// Greatest overlap (m) and force (N) so far, where they are remembered.
+    fn greatest(memory: &Self::Memory) -> Option<[f64; 2]>;
+    /// The greatest stiffness (N/m) after having carried `force_max` (N).
+    fn stiffness_max(&self, force_max: f64) -> f64;
+    /// The greatest overlap (m) for which the law holds.
+    fn range(&self) -> f64;
+    /// The memory as numbers.
+    fn numbers(memory: &Self::Memory) -> Vec<f64>;
+    /// The memory from its numbers.
+    fn from_numbers(numbers: &[f64]) -> Self::Memory;
+}
+
+/// A named or tabulated law.
+#[derive(Clone, Debug)]
+pub(super) enum Solid {
+    Named(AnyLaw),
+    Tabulated(Arc<Tabulated>),
+}
+
+impl Bonding for Solid {
+    type Memory = History;
+    const NUMBERS: usize = 3;
+
+    fn respond(&self, overlap: f64, closing_speed: f64, memory: &History) -> (f64, History) {
+        match self {
+            Self::Named(law) => law.respond(overlap, closing_speed, memory),
+            Self::Tabulated(law) => law.respond(overlap, closing_speed, memory),
+        }
+    }
+    fn stored(&self, overlap: f64, memory: &History) -> f64 {
+        match self {
+            Self::Named(law) => law.stored(overlap, memory),
+            Self::Tabulated(law) => law.stored(overlap, memory),
+        }
+    }
+    fn greatest(memory: &History) -> Option<[f64; 2]> {
+        Some([memory.overlap_max, memory.force_max])
+    }
+    fn stiffness_max(&self, force_max: f64) -> f64 {
+        match self {
+            Self::Named(law) => law.stiffness_max(force_max),
+            Self::Tabulated(law) => law.stiffness_max(force_max),
+        }
+    }
+    fn range(&self) -> f64 {
+        match self {
+            Self::Named(_) => f64::INFINITY,
+            Self::Tabulated(law) => law.range(),
+        }
+    }
+    fn numbers(memory: &History) -> Vec<f64> {
+        vec![memory.overlap_max, memory.force_max, memory.elastic_excess]
+    }
+    fn from_numbers(numbers: &[f64]) -> History {
+        History { overlap_max: numbers[0], force_max: numbers[1], elastic_excess: numbers[2] }
+    }
+}
+
+impl Bonding for Dashpot {
+    type Memory = ();
+    const NUMBERS: usize = 0;
+
+    #[inline(always)]
+    fn respond(&self, overlap: f64, closing_speed: f64, (): &()) -> (f64, ()) {
+        (self.force(overlap, closing_speed, &History::new()), ())
+    }
+    fn stored(&self, overlap: f64, (): &()) -> f64 {
+        NormalLaw::stored(self, overlap, &History::new())
+    }
+    fn greatest((): &()) -> Option<[f64; 2]> {
+        None
+    }
+    fn stiffness_max(&self, _: f64) -> f64 {
+        self.stiffness
+    }
+    fn range(&self) -> f64 {
+        f64::INFINITY
+    }
+    fn numbers((): &()) -> Vec<f64> {
+        Vec::new()
+    }
+    fn from_numbers(_: &[f64]) {}
+}
+
+/// Normal law and friction of one kind of contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bond<L> {
+    pub normal: L,
+    pub slip: Slip,
+}
+
+/// Friction with the constants of a pair worked in. All zero without friction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slip {
+    /// μ
+    pub coefficient: f64,
+    /// k_t (N/m), constant part
+    pub stiffness: f64,
+    /// k_t over √δ (N/m^1.5), Mindlin's part
+    pub mindlin: f64,
+    /// γ_t m̄ (kg/s)
+    pub damping: f64,
+}
+
+/// One end of a contact, as far as laws ask for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct End {
+    pub material: usize,
+    pub radius: f64,
+    /// Infinite for what cannot move.
+    pub mass: f64,
+}
+
+fn reduced_mass([a, b]: [End; 2]) -> f64 {
+    match (a.mass.is_finite(), b.mass.is_finite()) {
+        (true, true) => a.mass * b.mass / (a.mass + b.mass),
+        (true, false) => a.mass,
+        _ => b.mass,
+    }
+}
+
+/// Makes bonds from a law book.
+pub(super) trait Binder<L> {
+    fn bond(&self, ends: [End; 2]) -> Bond<L>;
+}
+
+/// Laws by materials; see [`LawBook::Materials`].
+pub(super) struct ByMaterial {
+    pub law: Law,
+    pub constants: Constants,
+    pub pairs: Vec<([usize; 2], Law)>,
+    pub friction: Option<Friction>,
+    pub materials: Vec<Material>,
+}
+
+impl Binder<Solid> for ByMaterial {
+    fn bond(&self, ends: [End; 2]) -> Bond<Solid> {
+        let [a, b] = ends;
+        let materials = [&self.materials[a.material], &self.materials[b.material]];
+        let pair = Pair::new(materials, [a.radius, b.radius], self.constants);
+        let named =
+            |(names, _): &&([usize; 2], Law)| *names == [a.material, b.material] || *names == [b.material, a.material];
+        let normal = match self.pairs.iter().find(named).map_or(&self.law, |(_, law)| law) {
+            Law::Named(kind) => Solid::Named(AnyLaw::new(*kind, &pair)),
+            Law::Tabulated(table) => Solid::Tabulated(Arc::clone(table)),
+        };
+        let slip = self.friction.map_or(Slip::default(), |friction| {
+            let compliance = |m: &Material| 2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.youngs_modulus;
+            let shear = 1.0 / (compliance(materials[0]) + compliance(materials[1]));
+            friction.slip(reduced_mass(ends), 8.0 * shear * pair.radius.sqrt())
+        });
+        Bond { normal, slip }
+    }
+}
+
+/// Springs and dashpots; see [`LawBook::Dashpot`].
+pub(super) struct ByDashpot {
+    pub stiffness: f64,
+    pub materials: Vec<(f64, Option<Friction>)>,
+    pub cut: bool,
+}
+
+impl Binder<Dashpot> for ByDashpot {
+    fn bond(&self, ends: [End; 2]) -> Bond<Dashpot> {
+        let (rate, friction) = self.materials[ends[0].material.max(ends[1].material)];
+        let mass = reduced_mass(ends);
+        let normal = Dashpot { stiffness: self.stiffness, damping: rate * mass, cut: self.cut };
+        Bond { normal, slip: friction.map_or(Slip::default(), |friction| friction.slip(mass, 0.0)) }
+    }
+}
+
+impl Friction {
+    fn slip(&self, reduced_mass: f64, mindlin: f64) -> Slip {
+        Slip {
+            coefficient: self.coefficient,
+            stiffness: if let Spring::Constant(stiffness) = self.spring { stiffness } else { 0.0 },
+            mindlin: if self.spring == Spring::Mindlin { mindlin } else { 0.0 },
+            damping: self.damping * reduced_mass,
+        }
+    }
+}

@@ -1,0 +1,505 @@
+//! One velocity-Verlet step of a rig.
+//!
+//! The predicted velocity v + h a stands in the force, as everywhere in [`dem`](crate::dem), so that the step is of second
+//! order although forces depend on velocities. Bars and drag answer the new velocity implicitly (Crank and Nicolson), so that
+//! a stiff bar limits no step.
+
+use rayon::prelude::*;
+
+use super::bodies::{Bodies, dot};
+use super::contacts::{Contacts, Sums, Trial};
+use super::law::{Binder, Bonding};
+use super::ledger::EnergyLedger;
+use super::pairs::Finder;
+use super::{Body, LoadKind, Rig};
+
+/// A rig in motion under laws of one type.
+pub(super) struct Machine<const D: usize, L: Bonding, B> {
+    pub bodies: Bodies<D>,
+    pub contacts: Contacts<D, L>,
+    pub binder: B,
+    pub finder: Finder<D>,
+    pub step: f64,
+    pub count: u64,
+    /// Displacements when near pairs were last looked for, of spheres and of flats.
+    pub seen: Vec<[f64; D]>,
+    pub flat_seen: Vec<[f64; D]>,
+    pub sums: Sums<D>,
+    trial: Vec<[f64; D]>,
+    trial_spin: Vec<[f64; 3]>,
+    flat_trial: Vec<[f64; D]>,
+    /// Work of loads and prescribed motion, and what bars and drag took (J).
+    pub work_in: f64,
+    pub absorbed: f64,
+    /// The most energy that was at hand so far (J), as of the last look.
+    pub at_hand: f64,
+    turning: bool,
+    /// Bodies under loads or incoming pulses.
+    loaded: Vec<Body>,
+    acts: Vec<Act<D>>,
+}
+
+/// What loads do to a body during a step.
+struct Act<const D: usize> {
+    body: Body,
+    /// Mean force (N).
+    force: [f64; D],
+    /// Displacement during the step and velocity at its end, where they are prescribed.
+    prescribed: Option<[[f64; D]; 2]>,
+    /// Displacement, velocity and contact force before the step.
+    from: [f64; D],
+    velocity: [f64; D],
+    resisting: [f64; D],
+}
+
+/// From so many spheres on loops over them are shared among threads.
+const MANY: usize = 20_000;
+
+/// Part of the skin that a body may cross before pairs are looked for anew: two may do so towards each other.
+const HALF: f64 = 0.5;
+
+/// State of one body through a step: everything that moves in `D` dimensions.
+struct Motion<'a, const D: usize> {
+    displacement: &'a mut [f64; D],
+    velocity: &'a mut [f64; D],
+    acceleration: &'a mut [f64; D],
+    trial: &'a mut [f64; D],
+}
+
+impl<const D: usize> Motion<'_, D> {
+    #[inline(always)]
+    fn drift(&mut self, h: f64) {
+        for k in 0..D {
+            let (velocity, acceleration) = (self.velocity[k], self.acceleration[k]);
+            self.displacement[k] += h * (velocity + 0.5 * h * acceleration);
+            self.trial[k] = velocity + h * acceleration;
+        }
+    }
+
+    /// New velocity and acceleration under the contact force; gives Σ λ (v² old + v² new).
+    #[inline(always)]
+    fn kick(&mut self, h: f64, force: &[f64; D], inverse: &[f64; D], gravity: &[f64; D], damping: &[f64; D]) -> f64 {
+        let mut damped = 0.0;
+        for k in 0..D {
+            let fall = if inverse[k] == 0.0 { 0.0 } else { gravity[k] };
+            let driven = force[k] * inverse[k] + fall;
+            let old = self.velocity[k];
+            let new = (old + 0.5 * h * (self.acceleration[k] + driven)) / (1.0 + 0.5 * h * damping[k]);
+            self.velocity[k] = new;
+            self.acceleration[k] = driven - damping[k] * new;
+            damped += damping[k] * (old * old + new * new);
+        }
+        damped
+    }
+}
+
+impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
+    pub fn new(rig: &Rig<D>, binder: B, face_factor: f64, step: f64, skin: f64) -> Self {
+        let bodies = Bodies::new(rig);
+        let finder = Finder::new(rig, skin);
+        let contacts = Contacts::new(rig, &bodies, face_factor);
+        let (spheres, flats) = (rig.sample.spheres.len(), rig.flats.len());
+        let turning = rig.laws.has_friction();
+        let mut loaded: Vec<Body> = Vec::new();
+        let with_pulse = rig.bars.iter().filter(|bar| bar.incident.is_some()).map(|bar| bar.body);
+        for body in rig.loads.iter().flat_map(|load| load.bodies.iter().copied()).chain(with_pulse) {
+            if !loaded.contains(&body) {
+                loaded.push(body);
+            }
+        }
+        Self {
+            seen: bodies.displacement.clone(),
+            flat_seen: bodies.flat_moved.clone(),
+            trial: vec![[0.0; D]; spheres],
+            trial_spin: vec![[0.0; 3]; if turning { spheres } else { 0 }],
+            flat_trial: vec![[0.0; D]; flats],
+            sums: Sums::new(spheres, flats),
+            work_in: 0.0,
+            absorbed: 0.0,
+            at_hand: 0.0,
+            turning,
+            count: 0,
+            loaded,
+            acts: Vec::new(),
+            bodies,
+            contacts,
+            binder,
+            finder,
+            step,
+        }
+    }
+
+    /// Time (s) at the last accepted step.
+    pub fn time(&self) -> f64 {
+        self.count as f64 * self.step
+    }
+
+    /// Contacts and forces at the start, and the energy that is there already.
+    pub fn begin(&mut self, rig: &Rig<D>) {
+        self.contacts.renew(rig, &self.finder, &self.bodies, &self.binder);
+        // Velocities prescribed at time zero hold from the start on.
+        for load in rig.loads.iter().filter(|load| load.kind == LoadKind::Velocity && load.curve.end() > 0.0) {
+            let velocity = load.direction.map(|n| n * load.curve.value(0.0));
+            for &body in &load.bodies {
+                match body {
+                    Body::Sphere(i) => self.bodies.velocity[i] = velocity,
+                    Body::Flat(f) => self.bodies.flat_velocity[f] = velocity,
+                }
+            }
+        }
+        let Self { bodies, contacts, sums, .. } = self;
+        let (velocity, spin, flat_velocity) = (&bodies.velocity, &bodies.spin, &bodies.flat_velocity);
+        contacts.sweep(rig, bodies, Trial { velocity, spin, flat_velocity, step: 0.0 }, sums);
+        for c in 0..contacts.len() {
+            // What a squeezed contact stores at the start is no work of the motion.
+            contacts.account[c].work = contacts.normal_law(c).stored(contacts.account[c].overlap, &contacts.memory[c]);
+        }
+        for i in 0..bodies.velocity.len() {
+            for k in 0..D {
+                let inverse = bodies.inverse_mass[i][k];
+                let fall = if inverse == 0.0 { 0.0 } else { rig.gravity[k] };
+                let damping = bodies.damping.get(i).map_or(0.0, |damping| damping[k]);
+                bodies.acceleration[i][k] = sums.force[i][k] * inverse + fall - damping * bodies.velocity[i][k];
+            }
+            if self.turning {
+                bodies.spin_rate[i] = sums.torque[i].map(|torque| torque * bodies.inverse_inertia[i]);
+            }
+        }
+        for f in 0..bodies.flat_velocity.len() {
+            for k in 0..D {
+                let inverse = bodies.flat_inverse_mass[f][k];
+                let fall = if inverse == 0.0 { 0.0 } else { rig.gravity[k] };
+                bodies.flat_acceleration[f][k] =
+                    sums.flat[f][k] * inverse + fall - bodies.flat_damping[f][k] * bodies.flat_velocity[f][k];
+            }
+        }
+        let ledger = self.ledger(rig);
+        self.work_in = ledger.kinetic + ledger.stored;
+    }
+
+    /// One accepted step.
+    pub fn advance(&mut self, rig: &Rig<D>) {
+        let h = self.step;
+        self.plan_acts(rig);
+        self.drift(h);
+        self.apply_acts(rig, h);
+        if self.has_strayed() {
+            self.contacts.renew(rig, &self.finder, &self.bodies, &self.binder);
+            self.seen.copy_from_slice(&self.bodies.displacement);
+            self.flat_seen.copy_from_slice(&self.bodies.flat_moved);
+        }
+        let Self { bodies, contacts, sums, trial, trial_spin, flat_trial, .. } = self;
+        contacts.sweep(
+            rig,
+            bodies,
+            Trial { velocity: trial, spin: trial_spin, flat_velocity: flat_trial, step: h },
+            sums,
+        );
+        self.kick(rig, h);
+        self.finish_acts(rig, h);
+        self.count += 1;
+    }
+
+    /// What loads do during the step that begins now.
+    fn plan_acts(&mut self, rig: &Rig<D>) {
+        self.acts.clear();
+        let (from, to) = (self.time(), (self.count + 1) as f64 * self.step);
+        let nearly = 1e-9 * self.step;
+        for &body in &self.loaded {
+            let bodies = &self.bodies;
+            let (from_place, velocity, resisting) = match body {
+                Body::Sphere(i) => (bodies.displacement[i], bodies.velocity[i], self.sums.force[i]),
+                Body::Flat(f) => (bodies.flat_moved[f], bodies.flat_velocity[f], self.sums.flat[f]),
+            };
+            let mut act = Act { body, force: [0.0; D], prescribed: None, from: from_place, velocity, resisting };
+            let mut acts = false;
+            for load in rig.loads.iter().filter(|load| load.bodies.contains(&body)) {
+                let curve = &load.curve;
+                if load.kind == LoadKind::Force {
+                    // A pulse that ends within a billionth of a step of its end has ended.
+                    let mean = if from > curve.end() - nearly { 0.0 } else { curve.mean(from, to) };
+                    acts |= mean != 0.0;
+                    for k in 0..D {
+                        act.force[k] += load.direction[k] * mean;
+                    }
+                } else if from < curve.end() - nearly {
+                    acts = true;
+                    let [moved, velocity] = act.prescribed.get_or_insert([[0.0; D]; 2]);
+                    let last = to.min(curve.end());
+                    // Where the curve ends within the step the velocity it ended with holds to the step's end.
+                    let end_speed = curve.value(last - nearly);
+                    let way = curve.integral(last) - curve.integral(from) + end_speed * (to - last);
+                    for k in 0..D {
+                        moved[k] += load.direction[k] * way;
+                        velocity[k] += load.direction[k] * end_speed;
+                    }
+                }
+            }
+            for bar in rig.bars.iter().filter(|bar| bar.body == body) {
+                if let Some(curve) = &bar.incident {
+                    let mean = 2.0 * curve.mean(from, to);
+                    acts |= mean != 0.0;
+                    act.force[bar.axis] += mean;
+                }
+            }
+            if acts {
+                self.acts.push(act);
+            }
+        }
+    }
+
+    fn drift(&mut self, h: f64) {
+        let Bodies { displacement, velocity, acceleration, spin, spin_rate, .. } = &mut self.bodies;
+        if displacement.len() < MANY {
+            for i in 0..displacement.len() {
+                let (displacement, velocity) = (&mut displacement[i], &mut velocity[i]);
+                Motion { displacement, velocity, acceleration: &mut acceleration[i], trial: &mut self.trial[i] }
+                    .drift(h);
+            }
+        } else {
+            let rows = displacement.par_iter_mut().zip(velocity).zip(acceleration).zip(&mut self.trial);
+            rows.with_min_len(2048).for_each(|(((displacement, velocity), acceleration), trial)| {
+                Motion { displacement, velocity, acceleration, trial }.drift(h);
+            });
+        }
+        if self.turning {
+            for i in 0..spin.len() {
+                for k in 0..3 {
+                    self.trial_spin[i][k] = spin[i][k] + h * spin_rate[i][k];
+                }
+            }
+        }
+        let Bodies { flat_moved, flat_velocity, flat_acceleration, .. } = &mut self.bodies;
+        for f in 0..flat_moved.len() {
+            let (displacement, velocity) = (&mut flat_moved[f], &mut flat_velocity[f]);
+            let (acceleration, trial) = (&mut flat_acceleration[f], &mut self.flat_trial[f]);
+            Motion { displacement, velocity, acceleration, trial }.drift(h);
+        }
+    }
+
+    fn apply_acts(&mut self, rig: &Rig<D>, h: f64) {
+        for act in &self.acts {
+            let (displacement, trial, inverse, weight) = match act.body {
+                Body::Sphere(i) => (
+                    &mut self.bodies.displacement[i],
+                    &mut self.trial[i],
+                    // A load acts on the whole sphere, of which the rig may hold a part.
+                    self.bodies.inverse_mass[i].map(|inverse| inverse * self.bodies.weight[i]),
+                    self.bodies.weight[i],
+                ),
+                Body::Flat(f) => {
+                    let weight = flat_weight(rig);
+                    let inverse = self.bodies.flat_inverse_mass[f].map(|inverse| inverse * weight);
+                    (&mut self.bodies.flat_moved[f], &mut self.flat_trial[f], inverse, weight)
+                }
+            };
+            if let Some([moved, velocity]) = act.prescribed {
+                for k in 0..D {
+                    displacement[k] = act.from[k] + moved[k];
+                }
+                *trial = velocity;
+                continue;
+            }
+            for k in 0..D {
+                let push = act.force[k] * inverse[k];
+                displacement[k] += 0.5 * h * h * push;
+                trial[k] += h * push;
+                self.work_in += weight * act.force[k] * (displacement[k] - act.from[k]);
+            }
+        }
+    }
+
+    /// Whether a body has moved so far that pairs may be near that were not when last looked for.
+    fn has_strayed(&self) -> bool {
+        let most = (HALF * self.finder.skin).powi(2);
+        let strayed = |(now, seen): (&[f64; D], &[f64; D])| {
+            let mut squared = 0.0;
+            for k in 0..D {
+                squared += (now[k] - seen[k]) * (now[k] - seen[k]);
+            }
+            squared > most
+        };
+        let bodies = &self.bodies;
+        bodies.displacement.iter().zip(&self.seen).any(strayed)
+            || bodies.flat_moved.iter().zip(&self.flat_seen).any(strayed)
+    }
+
+    fn kick(&mut self, rig: &Rig<D>, h: f64) {
+        let gravity = &rig.gravity;
+        let Bodies {
+            displacement,
+            velocity,
+            acceleration,
+            inverse_mass,
+            damping,
+            spin,
+            spin_rate,
+            inverse_inertia,
+            weight,
+            ..
+        } = &mut self.bodies;
+        let force = &self.sums.force;
+        let damped = !damping.is_empty();
+        if displacement.len() < MANY || damped {
+            for i in 0..velocity.len() {
+                let rates = if damped { &damping[i] } else { &[0.0; D] };
+                let (displacement, velocity) = (&mut displacement[i], &mut velocity[i]);
+                let (acceleration, trial) = (&mut acceleration[i], &mut self.trial[i]);
+                let mut motion = Motion { displacement, velocity, acceleration, trial };
+                let lost = motion.kick(h, &force[i], &inverse_mass[i], gravity, rates);
+                if damped {
+                    self.absorbed += 0.5 * h * rig.mass[i] * weight[i] * lost;
+                }
+            }
+        } else {
+            let rows = displacement.par_iter_mut().zip(velocity).zip(acceleration).zip(&mut self.trial);
+            let rows = rows.zip(force).zip(inverse_mass.par_iter()).with_min_len(2048);
+            rows.for_each(|(((((displacement, velocity), acceleration), trial), force), inverse)| {
+                let mut motion = Motion { displacement, velocity, acceleration, trial };
+                motion.kick(h, force, inverse, gravity, &[0.0; D]);
+            });
+        }
+        if self.turning {
+            let torque = &self.sums.torque;
+            for i in 0..spin.len() {
+                for k in 0..3 {
+                    let rate = torque[i][k] * inverse_inertia[i];
+                    spin[i][k] += 0.5 * h * (spin_rate[i][k] + rate);
+                    spin_rate[i][k] = rate;
+                }
+            }
+        }
+        let whole = flat_weight(rig);
+        let Bodies { flat_moved, flat_velocity, flat_acceleration, flat_inverse_mass, flat_damping, .. } =
+            &mut self.bodies;
+        for f in 0..flat_moved.len() {
+            let (displacement, velocity) = (&mut flat_moved[f], &mut flat_velocity[f]);
+            let (acceleration, trial) = (&mut flat_acceleration[f], &mut self.flat_trial[f]);
+            let mut motion = Motion { displacement, velocity, acceleration, trial };
+            let lost = motion.kick(h, &self.sums.flat[f], &flat_inverse_mass[f], gravity, &flat_damping[f]);
+            if lost > 0.0 {
+                self.absorbed += 0.5 * h * rig.flats[f].mass * whole * lost;
+            }
+        }
+    }
+
+    /// The impulse of loads; and prescribed velocities, which hold whatever the forces: what they cost is work put in.
+    fn finish_acts(&mut self, rig: &Rig<D>, h: f64) {
+        for act in &self.acts {
+            let Some([moved, velocity]) = act.prescribed else {
+                let bodies = &mut self.bodies;
+                let (velocity, acceleration, inverse, rates, weight, mass) = match act.body {
+                    Body::Sphere(i) => (
+                        &mut bodies.velocity[i],
+                        &mut bodies.acceleration[i],
+                        &bodies.inverse_mass[i],
+                        bodies.damping.get(i).copied().unwrap_or([0.0; D]),
+                        bodies.weight[i],
+                        rig.mass[i],
+                    ),
+                    Body::Flat(f) => (
+                        &mut bodies.flat_velocity[f],
+                        &mut bodies.flat_acceleration[f],
+                        &bodies.flat_inverse_mass[f],
+                        bodies.flat_damping[f],
+                        flat_weight(rig),
+                        rig.flats[f].mass,
+                    ),
+                };
+                for k in 0..D {
+                    // As if it had stood in the implicit equation of the new velocity.
+                    let gained = h * act.force[k] * inverse[k] * weight / (1.0 + 0.5 * h * rates[k]);
+                    if rates[k] > 0.0 {
+                        let (old, new) = (velocity[k], velocity[k] + gained);
+                        self.absorbed += 0.5 * h * mass * weight * rates[k] * (new * new - old * old);
+                        acceleration[k] -= rates[k] * gained;
+                    }
+                    velocity[k] += gained;
+                }
+                continue;
+            };
+            let (now, resisting, mass) = match act.body {
+                Body::Sphere(i) => {
+                    (&mut self.bodies.velocity[i], &self.sums.force[i], rig.mass[i] * self.bodies.weight[i])
+                }
+                Body::Flat(f) => {
+                    (&mut self.bodies.flat_velocity[f], &self.sums.flat[f], rig.flats[f].mass * flat_weight(rig))
+                }
+            };
+            for k in 0..D {
+                self.work_in -= 0.5 * (act.resisting[k] + resisting[k]) * moved[k];
+                if mass.is_finite() {
+                    self.work_in += 0.5 * mass * (velocity[k] * velocity[k] - act.velocity[k] * act.velocity[k]);
+                    self.work_in -= mass * rig.gravity[k] * moved[k];
+                }
+            }
+            *now = velocity;
+        }
+    }
+}
+
+impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
+    /// Draws the balance.
+    pub fn ledger(&self, rig: &Rig<D>) -> EnergyLedger {
+        let mut ledger = EnergyLedger {
+            work_in: self.work_in,
+            absorbed: self.absorbed,
+            at_hand: self.at_hand,
+            ..EnergyLedger::default()
+        };
+        let bodies = &self.bodies;
+        for i in 0..bodies.velocity.len() {
+            let mass = rig.mass[i] * bodies.weight[i];
+            ledger.kinetic += 0.5 * mass * bodies.speed_squared(i);
+            if self.turning {
+                let spin = &bodies.spin[i];
+                ledger.kinetic += 0.5 * rig.inertia[i] * bodies.weight[i] * dot(spin, spin);
+            }
+            for k in 0..D {
+                if bodies.inverse_mass[i][k] > 0.0 {
+                    ledger.potential -= mass * rig.gravity[k] * bodies.displacement[i][k];
+                }
+            }
+        }
+        let whole = flat_weight(rig);
+        for (f, flat) in rig.flats.iter().enumerate().filter(|(_, flat)| flat.mass.is_finite()) {
+            let velocity = &bodies.flat_velocity[f];
+            ledger.kinetic += 0.5 * flat.mass * whole * dot(velocity, velocity);
+            for k in 0..D {
+                if bodies.flat_inverse_mass[f][k] > 0.0 {
+                    ledger.potential -= flat.mass * whole * rig.gravity[k] * bodies.flat_moved[f][k];
+                }
+            }
+        }
+        let contacts = &self.contacts;
+        for c in 0..contacts.len() {
+            let account = &contacts.account[c];
+            let stored = contacts.normal_law(c).stored(account.overlap, &contacts.memory[c]);
+            let (weight, share) = (contacts.weight(c), contacts.share(c));
+            ledger.stored += weight * stored;
+            ledger.dissipated += weight * (account.work - stored);
+            ledger.wound += share * account.wound;
+            ledger.friction += share * (account.slid - account.wound);
+        }
+        for kept in contacts.kept_pairs.values().chain(contacts.kept_faces.values()) {
+            ledger.dissipated += kept.weight * kept.work;
+            ledger.friction += kept.share * kept.slid;
+        }
+        ledger.dissipated += contacts.lost[0];
+        ledger.friction += contacts.lost[1];
+        ledger.at_hand = ledger.at_hand.max(ledger.work_in - ledger.potential.min(0.0));
+        ledger
+    }
+
+    /// Draws the balance, and remembers how much energy was at hand.
+    pub fn look(&mut self, rig: &Rig<D>) -> EnergyLedger {
+        let ledger = self.ledger(rig);
+        self.at_hand = ledger.at_hand;
+        ledger
+    }
+}
+
+/// The part of each flat that is simulated: every mirror of a rig halves its flats.
+fn flat_weight<const D: usize>(rig: &Rig<D>) -> f64 {
+    0.5_f64.powi(rig.mirrors.len() as i32)
+}

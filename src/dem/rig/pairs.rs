@@ -1,0 +1,306 @@
+//! Who is near whom: pairs of spheres closer than a skin, found by cells, over periodic sides too.
+
+use super::Rig;
+
+/// Two spheres that touch, or may do so before the list is made anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Near<const D: usize> {
+    /// Indices, the lower one first.
+    pub ends: [u32; 2],
+    /// Periods by which the second sphere is shifted.
+    pub image: [i8; D],
+    /// From the centre of the first to that of the second (its image) where they lay at the start (m).
+    pub offset: [f64; D],
+    /// |offset|² − (r₁ + r₂)² (m²); exactly zero where the spheres just touched.
+    pub gap: f64,
+    /// r₁ + r₂ (m)
+    pub reach: f64,
+}
+
+impl<const D: usize> Near<D> {
+    /// What tells a pair from all others; lists are in this order.
+    pub fn key(&self) -> ([u32; 2], [i8; D]) {
+        (self.ends, self.image)
+    }
+}
+
+/// Spheres nearer than this part of their reach at the start count as touching, and their gap as zero.
+pub(super) const TOUCHING: f64 = 1e-9;
+
+/// A sphere this many times as wide as the median one is compared with every other instead of widening the cells.
+const BIG: f64 = 2.5;
+
+/// Finds near pairs; holds what does not change from list to list.
+#[derive(Clone, Debug)]
+pub(super) struct Finder<const D: usize> {
+    periods: [Option<f64>; D],
+    /// Surfaces nearer than this are near (m).
+    pub skin: f64,
+    /// Largest diameter of the spheres that go into cells (m).
+    widest: f64,
+    big: Vec<u32>,
+    is_big: Vec<bool>,
+}
+
+/// Cells in a row along each axis that hold sorted spheres.
+struct Grid<const D: usize> {
+    low: [f64; D],
+    width: [f64; D],
+    count: [usize; D],
+    periodic: [bool; D],
+    /// Where each cell's spheres begin in `order`.
+    start: Vec<u32>,
+    order: Vec<u32>,
+}
+
+impl<const D: usize> Grid<D> {
+    fn place(&self, at: &[f64; D]) -> [usize; D] {
+        // Clamping keeps neighbours neighbours, so that spheres outside the grid are found too.
+        std::array::from_fn(|k| {
+            (((at[k] - self.low[k]) / self.width[k]).floor().max(0.0) as usize).min(self.count[k] - 1)
+        })
+    }
+
+    fn index(&self, place: &[usize; D]) -> usize {
+        let mut index = 0;
+        for k in 0..D {
+            index = index * self.count[k] + place[k];
+        }
+        index
+    }
+}
+
+impl<const D: usize> Finder<D> {
+    /// `skin` (m) is how near surfaces have to be to count as near.
+    pub fn new(rig: &Rig<D>, skin: f64) -> Self {
+        let mut radii: Vec<f64> = rig.sample.spheres.iter().map(|s| s.radius).collect();
+        radii.sort_unstable_by(f64::total_cmp);
+        let median = radii.get(radii.len() / 2).copied().unwrap_or(0.0);
+        let is_big: Vec<bool> = rig.sample.spheres.iter().map(|s| s.radius > BIG * median).collect();
+        let big = (0..is_big.len() as u32).filter(|&i| is_big[i as usize]).collect();
+        let widest = radii.iter().rev().find(|&&r| r <= BIG * median).map_or(0.0, |r| 2.0 * r);
+        Self { periods: rig.periods, skin, widest, big, is_big }
+    }
+
+    /// The shortest period that can be handled (m): a sphere may not be near two images of another.
+    pub fn shortest_period(&self) -> f64 {
+        2.0 * (self.widest + self.skin)
+    }
+
+    /// All near pairs, in order of their keys. `displacement` is from the start.
+    pub fn find(&self, rig: &Rig<D>, displacement: &[[f64; D]]) -> Vec<Near<D>> {
+        let spheres = &rig.sample.spheres;
+        let mut wrapped = Vec::with_capacity(spheres.len());
+        let mut turns = Vec::with_capacity(spheres.len());
+        for (sphere, moved) in spheres.iter().zip(displacement) {
+            let mut at: [f64; D] = std::array::from_fn(|k| sphere.centre[k] + moved[k]);
+            let mut turn = [0_i32; D];
+            for k in 0..D {
+                if let Some(period) = self.periods[k] {
+                    let whole = (at[k] / period).floor();
+                    at[k] -= whole * period;
+                    turn[k] = whole as i32;
+                }
+            }
+            wrapped.push(at);
+            turns.push(turn);
+        }
+        let grid = self.grid(&wrapped);
+        let mut list = Vec::with_capacity(spheres.len() * (D + 1));
+        let mut found: Vec<Near<D>> = Vec::new();
+        for i in 0..spheres.len() {
+            found.clear();
+            let mut visit = |j: usize, shift: &[i32; D]| {
+                let mut squared = 0.0;
+                for k in 0..D {
+                    let apart =
+                        wrapped[j][k] - wrapped[i][k] + self.periods[k].map_or(0.0, |p| f64::from(shift[k]) * p);
+                    squared += apart * apart;
+                }
+                let reach = spheres[i].radius + spheres[j].radius;
+                if squared < (reach + self.skin) * (reach + self.skin) {
+                    let image = std::array::from_fn(|k| (shift[k] - turns[j][k] + turns[i][k]) as i8);
+                    found.push(pair(rig, [i, j], image));
+                }
+            };
+            if self.is_big[i] {
+                for j in i + 1..spheres.len() {
+                    self.shifts(|shift| visit(j, shift));
+                }
+            } else {
+                self.around(&grid, &wrapped[i], |j, shift| {
+                    if j > i {
+                        visit(j, shift);
+                    }
+                });
+                for &j in self.big.iter().filter(|&&j| j as usize > i) {
+                    self.shifts(|shift| visit(j as usize, shift));
+                }
+            }
+            found.sort_unstable_by_key(Near::key);
+            list.extend_from_slice(&found);
+        }
+        list
+    }
+
+    /// Calls with every combination of −1, 0, 1 periods along the periodic axes.
+    fn shifts(&self, mut call: impl FnMut(&[i32; D])) {
+        for code in 0..3_usize.pow(D as u32) {
+            let shift: [i32; D] = std::array::from_fn(|k| (code / 3_usize.pow(k as u32) % 3) as i32 - 1);
+            if (0..D).all(|k| shift[k] == 0 || self.periods[k].is_some()) {
+                call(&shift);
+            }
+        }
+    }
+
+    fn grid(&self, wrapped: &[[f64; D]]) -> Grid<D> {
+        let least = (self.widest + self.skin).max(f64::MIN_POSITIVE);
+        let mut low = [f64::INFINITY; D];
+        let mut high = [f64::NEG_INFINITY; D];
+        for at in wrapped {
+            for k in 0..D {
+                low[k] = low[k].min(at[k]);
+                high[k] = high[k].max(at[k]);
+            }
+        }
+        let mut width = [least; D];
+        let mut count = [1_usize; D];
+        for k in 0..D {
+            let extent = match self.periods[k] {
+                Some(period) => {
+                    low[k] = 0.0;
+                    period
+                }
+                None => (high[k] - low[k]).max(0.0),
+            };
+            // No more cells than pay: wide cells are slower, never wrong.
+            let most = (4 * wrapped.len() + 64) as f64;
+            count[k] = (extent / least).floor().clamp(1.0, most) as usize;
+            width[k] = (extent / count[k] as f64).max(least);
+        }
+        while count.iter().product::<usize>() > 8 * wrapped.len() + 64 {
+            for k in 0..D {
+                if count[k] > 3 {
+                    width[k] *= count[k] as f64 / (count[k] / 2) as f64;
+                    count[k] /= 2;
+                }
+            }
+        }
+        // Fewer than three cells around a period would be visited twice: one cell then, seen with all its shifts.
+        for k in 0..D {
+            if self.periods[k].is_some() && count[k] < 3 {
+                (count[k], width[k]) = (1, self.periods[k].unwrap_or(least));
+            }
+        }
+        let cells: usize = count.iter().product();
+        let periodic = self.periods.map(|p| p.is_some());
+        let mut grid = Grid { low, width, count, periodic, start: vec![0; cells + 1], order: Vec::new() };
+        let homes: Vec<usize> = wrapped.iter().map(|at| grid.index(&grid.place(at))).collect();
+        for (i, &home) in homes.iter().enumerate() {
+            if !self.is_big[i] {
+                grid.start[home + 1] += 1;
+            }
+        }
+        for cell in 0..cells {
+            grid.start[cell + 1] += grid.start[cell];
+        }
+        grid.order = vec![0; grid.start[cells] as usize];
+        let mut next = grid.start.clone();
+        for (i, &home) in homes.iter().enumerate() {
+            if !self.is_big[i] {
+                grid.order[next[home] as usize] = i as u32;
+                next[home] += 1;
+            }
+        }
+        grid
+    }
+
+    /// Visits every sphere in the cells around a point, with the periods by which it is shifted there.
+    fn around(&self, grid: &Grid<D>, at: &[f64; D], mut visit: impl FnMut(usize, &[i32; D])) {
+        let home = grid.place(at);
+        'cells: for code in 0..3_usize.pow(D as u32) {
+            let mut place = [0_usize; D];
+            let mut shift = [0_i32; D];
+            for k in 0..D {
+                let step = (code / 3_usize.pow(k as u32) % 3) as isize - 1;
+                let cell = home[k] as isize + step;
+                if (0..grid.count[k] as isize).contains(&cell) {
+                    place[k] = cell as usize;
+                } else if grid.periodic[k] {
+                    place[k] = cell.rem_euclid(grid.count[k] as isize) as usize;
+                    shift[k] = step as i32;
+                } else {
+                    continue 'cells;
+                }
+            }
+            let cell = grid.index(&place);
+            for &j in &grid.order[grid.start[cell] as usize..grid.start[cell + 1] as usize] {
+                visit(j as usize, &shift);
+            }
+        }
+    }
+}
+
+/// The pair of two spheres, the second shifted by so many periods.
+pub(super) fn pair<const D: usize>(rig: &Rig<D>, [i, j]: [usize; 2], image: [i8; D]) -> Near<D> {
+    let (a, b) = (&rig.sample.spheres[i], &rig.sample.spheres[j]);
+    let offset: [f64; D] = std::array::from_fn(|k| {
+        b.centre[k] - a.centre[k] + rig.periods[k].map_or(0.0, |period| f64::from(image[k]) * period)
+    });
+    let reach = a.radius + b.radius;
+    let squared: f64 = offset.iter().map(|x| x * x).sum();
+    let touching = (squared.sqrt() - reach).abs() <= TOUCHING * reach;
+    let gap = if touching { 0.0 } else { squared - reach * reach };
+    Near { ends: [i as u32, j as u32], image, offset, gap, reach }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::LawKind;
+    use crate::dem::rig::LawBook;
+    use crate::material::find;
+    use crate::sample::{Sample, Sphere};
+
+    /// Scattered spheres of several sizes in a box that repeats along its first axis, some displaced over the side, against
+    /// a search of all pairs and images.
+    #[test]
+    fn near_pairs_are_those_of_an_exhaustive_search() {
+        for (count, period) in [(400, 20.0), (30, 5.0)] {
+            let mut state = 1_u64;
+            let mut draw = move || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            let spheres: Vec<Sphere<2>> = (0..count)
+                .map(|i| Sphere {
+                    centre: [period * draw(), 0.05 * f64::from(count) * draw()],
+                    radius: if i == 7 && count > 100 { 3.0 } else { 0.3 + 0.2 * draw() },
+                    material: 0,
+                })
+                .collect();
+            let sample = Sample { materials: vec![find("440c", &[]).unwrap()], spheres };
+            let mut rig = Rig::new(sample, LawBook::named(LawKind::Hertz));
+            rig.periods = [Some(period), None];
+            let moved: Vec<[f64; 2]> = (0..count).map(|_| [60.0 * draw() - 30.0, draw()]).collect();
+            let finder = Finder::new(&rig, 0.2);
+            let list = finder.find(&rig, &moved);
+            assert!(list.is_sorted_by(|a, b| a.key() < b.key()), "in order and without doubles");
+
+            let mut expected = Vec::new();
+            for i in 0..count as usize {
+                for j in i + 1..count as usize {
+                    for image in -20_i8..=20 {
+                        let (a, b) = (&rig.sample.spheres[i], &rig.sample.spheres[j]);
+                        let x = b.centre[0] + moved[j][0] - a.centre[0] - moved[i][0] + f64::from(image) * period;
+                        let z = b.centre[1] + moved[j][1] - a.centre[1] - moved[i][1];
+                        if x.hypot(z) < a.radius + b.radius + 0.2 {
+                            expected.push(([i as u32, j as u32], [image, 0]));
+                        }
+                    }
+                }
+            }
+            assert_eq!(list.iter().map(Near::key).collect::<Vec<_>>(), expected);
+        }
+    }
+}
