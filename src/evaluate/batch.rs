@@ -5,14 +5,14 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use super::{Overrides, Plan, PlanError, impact};
-use crate::dem::{BatchError, Impact, Stop, simulate_batch};
+use crate::dem::{BatchError, ForcePulse, Impact, Stop, simulate_batch};
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::material::Material;
 use crate::real::Width;
 use crate::score::{means, ratio};
 
-/// Scores of one layout, as a search needs them.
+/// Scores of one layout under one impact, as a search needs them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marks {
     /// F (J)
@@ -51,36 +51,73 @@ pub enum EvaluatorError {
     Interrupted,
 }
 
-/// Turns layouts of one design into scores, relative to the crystal of host and that of lens material alone.
+/// Turns layouts of one design into scores, relative to the crystal of host and that of lens material alone under the same
+/// impact.
 pub struct Evaluator<'a> {
     design: &'a Design,
     plan: Plan,
-    impact: Impact,
+    impacts: Vec<Impact>,
     palette: Vec<Material>,
     width: Width,
-    /// F of the crystal of host alone, P of that of lens material alone (J).
-    uniform: [f64; 2],
+    /// For each impact F of the crystal of host alone, P of that of lens material alone (J).
+    uniform: Vec<[f64; 2]>,
+}
+
+/// Step and window that serve all impacts: the shortest step and the longest window that any of them asks for.
+///
+/// # Errors
+/// A step or window with which one of them cannot be simulated.
+pub fn common_plan(
+    design: &Design,
+    pulses: &[ForcePulse],
+    overrides: Overrides,
+    palette: &[Material],
+) -> Result<Plan, PlanError> {
+    let mut common: Option<Plan> = None;
+    for &pulse in pulses {
+        let plan = Plan::new(&Design { impact: pulse, ..design.clone() }, overrides, palette)?;
+        let Some(common) = &mut common else {
+            common = Some(plan);
+            continue;
+        };
+        if plan.step < common.step {
+            (common.step, common.step_reason) = (plan.step, plan.step_reason);
+        }
+        if plan.window > common.window {
+            (common.window, common.window_reason) = (plan.window, plan.window_reason);
+        }
+        for warning in plan.warnings {
+            if !common.warnings.contains(&warning) {
+                common.warnings.push(warning);
+            }
+        }
+    }
+    common.map_or_else(|| Plan::new(design, overrides, palette), Ok)
 }
 
 impl<'a> Evaluator<'a> {
-    /// Chooses step and window, and simulates the two uniform crystals. `palette` holds host, lens material, and others.
+    /// Chooses step and window, and simulates the two uniform crystals under each impact. `palette` holds host, lens material,
+    /// and others.
     ///
     /// # Errors
     /// See [`EvaluatorError`].
     pub fn new(
         design: &'a Design,
+        pulses: &[ForcePulse],
         palette: Vec<Material>,
         overrides: Overrides,
         interrupt: &AtomicBool,
     ) -> Result<Self, EvaluatorError> {
-        let plan = Plan::new(design, overrides, &palette)?;
-        let impact = impact(design, &plan);
-        let mut evaluator = Self { design, plan, impact, palette, width: Width::widest(), uniform: [0.0; 2] };
+        let plan = common_plan(design, pulses, overrides, &palette)?;
+        let struck = |&pulse: &ForcePulse| Impact { pulse, ..impact(design, &plan) };
+        let impacts: Vec<Impact> = pulses.iter().map(struck).collect();
+        let uniform = vec![[1.0; 2]; impacts.len()];
+        let mut evaluator = Self { design, plan, impacts, palette, width: Width::widest(), uniform };
         let lens = usize::from(evaluator.palette.len() > 1);
-        let uniform = [0, lens].map(|material| vec![material as u8; design.lattice.len()]);
-        let marks = evaluator.marks(&uniform, interrupt)?;
+        let layouts = [0, lens].map(|material| vec![material as u8; design.lattice.len()]);
+        let marks = evaluator.marks(&layouts, interrupt)?;
         for (marks, k) in marks.iter().zip([0, lens]) {
-            match &marks.stop {
+            match marks.iter().find_map(|marks| marks.stop.as_ref()) {
                 Some(Stop::Interrupted { .. }) => return Err(EvaluatorError::Interrupted),
                 Some(stop) => {
                     let (material, stop) = (evaluator.palette[k].name.clone(), stop.clone());
@@ -89,7 +126,8 @@ impl<'a> Evaluator<'a> {
                 None => {}
             }
         }
-        evaluator.uniform = [marks[0].focal_mean, marks[1].protected_mean];
+        evaluator.uniform =
+            marks[0].iter().zip(&marks[1]).map(|(host, lens)| [host.focal_mean, lens.protected_mean]).collect();
         Ok(evaluator)
     }
 
@@ -98,32 +136,46 @@ impl<'a> Evaluator<'a> {
         &self.plan
     }
 
-    /// Scores of layouts, each an index into the palette for every site of the lattice. The bits of a layout's scores depend
-    /// neither on the number of threads nor on the layouts beside it.
+    /// Scores of layouts, each an index into the palette for every site of the lattice: for each layout the marks under each
+    /// impact. The bits of a layout's scores depend neither on the number of threads nor on the layouts beside it.
     ///
     /// # Errors
     /// More kinds of contacts than fit into a table; see [`BatchError`].
-    pub fn marks(&self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Marks>, BatchError> {
+    pub fn marks(&self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Vec<Marks>>, BatchError> {
         let lattice = self.design.lattice;
-        let group = |layouts: &[Vec<u8>]| {
-            let sample = |materials: &Vec<u8>| {
-                Layout { lattice, palette: self.palette.clone(), materials: materials.clone() }.sample()
-            };
-            let samples: Vec<_> = layouts.iter().map(sample).collect();
-            simulate_batch(&samples, &self.impact, self.width, interrupt)
-        };
-        let groups: Vec<_> = layouts.par_chunks(self.width.lanes()).map(group).collect::<Result<_, BatchError>>()?;
-        let marks = |brief: crate::dem::Brief| {
-            let [focal_mean, protected_mean] = means(&brief.max_kinetic, &lattice, &self.design.target);
-            Marks {
-                focal_mean,
-                protected_mean,
-                contrast: ratio(focal_mean, protected_mean),
-                focal_gain: ratio(focal_mean, self.uniform[0]),
-                protection: ratio(protected_mean, self.uniform[1]),
-                stop: brief.stop,
+        // Groups of as many layouts as there are lanes, each under each impact.
+        let groups: Vec<(usize, &[Vec<u8>])> = (0..self.impacts.len())
+            .flat_map(|impact| layouts.chunks(self.width.lanes()).map(move |group| (impact, group)))
+            .collect();
+        let simulated = groups
+            .par_iter()
+            .map(|(impact, group)| {
+                let sample = |materials: &Vec<u8>| {
+                    Layout { lattice, palette: self.palette.clone(), materials: materials.clone() }.sample()
+                };
+                let samples: Vec<_> = group.iter().map(sample).collect();
+                simulate_batch(&samples, &self.impacts[*impact], self.width, interrupt)
+            })
+            .collect::<Result<Vec<_>, BatchError>>()?;
+        let mut briefs: Vec<_> = simulated.into_iter().flatten().collect();
+        let mut of_layout: Vec<Vec<Marks>> = layouts.iter().map(|_| Vec::with_capacity(self.impacts.len())).collect();
+        for uniform in &self.uniform {
+            for (marks, brief) in of_layout.iter_mut().zip(briefs.drain(..layouts.len())) {
+                marks.push(self.score(&brief.max_kinetic, brief.stop, uniform));
             }
-        };
-        Ok(groups.into_iter().flatten().map(marks).collect())
+        }
+        Ok(of_layout)
+    }
+
+    fn score(&self, max_kinetic: &[f64], stop: Option<Stop>, uniform: &[f64; 2]) -> Marks {
+        let [focal_mean, protected_mean] = means(max_kinetic, &self.design.lattice, &self.design.target);
+        Marks {
+            focal_mean,
+            protected_mean,
+            contrast: ratio(focal_mean, protected_mean),
+            focal_gain: ratio(focal_mean, uniform[0]),
+            protection: ratio(protected_mean, uniform[1]),
+            stop,
+        }
     }
 }

@@ -8,7 +8,7 @@ mod batch;
 mod compare;
 mod plan;
 
-pub use batch::{Evaluator, EvaluatorError, Marks};
+pub use batch::{Evaluator, EvaluatorError, Marks, common_plan};
 pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use plan::{Overrides, Plan, PlanError};
 

@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 
-use super::{Choice, Dice, Search, Space, level_set, sane};
+use super::breed::{child, first};
+use super::{Choice, Dice, Search, Space, sane};
 
 /// How many members; how many choices of the first population and of each generation are asked for; and after how many
 /// generations without a better best the search ends.
@@ -12,8 +13,8 @@ const CHILDREN: usize = 32;
 const PATIENCE: usize = 25;
 
 /// A genetic algorithm. The first population is smooth ([`level_set`]), with each uniform choice and what is given; the
-/// best of it are the members. A child has one parent's letters in a rectangle and the other's elsewhere, then a block of
-/// one letter or single flips; parents win tournaments of three. Members are the best that are known, all different
+/// best of it are the members. A child exchanges rectangles with another, then changes a little (`breed`); parents win
+/// tournaments of three. Members are the best that are known, all different
 /// (elitism). It ends when the best has not improved for 25 generations, or when no new child is found.
 #[derive(Clone, Debug)]
 pub struct Genetic {
@@ -43,44 +44,10 @@ impl Genetic {
         }
     }
 
-    fn first(&mut self) {
-        let uniform = (0..self.space.letters).map(|letter| vec![letter; self.space.sites.len()]);
-        let mut first: Vec<Choice> = self.given.drain(..).chain(uniform).collect();
-        while first.len() < FIRST {
-            first.push(level_set(&self.space, &mut self.dice));
-        }
-        for choice in first {
-            if self.known.insert(choice.clone()) {
-                self.asked.push(choice);
-            }
-        }
-    }
-
     /// The place of the best of three random members; members stand in order.
     fn winner(&mut self) -> usize {
         let end = self.members.len() as u64;
         (0..3).map(|_| self.dice.below(end) as usize).min().unwrap_or(0)
-    }
-
-    fn child(&mut self) -> Choice {
-        let (a, b) = (self.winner(), self.winner());
-        let mut child = self.members[a].0.clone();
-        if self.dice.below(100) < 85 {
-            let extent = self.space.extent();
-            for site in self.space.rectangle(&mut self.dice, 2 * extent) {
-                child[site] = self.members[b].0[site];
-            }
-        }
-        if self.dice.below(100) < 40 {
-            let letter = self.dice.below(u64::from(self.space.letters)) as u8;
-            for site in self.space.rectangle(&mut self.dice, 5) {
-                child[site] = letter;
-            }
-        }
-        while self.dice.below(100) < 60 {
-            self.space.flip(&mut child, &mut self.dice);
-        }
-        child
     }
 }
 
@@ -92,11 +59,13 @@ impl Search for Genetic {
         }
         if !self.begun {
             self.begun = true;
-            self.first();
+            let given = std::mem::take(&mut self.given);
+            self.asked = first(&self.space, &mut self.dice, given, FIRST, &mut self.known);
         } else if self.stale < PATIENCE {
             // In a small space everything is known sooner or later.
             for _ in 0..20 * CHILDREN {
-                let child = self.child();
+                let parents = [self.winner(), self.winner()].map(|place| &self.members[place].0);
+                let child = child(&self.space, &mut self.dice, parents);
                 if self.known.insert(child.clone()) {
                     self.asked.push(child);
                 }

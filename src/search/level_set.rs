@@ -1,65 +1,138 @@
-//! Smooth random choices: a low-order field for each letter, and on each site the letter whose field is highest.
+//! Smooth choices: a low-order field for each letter, and on each site the letter whose field is highest.
 
+use super::cma::cholesky;
 use super::{Choice, Dice, Space};
 
-/// Half waves along rows and columns.
-const ORDER: usize = 5;
+/// Half waves along rows and columns of a random choice.
+const RANDOM_ORDER: usize = 5;
 
-/// A smooth random choice: for each letter a sum of products of cosines over the sites' rectangle, of up to four half waves
-/// each way and with less of the shorter ones, and a random offset; the highest field has the site.
+/// The products of `order` cosines each way at every site: what smooth fields are made of.
 ///
 /// cos(m π x) is the Chebyshev polynomial T_m of cos(π x), for which 1 - 2 (3 x² - 2 x³) stands in (off by 0.01 at
 /// most), so that nothing depends on a platform's mathematical library.
+#[derive(Clone, Debug)]
+pub struct Waves {
+    order: usize,
+    letters: u8,
+    /// For each site the products, those of the fewest half waves first.
+    products: Vec<Vec<f64>>,
+}
+
+/// The part of a field that is given to a product of m and n half waves: less for shorter ones.
+fn share(m: usize, n: usize) -> f64 {
+    1.0 / (1.0 + 0.5 * (m + n) as f64)
+}
+
+impl Waves {
+    /// Over the sites' rectangle, each way up to `order` - 1 half waves.
+    pub fn new(space: &Space, order: usize) -> Self {
+        let range = |k: usize| {
+            let of = || space.sites.iter().map(|site| site[k]);
+            let first = of().min().unwrap_or(0);
+            (f64::from(first), f64::from((of().max().unwrap_or(0) - first).max(1)))
+        };
+        let ranges = [range(0), range(1)];
+        let products = |site: &[u32; 2]| {
+            let [down, across] = [0, 1].map(|k| half_waves((f64::from(site[k]) - ranges[k].0) / ranges[k].1, order));
+            let mut products = Vec::with_capacity(order * order);
+            for (m, d) in down.iter().enumerate() {
+                for (n, a) in across.iter().enumerate() {
+                    products.push(share(m, n) * d * a);
+                }
+            }
+            products
+        };
+        Self { order, letters: space.letters, products: space.sites.iter().map(products).collect() }
+    }
+
+    /// How many weights a field takes.
+    fn each(&self) -> usize {
+        self.order * self.order
+    }
+
+    /// How many weights a choice takes: a field for every letter but the first, whose field is zero.
+    pub fn dimension(&self) -> usize {
+        self.each() * usize::from(self.letters.max(1) - 1)
+    }
+
+    /// On each site the letter whose field is highest; of several the first.
+    pub fn choice(&self, weights: &[f64]) -> Choice {
+        let highest = |products: &Vec<f64>| {
+            let mut best = (0.0, 0);
+            for (letter, field) in (1..self.letters).zip(weights.chunks(self.each())) {
+                let height: f64 = field.iter().zip(products).map(|(w, p)| w * p).sum();
+                if height > best.0 {
+                    best = (height, letter);
+                }
+            }
+            best.1
+        };
+        self.products.iter().map(highest).collect()
+    }
+
+    /// The weights whose fields come nearest to a choice: for each letter the least squares of its field to 1 where it
+    /// stands and -1 elsewhere, held small where the sites do not tell.
+    pub fn fit(&self, choice: &[u8]) -> Vec<f64> {
+        let n = self.each();
+        let mut normal = vec![0.0; n * n];
+        for products in &self.products {
+            for i in 0..n {
+                for j in 0..n {
+                    normal[i * n + j] += products[i] * products[j];
+                }
+            }
+        }
+        let ridge = 1e-3 * self.products.len().max(1) as f64;
+        (0..n).for_each(|i| normal[i * n + i] += ridge);
+        // With the ridge it is positive definite.
+        let Some(lower) = cholesky(&normal, n) else { return vec![0.0; self.dimension()] };
+        let field = |letter: u8| {
+            let mut x: Vec<f64> = (0..n)
+                .map(|i| {
+                    let sign = |&there: &u8| if there == letter { 1.0 } else { -1.0 };
+                    self.products.iter().zip(choice).map(|(p, there)| p[i] * sign(there)).sum()
+                })
+                .collect();
+            for i in 0..n {
+                let before: f64 = (0..i).map(|k| lower[i * n + k] * x[k]).sum();
+                x[i] = (x[i] - before) / lower[i * n + i];
+            }
+            for i in (0..n).rev() {
+                let behind: f64 = (i + 1..n).map(|k| lower[k * n + i] * x[k]).sum();
+                x[i] = (x[i] - behind) / lower[i * n + i];
+            }
+            x
+        };
+        let zero = field(0);
+        (1..self.letters)
+            .flat_map(|letter| {
+                let x = field(letter);
+                // Heights count from that of the first letter's field.
+                x.into_iter().zip(&zero).map(|(x, zero)| 0.5 * (x - zero)).collect::<Vec<f64>>()
+            })
+            .collect()
+    }
+}
+
+/// A smooth random choice: for each letter a random field of up to four half waves each way; the highest field has the site.
 pub fn level_set(space: &Space, dice: &mut Dice) -> Choice {
-    let range = |k: usize| {
-        let of = || space.sites.iter().map(|site| site[k]);
-        let first = of().min().unwrap_or(0);
-        (f64::from(first), f64::from((of().max().unwrap_or(0) - first).max(1)))
-    };
-    let ranges = [range(0), range(1)];
-    let waves: Vec<[[f64; ORDER]; 2]> = space
-        .sites
-        .iter()
-        .map(|site| [0, 1].map(|k| half_waves((f64::from(site[k]) - ranges[k].0) / ranges[k].1)))
-        .collect();
-    let mut field = || {
-        let mut weights = [[0.0; ORDER]; ORDER];
-        for (m, row) in weights.iter_mut().enumerate() {
-            for (n, weight) in row.iter_mut().enumerate() {
-                *weight = dice.bell() / (1.0 + 0.5 * (m + n) as f64);
-            }
-        }
-        weights
-    };
-    let fields: Vec<[[f64; ORDER]; ORDER]> = (0..space.letters).map(|_| field()).collect();
-    let height = |weights: &[[f64; ORDER]; ORDER], [down, across]: &[[f64; ORDER]; 2]| {
-        let mut sum = 0.0;
-        for (row, d) in weights.iter().zip(down) {
-            for (weight, a) in row.iter().zip(across) {
-                sum += weight * d * a;
-            }
-        }
-        sum
-    };
-    let highest = |waves: &[[f64; ORDER]; 2]| {
-        let mut best = (f64::NEG_INFINITY, 0);
-        for (letter, weights) in (0..space.letters).zip(&fields) {
-            let height = height(weights, waves);
-            if height > best.0 {
-                best = (height, letter);
-            }
-        }
-        best.1
-    };
-    waves.iter().map(highest).collect()
+    let waves = Waves::new(space, RANDOM_ORDER);
+    let fields: Vec<Vec<f64>> =
+        (0..space.letters).map(|_| (0..waves.each()).map(|_| dice.bell()).collect()).collect();
+    // The letters' fields less the first one's, so that all letters are alike.
+    let weights: Vec<f64> =
+        fields.iter().skip(1).flat_map(|field| field.iter().zip(&fields[0]).map(|(w, first)| w - first)).collect();
+    waves.choice(&weights)
 }
 
 /// About cos(m π x), m from 0 on.
-fn half_waves(x: f64) -> [f64; ORDER] {
+fn half_waves(x: f64, order: usize) -> Vec<f64> {
     let u = 1.0 - 2.0 * x * x * (3.0 - 2.0 * x);
-    let mut waves = [1.0; ORDER];
-    waves[1] = u;
-    for m in 2..ORDER {
+    let mut waves = vec![1.0; order];
+    if order > 1 {
+        waves[1] = u;
+    }
+    for m in 2..order {
         waves[m] = 2.0 * u * waves[m - 1] - waves[m - 2];
     }
     waves

@@ -1,6 +1,18 @@
-//! Flips of single sites, in random order and in batches, until none improves.
+//! Changes of one site, then of two, in random order and in batches, until none improves.
 
-use super::{Choice, Dice, Search, Space, sane, shifted};
+use super::{Choice, Dice, Proof, Search, Space, sane, shifted};
+
+/// How many sites a local search changes at a time, once no single one helps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reach {
+    /// One site only.
+    #[default]
+    Flips,
+    /// Then the letters of two neighbours, exchanged.
+    Swaps,
+    /// Then any two sites: there are very many of these pairs.
+    Pairs,
+}
 
 /// A change of one site's letter.
 #[derive(Clone, Copy, Debug)]
@@ -9,56 +21,149 @@ struct Flip {
     shift: u8,
 }
 
+#[derive(Clone, Copy, Debug)]
+enum Move {
+    One(Flip),
+    Two(Flip, Flip),
+    Exchange([usize; 2]),
+}
+
+impl Move {
+    fn apply(self, choice: &mut Choice, letters: u8) {
+        let mut flip = |Flip { site, shift }: Flip| choice[site] = shifted(choice[site], shift, letters);
+        match self {
+            Self::One(a) => flip(a),
+            Self::Two(a, b) => {
+                flip(a);
+                flip(b);
+            }
+            Self::Exchange([a, b]) => choice.swap(a, b),
+        }
+    }
+
+    fn touches(self, site: usize) -> bool {
+        match self {
+            Self::One(a) => a.site == site,
+            Self::Two(a, b) => a.site == site || b.site == site,
+            Self::Exchange(pair) => pair.contains(&site),
+        }
+    }
+
+    fn meets(self, other: Self) -> bool {
+        match self {
+            Self::One(a) => other.touches(a.site),
+            Self::Two(a, b) => other.touches(a.site) || other.touches(b.site),
+            Self::Exchange([a, b]) => other.touches(a) || other.touches(b),
+        }
+    }
+}
+
+/// Moves in a fixed order that is gone through again and again.
+#[derive(Clone, Debug)]
+struct Ring {
+    moves: Vec<Move>,
+    next: usize,
+    /// Moves of the current choice that are known not to improve it.
+    failed: usize,
+}
+
+impl Ring {
+    fn new(mut moves: Vec<Move>, dice: &mut Dice) -> Self {
+        for k in (1..moves.len()).rev() {
+            moves.swap(k, dice.below(k as u64 + 1) as usize);
+        }
+        Self { moves, next: 0, failed: 0 }
+    }
+
+    fn is_done(&self) -> bool {
+        self.failed == self.moves.len()
+    }
+
+    /// Up to `count` moves that change the choice, and how many were looked at for that.
+    fn upcoming(&self, count: usize, current: &[u8]) -> (Vec<Move>, usize) {
+        let (mut found, mut seen) = (Vec::new(), 0);
+        while found.len() < count && seen < self.moves.len() - self.failed {
+            let next = self.moves[(self.next + seen) % self.moves.len()];
+            let idle = matches!(next, Move::Exchange([a, b]) if current[a] == current[b]);
+            found.extend((!idle).then_some(next));
+            seen += 1;
+        }
+        (found, seen)
+    }
+
+    fn pass(&mut self, seen: usize) {
+        self.next = (self.next + seen) % self.moves.len().max(1);
+        self.failed += seen;
+    }
+}
+
 /// Tries the flips of all sites in a random order that is gone through again and again. Of each batch the best
 /// improvement is taken; where several improve, they are next tried together. When all flips of one choice have
-/// failed, no flip improves it, and the search ends: that choice is 1-opt.
+/// failed, no flip improves it: that choice is 1-opt. Within a longer [`Reach`] two sites are then changed at a time, and the
+/// search goes back to flips as soon as that helps. It ends when nothing within reach does.
 #[derive(Clone, Debug)]
 pub struct LocalSearch {
     space: Space,
     batch: usize,
+    reach: Reach,
     current: Choice,
     /// Of the current choice, once told.
     loss: Option<f64>,
-    order: Vec<Flip>,
-    next: usize,
-    /// Flips of the current choice that are known not to improve it.
-    failed: usize,
-    /// Flips to apply in each choice that was asked for.
-    asked: Vec<Vec<Flip>>,
-    /// Other flips that improved the choice before the current one.
-    others: Vec<Flip>,
-    together: bool,
+    flips: Ring,
+    wider: Ring,
+    /// Moves to apply in each choice that was asked for.
+    asked: Vec<Vec<Move>>,
+    asking: Asking,
+    /// Other moves that improved the choice before the current one.
+    others: Vec<Move>,
+}
+
+/// What the last batch was made of.
+#[derive(Clone, Copy, Debug)]
+enum Asking {
+    Flips { seen: usize },
+    Wider { seen: usize },
+    Together,
 }
 
 impl LocalSearch {
     /// Begins at `start`, whose loss may be known; asks for `batch` choices at a time.
-    pub fn new(space: &Space, start: Choice, loss: Option<f64>, batch: usize, seed: u64) -> Self {
+    pub fn new(space: &Space, start: Choice, loss: Option<f64>, batch: usize, reach: Reach, seed: u64) -> Self {
         let mut dice = Dice::new(seed);
-        let mut order: Vec<Flip> = (0..space.sites.len())
+        let flips: Vec<Flip> = (0..space.sites.len())
             .flat_map(|site| (1..space.letters.max(1)).map(move |shift| Flip { site, shift }))
             .collect();
-        for k in (1..order.len()).rev() {
-            order.swap(k, dice.below(k as u64 + 1) as usize);
-        }
+        let wider = match reach {
+            Reach::Flips => Vec::new(),
+            Reach::Swaps => space.neighbours().into_iter().map(Move::Exchange).collect(),
+            Reach::Pairs => {
+                let mut pairs = Vec::new();
+                for (k, &a) in flips.iter().enumerate() {
+                    let later = flips[k + 1..].iter().filter(|b| b.site != a.site);
+                    pairs.extend(later.map(|&b| Move::Two(a, b)));
+                }
+                pairs
+            }
+        };
+        let flips = Ring::new(flips.into_iter().map(Move::One).collect(), &mut dice);
+        let wider = Ring::new(wider, &mut dice);
         Self {
             space: space.clone(),
             batch: batch.max(1),
+            reach,
             current: start,
             loss: loss.map(sane),
-            order,
-            next: 0,
-            failed: 0,
+            flips,
+            wider,
             asked: Vec::new(),
+            asking: Asking::Together,
             others: Vec::new(),
-            together: false,
         }
     }
 
-    fn with(&self, flips: &[Flip]) -> Choice {
+    fn with(&self, moves: &[Move]) -> Choice {
         let mut choice = self.current.clone();
-        for flip in flips {
-            choice[flip.site] = shifted(choice[flip.site], flip.shift, self.space.letters);
-        }
+        moves.iter().for_each(|step| step.apply(&mut choice, self.space.letters));
         choice
     }
 }
@@ -66,16 +171,26 @@ impl LocalSearch {
 impl Search for LocalSearch {
     fn ask(&mut self) -> Vec<Choice> {
         let others = std::mem::take(&mut self.others);
-        self.together = !others.is_empty();
         self.asked = if self.loss.is_none() {
             vec![Vec::new()]
-        } else if self.together {
+        } else if !others.is_empty() {
+            self.asking = Asking::Together;
             (1..=others.len()).map(|k| others[..k].to_vec()).collect()
         } else {
-            let count = self.batch.min(self.order.len() - self.failed);
-            (0..count).map(|k| vec![self.order[(self.next + k) % self.order.len()]]).collect()
+            let (mut moves, seen) = self.flips.upcoming(self.batch, &self.current);
+            self.asking = Asking::Flips { seen };
+            if moves.is_empty() {
+                let (wider, seen) = self.wider.upcoming(self.batch, &self.current);
+                moves = wider;
+                self.asking = Asking::Wider { seen };
+                if moves.is_empty() {
+                    // What is left would change nothing.
+                    self.wider.pass(seen);
+                }
+            }
+            moves.into_iter().map(|step| vec![step]).collect()
         };
-        self.asked.iter().map(|flips| self.with(flips)).collect()
+        self.asked.iter().map(|moves| self.with(moves)).collect()
     }
 
     fn tell(&mut self, losses: &[f64]) {
@@ -84,29 +199,27 @@ impl Search for LocalSearch {
             self.loss = losses.first().map(|&loss| sane(loss));
             return;
         };
-        let mut better: Vec<(f64, &Vec<Flip>)> =
+        let mut better: Vec<(f64, &Vec<Move>)> =
             losses.iter().map(|&loss| sane(loss)).zip(&asked).filter(|(new, _)| *new < loss).collect();
         better.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if !self.together {
-            self.next = (self.next + asked.len()) % self.order.len().max(1);
-            self.failed += asked.len();
+        match self.asking {
+            Asking::Flips { seen } => self.flips.pass(seen),
+            Asking::Wider { seen } => self.wider.pass(seen),
+            Asking::Together => {}
         }
-        if let Some(&(new, flips)) = better.first() {
-            self.current = self.with(flips);
-            self.loss = Some(new);
-            self.failed = 0;
-            if !self.together {
-                let taken = flips[0].site;
-                self.others = better[1..].iter().map(|(_, f)| f[0]).filter(|flip| flip.site != taken).collect();
-                // Of two flips of one site only the better.
-                let mut seen = Vec::new();
-                self.others.retain(|flip| {
-                    !seen.contains(&flip.site) && {
-                        seen.push(flip.site);
-                        true
-                    }
-                });
+        let Some(&(new, moves)) = better.first() else { return };
+        self.current = self.with(moves);
+        self.loss = Some(new);
+        (self.flips.failed, self.wider.failed) = (0, 0);
+        if !matches!(self.asking, Asking::Together) {
+            // Of two that touch the same site only the better.
+            let mut kept = vec![moves[0]];
+            for (_, other) in &better[1..] {
+                if !kept.iter().any(|&kept| kept.meets(other[0])) {
+                    kept.push(other[0]);
+                }
             }
+            self.others = kept.split_off(1);
         }
     }
 
@@ -114,7 +227,13 @@ impl Search for LocalSearch {
         self.loss.map(|loss| (&self.current, loss))
     }
 
-    fn one_opt(&self) -> bool {
-        self.loss.is_some() && self.others.is_empty() && self.failed == self.order.len()
+    fn proof(&self) -> Proof {
+        if self.loss.is_none() || !self.others.is_empty() || !self.flips.is_done() {
+            Proof::None
+        } else if self.reach == Reach::Pairs && self.wider.is_done() {
+            Proof::TwoOpt
+        } else {
+            Proof::OneOpt
+        }
     }
 }

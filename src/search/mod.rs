@@ -4,20 +4,36 @@
 //! their losses, of which less is better. Everything follows from the seed and the losses told: neither threads nor a
 //! clock have a say.
 //!
-//! - `local`: flips of single sites until none improves
-//! - `genetic`: a population that exchanges rectangles
-//! - `level_set`: smooth random choices to begin with
-//! - `rounds`: the two after each other, again and again
+//! - `local`: flips of single sites, then of two, until none improves
+//! - `anneal`: simulated annealing
+//! - `genetic`: a population that exchanges rectangles; `breed`: how it has children
+//! - `cma`: CMA-ES on real parameters; `painted`: choices that follow from such; `level_set`: low-order fields, whose signs
+//!   decide each site
+//! - `nsga`: several losses at once; `front`: who dominates whom, volume and knee of a front, rank correlation
+//! - `rounds`: each of these as a method without an end
 
+mod anneal;
+mod breed;
+mod cma;
+mod front;
 mod genetic;
 mod level_set;
 mod local;
+mod nsga;
+mod painted;
 mod rounds;
 
+pub use anneal::Annealing;
+pub use cma::Cma;
+pub use front::{front, hypervolume, knee, rank_correlation};
 pub use genetic::Genetic;
-pub use level_set::level_set;
-pub use local::LocalSearch;
+pub use level_set::{Waves, level_set};
+pub use local::{LocalSearch, Reach};
+pub use nsga::Nsga;
+pub use painted::{Painted, Painter};
 pub use rounds::{Method, Rounds};
+
+use crate::real::Real;
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -57,6 +73,20 @@ impl Space {
         (0..self.sites.len()).filter(|&i| holds(&self.sites[i])).collect()
     }
 
+    /// The sites of a random rectangle around a site, at most `reach` rows and columns to each side.
+    fn around(&self, middle: usize, dice: &mut Dice, reach: u32) -> Vec<usize> {
+        let [row, column] = self.sites[middle];
+        let (up, across) = (dice.below(u64::from(reach)) as u32, dice.below(u64::from(reach)) as u32);
+        let near = |&[r, c]: &[u32; 2]| r.abs_diff(row) <= up && c.abs_diff(column) <= across;
+        (0..self.sites.len()).filter(|&i| near(&self.sites[i])).collect()
+    }
+
+    /// All pairs of sites that stand side by side: rows and columns differ by one at most.
+    fn neighbours(&self) -> Vec<[usize; 2]> {
+        let beside = |a: usize, b: usize| (0..2).all(|k| self.sites[a][k].abs_diff(self.sites[b][k]) <= 1);
+        (0..self.sites.len()).flat_map(|a| (a + 1..self.sites.len()).map(move |b| [a, b])).filter(|&[a, b]| beside(a, b)).collect()
+    }
+
     /// The greater of the numbers of rows and columns.
     fn extent(&self) -> u32 {
         let span = |k: usize| {
@@ -81,17 +111,52 @@ fn shifted(letter: u8, shift: u8, letters: u8) -> u8 {
     ((u16::from(letter) + u16::from(shift)) % u16::from(letters)) as u8
 }
 
-/// Asked for choices, told their losses.
-pub trait Search {
+/// What a choice costs, where more than one number counts; less is better.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loss {
+    /// All in one number, penalties for missed limits included.
+    pub total: f64,
+    /// By how much limits are missed; 0 if all are kept.
+    pub miss: f64,
+    /// What is traded for each other, without the penalties.
+    pub parts: Vec<f64>,
+}
+
+impl Loss {
+    /// Of a choice that failed.
+    pub fn failed() -> Self {
+        Self { total: f64::INFINITY, miss: f64::INFINITY, parts: Vec::new() }
+    }
+
+    /// Whether every number is one.
+    pub fn is_finite(&self) -> bool {
+        self.total.is_finite() && self.miss.is_finite() && self.parts.iter().all(|part| part.is_finite())
+    }
+}
+
+/// What is known of the best choice's neighbours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Proof {
+    /// Nothing.
+    #[default]
+    None,
+    /// No flip of a single site improves it.
+    OneOpt,
+    /// Nor of any two.
+    TwoOpt,
+}
+
+/// Asked for choices, told their losses: one number each, or a [`Loss`] of several parts.
+pub trait Search<L = f64> {
     /// The choices whose losses are wanted next; none when the search has ended.
     fn ask(&mut self) -> Vec<Choice>;
     /// The losses of what was asked for last, in its order; less is better. A failed one is infinite or not a number.
-    fn tell(&mut self, losses: &[f64]);
+    fn tell(&mut self, losses: &[L]);
     /// The best choice so far, and its loss.
     fn best(&self) -> Option<(&Choice, f64)>;
-    /// Whether it is known of the best choice that no flip of a single site improves it.
-    fn one_opt(&self) -> bool {
-        false
+    /// What is known of the best choice's neighbours.
+    fn proof(&self) -> Proof {
+        Proof::None
     }
 }
 
@@ -129,6 +194,14 @@ impl Dice {
 /// What is not a number is worse than any number.
 fn sane(loss: f64) -> f64 {
     if loss.is_nan() { f64::INFINITY } else { loss }
+}
+
+/// exp(x) for |x| up to 700, from sums, products and one quotient.
+fn exp(x: f64) -> f64 {
+    let halvings = (0..11).find(|&k| x.abs() <= 0.5 * f64::from(1 << k)).unwrap_or(11);
+    let mut power = Real::exp_small(x.abs() / f64::from(1 << halvings));
+    (0..halvings).for_each(|_| power *= power);
+    if x < 0.0 { 1.0 / power } else { power }
 }
 
 #[cfg(test)]

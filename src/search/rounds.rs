@@ -1,11 +1,19 @@
-//! Methods: a genetic search, a local one, or the one after the other, begun anew whenever they have ended.
+//! Methods: each kind of search, begun anew whenever it has ended.
 
 use std::str::FromStr;
 
-use super::{Choice, Dice, Genetic, LocalSearch, Search, Space};
+use super::{
+    Annealing, Choice, Dice, Genetic, LocalSearch, Loss, Nsga, Painted, Painter, Proof, Reach, Search, Space, sane,
+};
 
 /// Choices that a local search asks for at a time: two registers of eight.
 const BATCH: usize = 16;
+
+/// Changes that an annealing tries, times the number of flips.
+const ANNEALING: usize = 10;
+
+/// Half waves each way of a level set, and one more.
+const ORDER: usize = 6;
 
 /// How to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,15 +21,32 @@ pub enum Method {
     /// Genetic searches, one after the other, each from its own first population.
     Genetic,
     /// Local search from the start; then again and again from the best with rectangles and sites changed at random.
-    Local,
+    Local(Reach),
     /// Rounds of a genetic search and a local search from its best.
     GeneticLocal,
+    /// Annealings, the first from the start, each later one from the best of all.
+    Anneal,
+    /// CMA-ES over the coefficients of level sets, the first from that which is nearest to the start.
+    LevelSet,
+    /// CMA-ES over the parameters of a painter that whoever asks brings along.
+    Painter,
+    /// NSGA-II, for several losses.
+    Nsga,
 }
 
 impl Method {
     /// Names as they are written in files.
-    pub const NAMES: [(&str, Self); 3] =
-        [("genetic", Self::Genetic), ("local", Self::Local), ("genetic+local", Self::GeneticLocal)];
+    pub const NAMES: [(&str, Self); 9] = [
+        ("genetic", Self::Genetic),
+        ("local", Self::Local(Reach::Flips)),
+        ("local-swaps", Self::Local(Reach::Swaps)),
+        ("local-pairs", Self::Local(Reach::Pairs)),
+        ("genetic+local", Self::GeneticLocal),
+        ("anneal", Self::Anneal),
+        ("level-set", Self::LevelSet),
+        ("lens-family", Self::Painter),
+        ("nsga2", Self::Nsga),
+    ];
 
     /// The name as it is written in files.
     pub fn name(self) -> &'static str {
@@ -44,13 +69,31 @@ impl FromStr for Method {
 enum Stage {
     Genetic(Genetic),
     Local(LocalSearch),
+    Anneal(Annealing),
+    Painted(Painted),
+    Nsga(Nsga),
 }
 
 impl Stage {
-    fn search(&mut self) -> &mut dyn Search {
+    /// The search, where one number is all it is told.
+    fn single(&mut self) -> Result<&mut dyn Search, &mut Nsga> {
         match self {
-            Self::Genetic(genetic) => genetic,
-            Self::Local(local) => local,
+            Self::Genetic(genetic) => Ok(genetic),
+            Self::Local(local) => Ok(local),
+            Self::Anneal(anneal) => Ok(anneal),
+            Self::Painted(painted) => Ok(painted),
+            Self::Nsga(nsga) => Err(nsga),
+        }
+    }
+
+    fn ask(&mut self) -> Vec<Choice> {
+        self.single().map_or_else(|nsga| nsga.ask(), |search| search.ask())
+    }
+
+    fn tell(&mut self, losses: &[Loss]) {
+        match self.single() {
+            Ok(search) => search.tell(&losses.iter().map(|loss| loss.total).collect::<Vec<_>>()),
+            Err(nsga) => nsga.tell(losses),
         }
     }
 }
@@ -63,40 +106,74 @@ pub struct Rounds {
     stage: Stage,
     asked: Vec<Choice>,
     best: Option<(Choice, f64)>,
-    one_opt: bool,
+    proof: Proof,
     /// Rounds that have ended.
     ended: u64,
 }
 
 impl Rounds {
-    /// Begins at, or with, `start`.
-    pub fn new(method: Method, space: &Space, start: Choice, seed: u64) -> Self {
+    /// Begins with `starts`, of which those that need one take the first; it is the first letter everywhere where there is none.
+    /// `painter` is what [`Method::Painter`] searches; without one it searches level sets.
+    pub fn new(method: Method, space: &Space, mut starts: Vec<Choice>, painter: Option<Painter>, seed: u64) -> Self {
         let mut dice = Dice::new(seed);
+        if starts.is_empty() {
+            starts.push(vec![0; space.sites.len()]);
+        }
+        let seed = dice.bits();
         let stage = match method {
-            Method::Local => Stage::Local(LocalSearch::new(space, start, None, BATCH, dice.bits())),
-            _ => Stage::Genetic(Genetic::new(space, vec![start], dice.bits())),
+            Method::Local(reach) => {
+                Stage::Local(LocalSearch::new(space, starts.swap_remove(0), None, BATCH, reach, seed))
+            }
+            Method::Genetic | Method::GeneticLocal => Stage::Genetic(Genetic::new(space, starts, seed)),
+            Method::Anneal => Stage::Anneal(annealing(space, starts.swap_remove(0), seed)),
+            Method::LevelSet | Method::Painter => {
+                let given = painter.filter(|_| method == Method::Painter);
+                let painter = given.unwrap_or_else(|| Painter::level_sets(space, ORDER, &starts[0]));
+                Stage::Painted(Painted::new(painter, seed))
+            }
+            Method::Nsga => Stage::Nsga(Nsga::new(space, starts, seed)),
         };
-        Self { method, space: space.clone(), dice, stage, asked: Vec::new(), best: None, one_opt: false, ended: 0 }
+        let space = space.clone();
+        Self { method, space, dice, stage, asked: Vec::new(), best: None, proof: Proof::None, ended: 0 }
     }
 
     /// Rounds that have ended.
     pub fn ended(&self) -> u64 {
-        self.ended
+        match &self.stage {
+            Stage::Painted(painted) => painted.restarts(),
+            _ => self.ended,
+        }
     }
 
-    /// The stage after the one that has just ended.
-    fn next_stage(&mut self) -> Stage {
+    /// The best so far, or what there is without one.
+    fn so_far(&self) -> Choice {
+        self.best.as_ref().map_or_else(|| vec![0; self.space.sites.len()], |(choice, _)| choice.clone())
+    }
+
+    /// The stage after the one that has just ended; none if that was the last.
+    fn next_stage(&mut self) -> Option<Stage> {
         let seed = self.dice.bits();
         if let (Method::GeneticLocal, Stage::Genetic(genetic)) = (self.method, &self.stage)
             && let Some((choice, loss)) = genetic.best()
         {
-            return Stage::Local(LocalSearch::new(&self.space, choice.clone(), Some(loss), BATCH, seed));
+            let local = LocalSearch::new(&self.space, choice.clone(), Some(loss), BATCH, Reach::Flips, seed);
+            return Some(Stage::Local(local));
         }
         self.ended += 1;
-        if self.method != Method::Local {
-            return Stage::Genetic(Genetic::new(&self.space, Vec::new(), seed));
-        }
-        let mut choice = self.best.as_ref().map_or_else(Vec::new, |(choice, _)| choice.clone());
+        Some(match self.method {
+            Method::Genetic | Method::GeneticLocal => Stage::Genetic(Genetic::new(&self.space, Vec::new(), seed)),
+            Method::Local(reach) => {
+                let start = self.kicked();
+                Stage::Local(LocalSearch::new(&self.space, start, None, BATCH, reach, seed))
+            }
+            Method::Anneal => Stage::Anneal(annealing(&self.space, self.so_far(), seed)),
+            Method::LevelSet | Method::Painter | Method::Nsga => return None,
+        })
+    }
+
+    /// The best with rectangles and sites changed at random.
+    fn kicked(&mut self) -> Choice {
+        let mut choice = self.so_far();
         for _ in 0..1 + self.dice.below(3) {
             let letter = self.dice.below(u64::from(self.space.letters)) as u8;
             for site in self.space.rectangle(&mut self.dice, 6) {
@@ -106,42 +183,46 @@ impl Rounds {
         for _ in 0..1 + self.dice.below(1 + self.space.sites.len() as u64 / 30) {
             self.space.flip(&mut choice, &mut self.dice);
         }
-        Stage::Local(LocalSearch::new(&self.space, choice, None, BATCH, seed))
+        choice
     }
 }
 
-impl Search for Rounds {
+fn annealing(space: &Space, start: Choice, seed: u64) -> Annealing {
+    Annealing::new(space, start, ANNEALING * space.flips(), BATCH, seed)
+}
+
+impl Search<Loss> for Rounds {
     fn ask(&mut self) -> Vec<Choice> {
         if self.space.flips() == 0 {
             // One choice only.
             self.asked = if self.best.is_none() { vec![vec![0; self.space.sites.len()]] } else { Vec::new() };
             return self.asked.clone();
         }
-        self.asked = self.stage.search().ask();
+        self.asked = self.stage.ask();
         // A stage that begins always asks for something.
         while self.asked.is_empty() {
-            self.stage = self.next_stage();
-            self.asked = self.stage.search().ask();
+            let Some(next) = self.next_stage() else { break };
+            self.stage = next;
+            self.asked = self.stage.ask();
         }
         self.asked.clone()
     }
 
-    fn tell(&mut self, losses: &[f64]) {
+    fn tell(&mut self, losses: &[Loss]) {
         if self.space.flips() > 0 {
-            self.stage.search().tell(losses);
+            self.stage.tell(losses);
         }
-        for (choice, &loss) in self.asked.drain(..).zip(losses) {
-            let loss = super::sane(loss);
+        for (choice, loss) in self.asked.drain(..).zip(losses) {
+            let loss = sane(loss.total);
             if self.best.as_ref().is_none_or(|(_, best)| loss < *best) {
                 self.best = Some((choice, loss));
-                self.one_opt = false;
+                self.proof = Proof::None;
             }
         }
         if let (Stage::Local(local), Some((best, _))) = (&self.stage, &self.best)
-            && local.one_opt()
             && local.best().is_some_and(|(choice, _)| choice == best)
         {
-            self.one_opt = true;
+            self.proof = self.proof.max(local.proof());
         }
     }
 
@@ -149,7 +230,7 @@ impl Search for Rounds {
         self.best.as_ref().map(|(choice, loss)| (choice, *loss))
     }
 
-    fn one_opt(&self) -> bool {
-        self.one_opt
+    fn proof(&self) -> Proof {
+        self.proof
     }
 }

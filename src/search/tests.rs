@@ -20,6 +20,11 @@ fn rugged(seed: u64) -> impl Fn(&Choice) -> f64 {
     }
 }
 
+/// One number, as it is told to a method.
+fn single(total: f64) -> Loss {
+    Loss { total, miss: 0.0, parts: vec![total] }
+}
+
 /// The least loss of all choices.
 fn brute_force(loss: impl Fn(&Choice) -> f64) -> f64 {
     (0..4096_u32).map(|bits| loss(&(0..12).map(|k| (bits >> k & 1) as u8).collect())).fold(f64::INFINITY, f64::min)
@@ -31,59 +36,153 @@ fn every_method_finds_the_optimum_of_a_space_that_can_be_enumerated() {
         let loss = rugged(100 + seed);
         let optimum = brute_force(&loss);
         for (name, method) in Method::NAMES {
-            let mut search = Rounds::new(method, &space(2), vec![0; 12], seed);
+            let mut search = Rounds::new(method, &space(2), vec![vec![0; 12]], None, seed);
             let mut asked = 0;
             while search.best().is_none_or(|(_, best)| best > optimum) {
                 let choices = search.ask();
                 asked += choices.len();
                 assert!(asked < 40_000, "{name}, seed {seed}: {:?} is not {optimum}", search.best());
-                search.tell(&choices.iter().map(&loss).collect::<Vec<_>>());
+                search.tell(&choices.iter().map(|choice| single(loss(choice))).collect::<Vec<_>>());
             }
         }
+    }
+}
+
+/// Of two losses that contradict each other: every point of the true front is found, and no other.
+#[test]
+fn nsga_finds_the_whole_front_of_a_space_that_can_be_enumerated() {
+    let all: Vec<Choice> = (0..4096_u32).map(|bits| (0..12).map(|k| (bits >> k & 1) as u8).collect()).collect();
+    for seed in 1..=3 {
+        let (one, two) = (rugged(seed), rugged(50 + seed));
+        // A limit that a fifth or so of the choices misses.
+        let loss = |choice: &Choice| {
+            let parts = vec![one(choice), two(choice)];
+            Loss { total: parts[0] + parts[1], miss: (f64::from(choice[0] + choice[1] + choice[2]) - 2.0).max(0.0), parts }
+        };
+        let losses: Vec<Loss> = all.iter().map(loss).collect();
+        let truth: Vec<&Loss> = front(&losses).into_iter().map(|k| &losses[k]).collect();
+        let mut search = Nsga::new(&space(2), Vec::new(), seed);
+        let mut asked = 0;
+        loop {
+            let choices = search.ask();
+            asked += choices.len();
+            if choices.is_empty() || asked > 4000 {
+                break;
+            }
+            search.tell(&choices.iter().map(loss).collect::<Vec<_>>());
+            assert!(search.front().all(|(choice, found)| *found == loss(choice)));
+        }
+        assert!(truth.iter().all(|wanted| search.front().any(|(_, found)| found == *wanted)), "seed {seed}");
+        assert!(search.front().all(|(_, found)| truth.contains(&found)), "seed {seed}");
+        assert!(search.best().is_some_and(|(choice, _)| loss(choice).miss == 0.0));
     }
 }
 
 #[test]
 fn what_is_called_one_opt_is() {
     for (seed, letters) in [(1, 2), (2, 3), (3, 4)] {
-        let loss = rugged(seed);
-        let start = space(letters).random(&mut Dice::new(seed));
-        let mut search = LocalSearch::new(&space(letters), start, None, 7, seed);
-        loop {
-            let choices = search.ask();
-            if choices.is_empty() {
-                break;
+        for reach in [Reach::Flips, Reach::Swaps, Reach::Pairs] {
+            let loss = rugged(seed);
+            let start = space(letters).random(&mut Dice::new(seed));
+            let mut search = LocalSearch::new(&space(letters), start, None, 7, reach, seed);
+            loop {
+                let choices = search.ask();
+                if choices.is_empty() {
+                    break;
+                }
+                assert!(choices.iter().all(|choice| choice.len() == 12));
+                search.tell(&choices.iter().map(&loss).collect::<Vec<_>>());
             }
-            search.tell(&choices.iter().map(&loss).collect::<Vec<_>>());
-        }
-        assert!(search.one_opt());
-        let (best, least) = search.best().unwrap();
-        assert_eq!(loss(best), least);
-        for site in 0..12 {
-            for letter in 0..letters {
-                let mut other = best.clone();
-                other[site] = letter;
-                assert!(loss(&other) >= least);
+            assert_eq!(search.proof(), if reach == Reach::Pairs { Proof::TwoOpt } else { Proof::OneOpt });
+            let (best, least) = search.best().unwrap();
+            assert_eq!(loss(best), least);
+            let changed = |site: usize, letter: u8, other: usize, another: u8| {
+                let mut changed = best.clone();
+                changed[site] = letter;
+                changed[other] = another;
+                loss(&changed)
+            };
+            for site in 0..12 {
+                for letter in 0..letters {
+                    assert!(changed(site, letter, site, letter) >= least);
+                }
+                for other in (0..12).filter(|&other| other != site) {
+                    if reach == Reach::Swaps && space(letters).neighbours().contains(&[site, other]) {
+                        assert!(changed(site, best[other], other, best[site]) >= least);
+                    }
+                    for k in 0..if reach == Reach::Pairs { letters * letters } else { 0 } {
+                        assert!(changed(site, k % letters, other, k / letters) >= least);
+                    }
+                }
             }
         }
     }
 }
 
+/// Cooled to nothing an annealing ends, and where it ends few flips help; while hot it goes uphill too.
+#[test]
+fn an_annealing_begins_hot_and_ends_cold() {
+    let loss = rugged(6);
+    let mut search = Annealing::new(&space(3), vec![0; 12], 2000, 4, 1);
+    let (mut batches, mut rises) = (0, [0; 2]);
+    let mut before = f64::INFINITY;
+    loop {
+        let choices = search.ask();
+        if choices.is_empty() {
+            break;
+        }
+        search.tell(&choices.iter().map(&loss).collect::<Vec<_>>());
+        let now = loss(&search.current().0);
+        assert_eq!(now, search.current().1);
+        rises[usize::from(search.tried() > 1000)] += usize::from(now > before);
+        before = now;
+        batches += 1;
+        assert!(batches < 5000);
+    }
+    assert!(rises[0] > 5 * rises[1], "{rises:?}");
+}
+
+/// A choice that is a level set is found again from itself, to the sites on its rim.
+#[test]
+fn a_level_set_is_fitted_by_its_own_kind() {
+    let space = Space { sites: (0..400).map(|k| [5 + k / 20, 1 + k % 20]).collect(), letters: 3 };
+    let waves = Waves::new(&space, 5);
+    let mut dice = Dice::new(4);
+    for _ in 0..10 {
+        let weights: Vec<f64> = (0..waves.dimension()).map(|_| dice.bell()).collect();
+        let choice = waves.choice(&weights);
+        let again = waves.choice(&waves.fit(&choice));
+        let differ = choice.iter().zip(&again).filter(|(a, b)| a != b).count();
+        // Of two choices that have nothing to do with each other 267 sites differ.
+        assert!(differ < 60, "{differ}");
+    }
+}
+
+#[test]
+fn exponentials_are_those_of_the_library() {
+    for k in -7000..=7000 {
+        let x = f64::from(k) / 10.0;
+        assert!((exp(x) / x.exp() - 1.0).abs() < 1e-12, "{x}");
+    }
+}
+
 #[test]
 fn a_search_follows_from_its_seed() {
-    let path = |seed: u64| {
-        let mut search = Rounds::new(Method::GeneticLocal, &space(3), vec![0; 12], seed);
+    let path = |method: Method, seed: u64| {
+        let mut search = Rounds::new(method, &space(3), vec![vec![0; 12]], None, seed);
         let loss = rugged(9);
         let mut path = Vec::new();
         for _ in 0..100 {
             let choices = search.ask();
-            search.tell(&choices.iter().map(&loss).collect::<Vec<_>>());
+            search.tell(&choices.iter().map(|choice| single(loss(choice))).collect::<Vec<_>>());
             path.push(choices);
         }
         path
     };
-    assert_eq!(path(1), path(1));
-    assert_ne!(path(1), path(2));
+    for (_, method) in Method::NAMES {
+        assert_eq!(path(method, 1), path(method, 1));
+        assert_ne!(path(method, 1), path(method, 2));
+    }
 }
 
 /// A failed evaluation never becomes a best one, and does not stop a search.
@@ -91,11 +190,11 @@ fn a_search_follows_from_its_seed() {
 fn what_fails_is_avoided() {
     let loss = rugged(4);
     let failing = |choice: &Choice| match choice[3] {
-        1 => f64::NAN,
-        _ => loss(choice),
+        1 => Loss::failed(),
+        _ => single(loss(choice)),
     };
     for (_, method) in Method::NAMES {
-        let mut search = Rounds::new(method, &space(2), vec![1; 12], 1);
+        let mut search = Rounds::new(method, &space(2), vec![vec![1; 12]], None, 1);
         for _ in 0..200 {
             let choices = search.ask();
             search.tell(&choices.iter().map(failing).collect::<Vec<_>>());

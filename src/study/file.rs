@@ -4,19 +4,23 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::{Goal, Objective, StudyError};
+use super::measure::{Loom, Over};
+use super::source::Source;
+use super::stage::{self, MOST_EVALUATIONS, Stage, StageFile, Work};
+use super::{Objective, StudyError};
+use crate::dem::ForcePulse;
 use crate::design::Design;
-use crate::evaluate::Overrides;
+use crate::evaluate::{Overrides, Plan, PlanError, common_plan};
 use crate::layout::{self, Layout};
 use crate::material::Material;
 use crate::search::{Choice, Dice, Method, Space, level_set};
-use crate::units::Dimension::Time;
+use crate::units::Dimension::{Force, Time};
 
 /// More materials have more kinds of pairs than the evaluator's tables hold.
 const MOST_MATERIALS: usize = 5;
 
-/// More is taken for a slip: all evaluations are held in memory.
-const MOST_EVALUATIONS: u64 = 10_000_000;
+/// More are taken for a slip.
+const MOST_IMPACTS: usize = 64;
 
 #[derive(Deserialize)]
 struct FormatOnly {
@@ -31,38 +35,46 @@ struct StudyFile {
     design: PathBuf,
     materials: Vec<String>,
     rows: [u32; 2],
-    objective: ObjectiveFile,
-    budget: u64,
+    objective: toml::Table,
+    budget: Option<u64>,
     #[serde(default = "one")]
     seed: u64,
-    #[serde(default = "genetic_local")]
-    method: String,
-    #[serde(default = "lens")]
-    start: String,
+    method: Option<String>,
+    #[serde(default)]
+    start: StartFile,
     step: Option<String>,
     window: Option<String>,
+    time: Option<String>,
+    #[serde(default)]
+    over: Over,
+    #[serde(default)]
+    impact: Vec<ImpactFile>,
+    #[serde(default)]
+    stage: Vec<StageFile>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ObjectiveFile {
-    maximise: Option<Goal>,
-    minimise: Option<Goal>,
-    min_contrast: Option<f64>,
-    min_focal_gain: Option<f64>,
-    max_protection: Option<f64>,
+struct ImpactFile {
+    force: String,
+    duration: String,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "start is text, or a list of texts")]
+enum StartFile {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Default for StartFile {
+    fn default() -> Self {
+        Self::One("lens".to_owned())
+    }
 }
 
 fn one() -> u64 {
     1
-}
-
-fn genetic_local() -> String {
-    Method::GeneticLocal.name().to_owned()
-}
-
-fn lens() -> String {
-    "lens".to_owned()
 }
 
 /// Where a search begins.
@@ -89,69 +101,26 @@ pub struct Study {
     pub letters: Vec<u8>,
     /// Indices of the sites that may change.
     pub free: Vec<usize>,
-    /// Where the search begins.
-    pub start: Start,
-    /// Material of every site at the start, as places in the palette; sites that are not free keep it.
-    pub base: Vec<u8>,
+    /// Where the search begins: at the first of these; the others are known to it too.
+    pub starts: Vec<Start>,
+    /// Material of every site at each start, as places in the palette; sites that are not free keep that of the first.
+    pub bases: Vec<Vec<u8>>,
+    /// What strikes the crystal, one after the other; the design's own impact if the study names none.
+    pub impacts: Vec<ForcePulse>,
     /// What is wanted.
     pub objective: Objective,
-    /// Evaluations of different layouts.
-    pub budget: u64,
+    /// What is done, one after the other.
+    pub stages: Vec<Stage>,
+    /// The different steps at which the stages simulate; none is the design's own.
+    pub rungs: Vec<Option<f64>>,
+    /// The window, where it differs from the design's.
+    pub window: Option<f64>,
+    /// How long one run may take (s).
+    pub time: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
-    /// How to search.
-    pub method: Method,
-    /// Step and window, where they differ from the design's.
-    pub overrides: Overrides,
-}
-
-/// The text being checked.
-struct Source<'a> {
-    path: &'a Path,
-    text: &'a str,
-}
-
-impl Source<'_> {
-    /// A complaint about a key, which stands at the beginning of its line.
-    fn fail(&self, key: &str, message: String) -> StudyError {
-        let line = self.text.lines().position(|line| {
-            line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='))
-        });
-        StudyError::File { path: self.path.to_owned(), line: line.map(|line| line as u64 + 1), message }
-    }
-
-    fn toml(&self, error: &toml::de::Error) -> StudyError {
-        let line =
-            error.span().map(|span| self.text[..span.start.min(self.text.len())].matches('\n').count() as u64 + 1);
-        // The reader names types as the program does; a user knows numbers, text and lists.
-        let mut message = error.message().trim_end_matches('.').replace('\n', " ");
-        for (type_name, words) in [
-            ("u64", "a whole number from 0 up"),
-            ("u32", "a whole number from 0 up"),
-            ("f64", "a number"),
-            ("a string", "text in quotes"),
-            ("a sequence", "a list"),
-            ("usize", "a whole number from 0 up"),
-        ] {
-            message = message.replace(&format!("expected {type_name}"), &format!("expected {words}"));
-        }
-        let key = error.span().and_then(|span| {
-            let line = self.text.get(..span.start)?.rfind('\n').map_or(0, |end| end + 1);
-            let (key, _) = self.text.get(line..)?.lines().next()?.split_once('=')?;
-            Some(key.trim()).filter(|key| !message.contains(key)).map(|key| format!("{key}: "))
-        });
-        let message = format!("{}{message}.", key.unwrap_or_default());
-        StudyError::File { path: self.path.to_owned(), line, message }
-    }
-
-    fn time(&self, key: &str, text: Option<&String>) -> Result<Option<f64>, StudyError> {
-        let Some(text) = text else { return Ok(None) };
-        match Time.parse(text) {
-            Ok(time) if time > 0.0 => Ok(Some(time)),
-            Ok(_) => Err(self.fail(key, format!("{key} = \"{text}\" must be positive."))),
-            Err(error) => Err(self.fail(key, format!("{key}: {error}"))),
-        }
-    }
+    /// Who touches whom in the lattice.
+    pub loom: Loom,
 }
 
 impl Study {
@@ -179,7 +148,7 @@ impl Study {
         let beside = |named: &Path| path.parent().unwrap_or(Path::new("")).join(named);
         let design = Design::read(beside(&file.design))?;
 
-        let objective = read_objective(&source, &file.objective)?;
+        let objective = Objective::read(&source, &file.objective, file.over)?;
         let lattice = design.lattice;
         let [first, last] = file.rows;
         if first < 1 || first > last || last > lattice.rows() {
@@ -189,11 +158,8 @@ impl Study {
             );
             return Err(source.fail("rows", message));
         }
-        if !(1..=MOST_EVALUATIONS).contains(&file.budget) {
-            let message = format!("budget = {} must be 1 to {MOST_EVALUATIONS} evaluations.", file.budget);
-            return Err(source.fail("budget", message));
-        }
-        let method = file.method.parse().map_err(|error: String| source.fail("method", format!("{error}.")))?;
+        let (stages, rungs) = read_stages(&source, &file)?;
+        let impacts = read_impacts(&source, &file.impact, &design)?;
         let seed = seed.unwrap_or(file.seed);
 
         let mut named = Vec::new();
@@ -221,7 +187,19 @@ impl Study {
         let letters: Vec<u8> = named.iter().map(place).collect();
         let sites = lattice.sites();
         let free: Vec<usize> = (0..sites.len()).filter(|&i| (first..=last).contains(&sites[i].row)).collect();
-        let (start, base) = read_start(&source, &file.start, &design, &mut palette, beside)?;
+        let written = match &file.start {
+            StartFile::One(start) => std::slice::from_ref(start),
+            StartFile::Several(starts) => starts,
+        };
+        if written.is_empty() {
+            return Err(source.fail("start", "start is an empty list; leave it out, or name one.".to_owned()));
+        }
+        let (mut starts, mut bases) = (Vec::new(), Vec::new());
+        for start in written {
+            let (start, base) = read_start(&source, start, &design, &mut palette, beside)?;
+            starts.push(start);
+            bases.push(base);
+        }
         if palette.len() > MOST_MATERIALS {
             let message = format!(
                 "{} different materials take part, with host and start; at most {MOST_MATERIALS} can.",
@@ -229,44 +207,86 @@ impl Study {
             );
             return Err(source.fail("materials", message));
         }
-        let overrides = Overrides {
-            step: source.time("step", file.step.as_ref())?,
-            window: source.time("window", file.window.as_ref())?,
-            ..Overrides::default()
+        let time = |key: &str, text: &Option<String>| match text {
+            Some(text) => source.quantity(Time, key, text, |message| source.fail(key, message)).map(Some),
+            None => Ok(None),
         };
+        let (window, time) = (time("window", &file.window)?, time("time", &file.time)?);
+        let loom = Loom::new(&lattice, &free, &palette);
         let mut study = Self {
             path: path.to_owned(),
             design,
             palette,
             letters,
             free,
-            start,
-            base,
+            starts,
+            bases,
+            impacts,
             objective,
-            budget: file.budget,
+            stages,
+            rungs,
+            window,
+            time,
             seed,
-            method,
-            overrides,
+            loom,
         };
         study.begin(&source)?;
         Ok(study)
     }
 
-    /// Makes a random start, or finds out whether the given one can be.
+    /// Makes random starts, and finds out whether the given ones can be.
     fn begin(&mut self, source: &Source<'_>) -> Result<(), StudyError> {
-        if self.start == Start::Random {
-            // The search itself begins with the same seed; the other bits keep the two apart.
-            let choice = level_set(&self.space(), &mut Dice::new(!self.seed));
-            self.base = self.layout(&choice).materials;
+        // The search itself begins with the same seed; the other bits keep the two apart.
+        let mut dice = Dice::new(!self.seed);
+        for k in 0..self.starts.len() {
+            if self.starts[k] == Start::Random {
+                let choice = level_set(&self.space(), &mut dice);
+                self.bases[k] = self.layout(&choice).materials;
+            }
+            let base = &self.bases[k];
+            let Some(&wrong) = self.free.iter().find(|&&i| !self.letters.contains(&base[i])) else { continue };
+            let (site, material) = (&self.design.lattice.sites()[wrong], &self.palette[usize::from(base[wrong])]);
+            let message = format!(
+                "start: row {}, column {} holds {}, which is not among materials. Name it there, or choose another start.",
+                site.row, site.column, material.name
+            );
+            return Err(source.fail("start", message));
         }
-        let wrong = self.free.iter().find(|&&i| !self.letters.contains(&self.base[i]));
-        let Some(&wrong) = wrong else { return Ok(()) };
-        let (site, material) = (&self.design.lattice.sites()[wrong], &self.palette[usize::from(self.base[wrong])]);
-        let message = format!(
-            "start: row {}, column {} holds {}, which is not among materials. Name it there, or choose another start.",
-            site.row, site.column, material.name
-        );
-        Err(source.fail("start", message))
+        if let Some(k) = (1..self.bases.len()).find(|&k| !self.differs_within_rows(k)) {
+            let message = format!("start: number {} differs from the first outside of rows, which do not change.", k + 1);
+            return Err(source.fail("start", message));
+        }
+        let asks = |stage: &Stage| stage.work == Work::Search(Method::Painter);
+        if self.stages.iter().any(asks) && self.painter().is_none() {
+            let message = "method = \"lens-family\" needs a design with a [lens], and its material and the host among materials.";
+            return Err(source.fail("method", message.to_owned()));
+        }
+        Ok(())
+    }
+
+    /// Whether a start is like the first wherever layouts do not change.
+    fn differs_within_rows(&self, k: usize) -> bool {
+        let differing = (0..self.bases[k].len()).filter(|&i| self.bases[k][i] != self.bases[0][i]);
+        self.starts[k] == Start::Random || differing.into_iter().all(|i| self.free.binary_search(&i).is_ok())
+    }
+
+    /// Evaluations of all stages together.
+    pub fn budget(&self) -> u64 {
+        self.stages.iter().map(|stage| stage.evaluations).sum()
+    }
+
+    /// Integrator, step and window of one of the rungs.
+    pub fn overrides(&self, rung: usize) -> Overrides {
+        let step = self.rungs.get(rung).copied().flatten();
+        Overrides { step, window: self.window, ..Overrides::default() }
+    }
+
+    /// Step and window of one of the rungs.
+    ///
+    /// # Errors
+    /// A step or window with which an impact cannot be simulated.
+    pub fn plan(&self, rung: usize) -> Result<Plan, PlanError> {
+        common_plan(&self.design, &self.impacts, self.overrides(rung), &self.palette)
     }
 
     /// What is searched.
@@ -276,15 +296,15 @@ impl Study {
         Space { sites, letters: self.letters.len() as u8 }
     }
 
-    /// The letters of the free sites at the start.
-    pub fn first(&self) -> Choice {
-        let letter = |&i: &usize| self.letters.iter().position(|&place| place == self.base[i]).unwrap_or(0) as u8;
-        self.free.iter().map(letter).collect()
+    /// The letters of the free sites at each start.
+    pub fn first(&self) -> Vec<Choice> {
+        let place = |base: &[u8], i: usize| self.letters.iter().position(|&place| place == base[i]).unwrap_or(0) as u8;
+        self.bases.iter().map(|base| self.free.iter().map(|&i| place(base, i)).collect()).collect()
     }
 
     /// The layout that a choice stands for.
     pub fn layout(&self, choice: &[u8]) -> Layout {
-        let mut materials = self.base.clone();
+        let mut materials = self.bases[0].clone();
         for (&i, &letter) in self.free.iter().zip(choice) {
             materials[i] = self.letters[usize::from(letter)];
         }
@@ -292,28 +312,52 @@ impl Study {
     }
 }
 
-fn read_objective(source: &Source<'_>, file: &ObjectiveFile) -> Result<Objective, StudyError> {
-    let goal = match (file.maximise, file.minimise) {
-        (Some(goal @ (Goal::Contrast | Goal::FocalGain)), None) | (None, Some(goal @ Goal::Protection)) => goal,
-        _ => {
-            let message = "objective asks for one of maximise = \"contrast\", maximise = \"focal-gain\" and \
-                           minimise = \"protection\"."
-                .to_owned();
-            return Err(source.fail("objective", message));
-        }
+/// The stages, or the one that method, budget and step at the top stand for.
+fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec<Option<f64>>), StudyError> {
+    let step = match &file.step {
+        Some(text) => Some(source.quantity(Time, "step", text, |message| source.fail("step", message))?),
+        None => None,
     };
-    let limits = [
-        ("min_contrast", file.min_contrast),
-        ("min_focal_gain", file.min_focal_gain),
-        ("max_protection", file.max_protection),
-    ];
-    for (name, limit) in limits {
-        if let Some(limit) = limit.filter(|limit| !(limit.is_normal() && *limit > 0.0)) {
-            return Err(source.fail("objective", format!("objective: {name} = {limit} must be positive.")));
+    if file.stage.is_empty() {
+        let name = file.method.as_deref().unwrap_or(Method::GeneticLocal.name());
+        let method = name.parse().map_err(|error: String| source.fail("method", format!("{error}.")))?;
+        let Some(budget) = file.budget else {
+            return Err(source.at(None, "budget is missing: how many evaluations the study may do.".to_owned()));
+        };
+        if !(1..=MOST_EVALUATIONS).contains(&budget) {
+            let message = format!("budget = {budget} must be 1 to {MOST_EVALUATIONS} evaluations.");
+            return Err(source.fail("budget", message));
         }
+        return Ok((vec![stage::single(method, budget)], vec![step]));
     }
-    let [min_contrast, min_focal_gain, max_protection] = limits.map(|(_, limit)| limit);
-    Ok(Objective { goal, min_contrast, min_focal_gain, max_protection })
+    let above = [("method", file.method.is_some()), ("budget", file.budget.is_some()), ("step", step.is_some())];
+    if let Some((key, _)) = above.into_iter().find(|(_, given)| *given) {
+        let message = format!("{key} stands above [[stage]]; give it in each stage (budget as evaluations), or no stages.");
+        return Err(source.fail(key, message));
+    }
+    stage::read(source, &file.stage)
+}
+
+fn read_impacts(source: &Source<'_>, files: &[ImpactFile], design: &Design) -> Result<Vec<ForcePulse>, StudyError> {
+    if files.len() > MOST_IMPACTS {
+        let message = format!("{} impacts are given; at most {MOST_IMPACTS} can be.", files.len());
+        return Err(source.fail_in("impact", MOST_IMPACTS, "", message));
+    }
+    let mut impacts = Vec::new();
+    for (k, file) in files.iter().enumerate() {
+        let fail = |key: &'static str| move |message: String| source.fail_in("impact", k, key, message);
+        let force = source.quantity(Force, "force", &file.force, fail("force"))?;
+        let duration = source.quantity(Time, "duration", &file.duration, fail("duration"))?;
+        let impact = ForcePulse { force, duration };
+        if impacts.contains(&impact) {
+            return Err(fail("force")("the impact is given twice.".to_owned()));
+        }
+        impacts.push(impact);
+    }
+    if impacts.is_empty() {
+        impacts.push(design.impact);
+    }
+    Ok(impacts)
 }
 
 fn read_start(

@@ -10,89 +10,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::StudyError;
-use crate::evaluate::Marks;
-
-/// One evaluation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Entry {
-    /// Hash of everything that the scores depend on, in hexadecimal.
-    pub key: String,
-    /// The letters of the free sites, in hexadecimal: four sites to a digit for two letters, two for up to four, else one.
-    pub layout: String,
-    /// F (J)
-    #[serde(rename = "F")]
-    pub focal_mean: f64,
-    /// P (J)
-    #[serde(rename = "P")]
-    pub protected_mean: f64,
-    /// C = F/P
-    #[serde(rename = "C")]
-    pub contrast: Option<f64>,
-    /// G = F/F(all host)
-    #[serde(rename = "G")]
-    pub focal_gain: Option<f64>,
-    /// Q = P/P(all lens material)
-    #[serde(rename = "Q")]
-    pub protection: Option<f64>,
-    /// Why the run ended early, if it did.
-    pub stop: Option<String>,
-}
-
-impl Entry {
-    /// Of an evaluation that was not interrupted.
-    pub fn new(key: String, layout: String, marks: &Marks) -> Self {
-        // JSON has no infinity; a run that a guard stopped may hold some.
-        let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let ratio = |value: Option<f64>| value.filter(|value| value.is_finite());
-        Self {
-            key,
-            layout,
-            focal_mean: finite(marks.focal_mean),
-            protected_mean: finite(marks.protected_mean),
-            contrast: ratio(marks.contrast),
-            focal_gain: ratio(marks.focal_gain),
-            protection: ratio(marks.protection),
-            stop: marks.stop.as_ref().map(ToString::to_string),
-        }
-    }
-
-    /// The letters of `count` free sites; none if the entry belongs to something else.
-    pub fn choice(&self, count: usize, alphabet: u8) -> Option<Vec<u8>> {
-        unpack(&self.layout, count, alphabet)
-    }
-}
-
-/// Letters as hexadecimal digits: four sites to a digit for two letters, two for four, one for up to sixteen.
-pub fn pack(letters: &[u8], alphabet: u8) -> String {
-    let bits = bits(alphabet);
-    let digit = |sites: &[u8]| {
-        let value = sites.iter().enumerate().fold(0_u32, |value, (k, &letter)| value | u32::from(letter) << (k * bits));
-        char::from_digit(value, 16).unwrap_or('?')
-    };
-    letters.chunks(4 / bits).map(digit).collect()
-}
-
-/// The letters of `count` sites; none if the text is no such.
-pub fn unpack(text: &str, count: usize, alphabet: u8) -> Option<Vec<u8>> {
-    let bits = bits(alphabet);
-    let mut letters = Vec::with_capacity(count + 4);
-    for digit in text.chars() {
-        let value = digit.to_digit(16)?;
-        letters.extend((0..4 / bits).map(|k| (value >> (k * bits) & ((1 << bits) - 1)) as u8));
-    }
-    let whole = letters.len() >= count && letters.len() - count < 4 / bits;
-    letters.truncate(count);
-    (whole && letters.iter().all(|&letter| letter < alphabet)).then_some(letters)
-}
-
-fn bits(alphabet: u8) -> usize {
-    match alphabet {
-        0..=2 => 1,
-        3..=4 => 2,
-        _ => 4,
-    }
-}
+use super::{Entry, StudyError};
 
 #[derive(Serialize, Deserialize)]
 struct Header {
@@ -102,7 +20,7 @@ struct Header {
 }
 
 const NAME: &str = "granulens-study";
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 fn header() -> Header {
     Header { journal: NAME.to_owned(), format: FORMAT, version: env!("CARGO_PKG_VERSION").to_owned() }
@@ -275,27 +193,13 @@ mod tests {
         assert_eq!(crc(b"123456789"), 0xcbf4_3926);
     }
 
-    #[test]
-    fn letters_survive_packing() {
-        for alphabet in 1..=16 {
-            for count in 0..10 {
-                let letters: Vec<u8> = (0..count).map(|k| (7 * k as u8 + 3) % alphabet).collect();
-                let text = pack(&letters, alphabet);
-                assert_eq!(unpack(&text, count, alphabet), Some(letters));
-                assert_eq!(unpack(&text, count + 5, alphabet), None);
-            }
-        }
-        assert_eq!(unpack("3", 1, 3), None);
-        assert_eq!(unpack("x", 1, 2), None);
-    }
-
     /// With a checksum that fits, as another version would write it.
     #[test]
     fn other_versions_are_refused_with_words() {
         let path = Path::new("journal.jsonl");
         let refusal = |header: Header| parse(path, sealed(&header).as_bytes()).unwrap_err().to_string();
         let of = |format: u32, version: &str| Header { format, version: version.to_owned(), ..header() };
-        assert!(refusal(of(2, "0.1.0")).contains("journal.jsonl: has format 2, and this version reads format 1"));
-        assert!(refusal(of(1, "9.9.9")).contains("written by granulens 9.9.9"));
+        assert!(refusal(of(3, "0.1.0")).contains("journal.jsonl: has format 3, and this version reads format 2"));
+        assert!(refusal(of(2, "9.9.9")).contains("written by granulens 9.9.9"));
     }
 }

@@ -4,20 +4,36 @@
 //! and a journal with a line for every evaluation. A study follows from its file alone, whatever the number of threads;
 //! so to resume is to run it again with the journal in place of simulations, and the final state has the same bits.
 //!
-//! - `file`: the study file, as written, then as checked
-//! - `objective`: scores to one number
-//! - `journal`: the append-only, checksummed record
+//! - `file`: the study file, as written, then as checked; `source`: its text, and complaints about it; `stage`: what is done
+//!   one after the other; `family`: the design's lens as real parameters
+//! - `measure`: what can be measured of a layout; `objective`: measures to one number, or to several that are traded
+//! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
+//! - `rung`: all that is known at one step; `state`: how far a study is
 //! - `run`: ask, evaluate, write down, tell
 
+mod entry;
+mod family;
 mod file;
 mod journal;
+mod key;
+mod measure;
 mod objective;
 mod run;
+mod rung;
+mod source;
+mod stage;
+mod state;
 
+pub use entry::{Entry, Scored};
 pub use file::{Start, Study};
-pub use journal::{Entry, Journal, Loaded};
-pub use objective::{Goal, Objective};
-pub use run::{Best, Ended, Key, State, Watch, run};
+pub use journal::{Journal, Loaded};
+pub use key::Key;
+pub use measure::{Fabric, Loom, Measure, Over};
+pub use objective::{Aim, Objective, Wish};
+pub use run::{Watch, run};
+pub use rung::{Judged, Rung, Summary};
+pub use stage::{Stage, Work};
+pub use state::{Ended, Found, Front, RungState, StageState, State};
 
 use std::path::PathBuf;
 

@@ -1,73 +1,173 @@
-//! What is wanted: scores to one number, of which less is better.
+//! What is wanted: measures to one number, of which less is better, and to several where they are traded.
 
 use serde::Deserialize;
+use toml::Table;
 
-use super::Entry;
+use super::measure::{Fabric, Measure, Over, Side, value};
+use super::source::Source;
+use super::{Entry, StudyError};
 use crate::real::Real;
+use crate::search::Loss;
 
-/// What is to be as great, or as small, as can be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Goal {
-    /// C = F/P, great
-    Contrast,
-    /// G = F/F(all host), great
-    FocalGain,
-    /// Q = P/P(all lens material), small
-    Protection,
-}
-
-/// A goal within limits.
+/// What is wanted of a measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Objective {
-    /// What is wanted.
-    pub goal: Goal,
-    /// C at least
-    pub min_contrast: Option<f64>,
-    /// G at least
-    pub min_focal_gain: Option<f64>,
-    /// Q at most
-    pub max_protection: Option<f64>,
+pub enum Aim {
+    /// As great as can be.
+    Maximise,
+    /// As small as can be.
+    Minimise,
+    /// As near to a value as can be.
+    Target(f64),
 }
+
+/// A measure, what is wanted of it, and its limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wish {
+    /// Which measure.
+    pub measure: Measure,
+    /// What is wanted; none where it has limits only.
+    pub aim: Option<Aim>,
+    /// How much the aim counts beside the others.
+    pub weight: f64,
+    /// It has to be at least this.
+    pub min: Option<f64>,
+    /// It has to be at most this.
+    pub max: Option<f64>,
+}
+
+/// All that is wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Objective {
+    /// At least one of them has an aim.
+    pub wishes: Vec<Wish>,
+    /// How the scores under several impacts become one.
+    pub over: Over,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WishFile {
+    maximise: Option<f64>,
+    minimise: Option<f64>,
+    target: Option<f64>,
+    weight: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+}
+
+/// What to write, for those who wrote something else.
+const LIKE: &str = "Write it like contrast = { maximise = 1 } or focal-gain = { min = 1.3 }: maximise and minimise take a \
+                    weight, target a value and its weight beside it.";
 
 impl Objective {
-    /// By how much, as parts of them, limits are missed; none for scores that are not there.
-    fn misses(&self, entry: &Entry) -> Option<Vec<f64>> {
-        let mut misses = Vec::new();
-        for (limit, score) in [(self.min_contrast, entry.contrast), (self.min_focal_gain, entry.focal_gain)] {
-            if let Some(limit) = limit {
-                misses.push((1.0 - score? / limit).max(0.0));
-            }
+    /// From the section of a study file.
+    pub(super) fn read(source: &Source<'_>, table: &Table, over: Over) -> Result<Self, StudyError> {
+        let mut wishes = Vec::new();
+        for (name, written) in table {
+            let Some(&(_, measure)) = Measure::NAMES.iter().find(|(known, _)| known == name) else {
+                let known = Measure::NAMES.map(|(name, _)| name).join(", ");
+                return Err(source.fail(name, format!("objective: unknown measure {name}; known are {known}.")));
+            };
+            let fail = |message: String| source.fail(name, format!("objective.{name}: {message}"));
+            let wish: WishFile = written.clone().try_into().map_err(|error: toml::de::Error| {
+                fail(format!("{}. {LIKE}", error.message().trim_end_matches('.').replace('\n', " ")))
+            })?;
+            wishes.push(wish.check(measure).map_err(fail)?);
         }
-        if let Some(limit) = self.max_protection {
-            misses.push((entry.protection? / limit - 1.0).max(0.0));
+        if wishes.iter().all(|wish| wish.aim.is_none()) {
+            return Err(source.fail("objective", format!("objective asks for nothing. {LIKE}")));
         }
-        Some(misses)
+        Ok(Self { wishes, over })
     }
 
     /// Whether all limits are kept.
-    pub fn is_met(&self, entry: &Entry) -> bool {
-        entry.stop.is_none() && self.misses(entry).is_some_and(|misses| misses.iter().all(|&miss| miss == 0.0))
+    pub fn is_met(&self, entry: &Entry, fabric: &Fabric) -> bool {
+        entry.stop.is_none() && self.loss(entry, fabric).miss == 0.0
     }
 
-    /// The number to make small: -ln C, -ln G or ln Q, and for each limit missed by the part v of it
+    /// The numbers to make small. Each aim gives ln of what is to be small, -ln of what is to be great, |ln| of what
+    /// is off a target, and of a count ln(1 + it); these are the parts, and their weighted sum is the total, to which each
+    /// limit that is missed by the part v of it adds
     ///
     ///   4 v + 20 v²
     ///
     /// which is continuous, so that a search may pass through what is not allowed, and rises from its first moment by more
-    /// than the goal commonly gains there, so that it does not stay. Infinite for what a guard stopped.
-    pub fn loss(&self, entry: &Entry) -> f64 {
-        let score = match self.goal {
-            Goal::Contrast => entry.contrast,
-            Goal::FocalGain => entry.focal_gain,
-            Goal::Protection => entry.protection,
-        };
-        let (Some(score), Some(misses), None) = (score, self.misses(entry), &entry.stop) else { return f64::INFINITY };
-        if !score.is_normal() || score < 0.0 {
-            return f64::INFINITY;
+    /// than an aim commonly gains there, so that it does not stay. Failed is what a guard stopped.
+    pub fn loss(&self, entry: &Entry, fabric: &Fabric) -> Loss {
+        self.finite_loss(entry, fabric).filter(|loss| entry.stop.is_none() && loss.is_finite()).unwrap_or_else(Loss::failed)
+    }
+
+    fn finite_loss(&self, entry: &Entry, fabric: &Fabric) -> Option<Loss> {
+        let mut loss = Loss { total: 0.0, miss: 0.0, parts: Vec::new() };
+        for wish in &self.wishes {
+            let value = |side: Side| value(wish.measure, entry, fabric, self.over, side);
+            let ln = |value: f64| {
+                let value = if wish.measure.is_count() { 1.0 + value } else { value };
+                if value.is_normal() && value > 0.0 { Real::ln(value) } else { f64::NAN }
+            };
+            if let Some(aim) = wish.aim {
+                let part = match aim {
+                    Aim::Maximise => -ln(value(Side::Least)?),
+                    Aim::Minimise => ln(value(Side::Most)?),
+                    Aim::Target(target) => {
+                        let off = |value: f64| (ln(value) - ln(target)).abs();
+                        off(value(Side::Least)?).max(off(value(Side::Most)?))
+                    }
+                };
+                loss.total += wish.weight * part;
+                loss.parts.push(part);
+            }
+            let mut limit = |v: f64| {
+                if v > 0.0 {
+                    loss.miss += v;
+                    loss.total += 4.0 * v + 20.0 * v * v;
+                }
+            };
+            // A limit of no lone sphere at all is missed by as many as there are.
+            let part_of = |limit: f64| if limit > 0.0 { limit } else { 1.0 };
+            if let Some(min) = wish.min {
+                limit((min - value(Side::Least)?) / part_of(min));
+            }
+            if let Some(max) = wish.max {
+                limit((value(Side::Most)? - max) / part_of(max));
+            }
         }
-        let ln = Real::ln(score);
-        let goal = if self.goal == Goal::Protection { ln } else { -ln };
-        goal + misses.iter().map(|v| 4.0 * v + 20.0 * v * v).sum::<f64>()
+        Some(loss)
+    }
+
+    /// The measures with an aim, in the order of a loss's parts.
+    pub fn aims(&self) -> impl Iterator<Item = &Wish> {
+        self.wishes.iter().filter(|wish| wish.aim.is_some())
+    }
+}
+
+impl WishFile {
+    fn check(self, measure: Measure) -> Result<Wish, String> {
+        let counted = measure.is_count();
+        let sound = |name: &str, value: Option<f64>| match value {
+            Some(value) if !(value.is_finite() && (value > 0.0 || (counted && value == 0.0))) => {
+                Err(format!("{name} = {value} must be positive."))
+            }
+            _ => Ok(()),
+        };
+        sound("target", self.target)?;
+        sound("min", self.min)?;
+        sound("max", self.max)?;
+        if let (Some(min), Some(max)) = (self.min, self.max)
+            && min > max
+        {
+            return Err(format!("min = {min} is above max = {max}."));
+        }
+        let (aim, weight) = match (self.maximise, self.minimise, self.target, self.weight) {
+            (Some(weight), None, None, None) => (Some(Aim::Maximise), weight),
+            (None, Some(weight), None, None) => (Some(Aim::Minimise), weight),
+            (None, None, Some(target), weight) => (Some(Aim::Target(target)), weight.unwrap_or(1.0)),
+            (None, None, None, None) if self.min.is_some() || self.max.is_some() => (None, 1.0),
+            _ => return Err(format!("asks for none or for several of maximise, minimise, target, min and max. {LIKE}")),
+        };
+        if !(weight.is_finite() && weight > 0.0) {
+            return Err(format!("a weight of {weight} must be positive."));
+        }
+        Ok(Wish { measure, aim, weight, min: self.min, max: self.max })
     }
 }

@@ -1,102 +1,21 @@
-//! Ask, evaluate, write down, tell.
+//! Ask, evaluate, write down, tell: stage after stage.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use serde::{Deserialize, Serialize};
-
-use super::journal::pack;
-use super::{Entry, Journal, Study, StudyError};
+use super::entry::pack;
+use super::rung::{Judged, Rung, Summary, order};
+use super::stage::{Stage, Work};
+use super::state::{self, Ended, Found, RungState, StageState, State};
+use super::{Entry, Journal, Key, Study, StudyError};
 use crate::dem::Stop;
-use crate::evaluate::{Evaluator, Plan};
-use crate::search::{Choice, Rounds, Search};
+use crate::evaluate::Evaluator;
+use crate::search::{Choice, Dice, Loss, Proof, Rounds, Search as _};
 
 /// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
 const STALE: u32 = 1000;
-
-/// Hashes what the scores of a study's layouts depend on.
-#[derive(Clone, Copy, Debug)]
-pub struct Key(u128);
-
-impl Key {
-    /// Everything but the layout: the design's text, materials, integrator, step and window.
-    pub fn new(study: &Study, plan: &Plan) -> Self {
-        let mut key = Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
-        key.add(study.design.text.as_bytes());
-        key.add(format!("{:?}", study.palette).as_bytes());
-        key.add(plan.integrator.to_string().as_bytes());
-        key.add(&plan.step.to_bits().to_le_bytes());
-        key.add(&plan.window.to_bits().to_le_bytes());
-        key
-    }
-
-    /// FNV-1a, 128 bits; the length first, so that parts cannot run into each other.
-    fn add(&mut self, bytes: &[u8]) {
-        for byte in (bytes.len() as u64).to_le_bytes().iter().chain(bytes) {
-            self.0 = (self.0 ^ u128::from(*byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
-        }
-    }
-
-    /// With a layout, as hexadecimal text.
-    pub fn of(mut self, materials: &[u8]) -> String {
-        self.add(materials);
-        format!("{:032x}", self.0)
-    }
-
-    /// The entries of a journal that belong to the study as it is now, by choice.
-    pub fn own<'a>(self, study: &Study, entries: &'a [Entry]) -> Vec<(Choice, &'a Entry)> {
-        let letters = study.letters.len() as u8;
-        let own = |entry: &'a Entry| {
-            let choice = entry.choice(study.free.len(), letters)?;
-            (self.of(&study.layout(&choice).materials) == entry.key).then_some((choice, entry))
-        };
-        entries.iter().filter_map(own).collect()
-    }
-}
-
-/// The best layout of a study.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Best {
-    /// Its scores.
-    #[serde(flatten)]
-    pub entry: Entry,
-    /// Which evaluation it was, from 1.
-    pub evaluation: u64,
-    /// Whether it keeps the objective's limits.
-    pub within_limits: bool,
-    /// Whether it is known that no flip of a single site makes the objective better.
-    pub one_opt: bool,
-}
-
-/// Why a study ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Ended {
-    /// All evaluations are done.
-    Budget,
-    /// The search finds nothing that it has not seen.
-    NothingNew,
-    /// On request; run again to go on.
-    Interrupted,
-}
-
-/// How far a study is. Nothing in it depends on when and how often it was interrupted.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    /// Evaluations of different layouts.
-    pub evaluations: u64,
-    /// How many of these a guard stopped.
-    pub stopped: u64,
-    /// Rounds of the method that have ended.
-    pub rounds: u64,
-    /// Why it ended.
-    pub ended: Ended,
-    /// The start's scores.
-    pub start: Option<Entry>,
-    /// The best layout: of those within the limits that with the least loss, or of all if none is within.
-    pub best: Option<Best>,
-}
 
 /// Is told how a study goes.
 pub trait Watch {
@@ -112,109 +31,270 @@ impl Watch for () {
     fn batch(&mut self, _: &State, _: usize) {}
 }
 
-/// Runs a study to its end, or on from where it was, on all threads of the current pool. When `interrupt` is set it ends with
-/// what it has.
+/// Runs a study to its end, or on from where it was, on all threads of the current pool. When `interrupt` is set, or the
+/// study's time for a run is over, it ends with what it has.
 ///
 /// # Errors
 /// See [`StudyError`].
 pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut impl Watch) -> Result<State, StudyError> {
+    let deadline = study.time.map(|time| Instant::now() + Duration::from_secs_f64(time.min(1e9)));
     // Errors of the study are found before anything is written.
-    let evaluator = Evaluator::new(&study.design, study.palette.clone(), study.overrides, interrupt)?;
-    let key = Key::new(study, evaluator.plan());
-    let (mut journal, loaded) = Journal::open(journal)?;
+    let evaluators = (0..study.rungs.len())
+        .map(|rung| Evaluator::new(&study.design, &study.impacts, study.palette.clone(), study.overrides(rung), interrupt))
+        .collect::<Result<Vec<_>, _>>()?;
+    let keys: Vec<Key> = evaluators.iter().map(|evaluator| Key::new(study, evaluator.plan())).collect();
+    let (journal, loaded) = Journal::open(journal)?;
     loaded.warnings.iter().for_each(|warning| watch.warning(warning));
-    let own = key.own(study, &loaded.entries);
-    let others = loaded.entries.len() - own.len();
+    let cache: Vec<HashMap<Choice, &Entry>> =
+        keys.iter().map(|key| key.own(study, &loaded.entries).into_iter().collect()).collect();
+    let used: HashSet<&str> = cache.iter().flat_map(HashMap::values).map(|entry| entry.key.as_str()).collect();
+    let others = loaded.entries.iter().filter(|entry| !used.contains(entry.key.as_str())).count();
     if others > 0 {
         watch.warning(&format!("{others} evaluations of the journal belong to other settings and are not used"));
     }
-    let cache: HashMap<Choice, &Entry> = own.into_iter().collect();
-
-    let space = study.space();
+    let rungs = vec![Rung::default(); study.rungs.len()];
+    let steps = evaluators.iter().map(|evaluator| evaluator.plan().step).collect();
+    let state = State {
+        evaluations: 0,
+        stopped: 0,
+        stages: Vec::new(),
+        ended: Ended::Budget,
+        start: None,
+        best: None,
+        nearest: None,
+        rungs: Vec::new(),
+        front: None,
+    };
     let first = study.first();
-    let mut search = Rounds::new(study.method, &space, first.clone(), study.seed);
-    let mut known: HashMap<Choice, Entry> = HashMap::new();
-    let mut state = State { evaluations: 0, stopped: 0, rounds: 0, ended: Ended::Budget, start: None, best: None };
-    // Whether the best is within the limits, its loss, and its choice.
-    let mut best: Option<(bool, f64, Choice)> = None;
-    let mut stale = 0;
-    loop {
-        if interrupt.load(Ordering::Relaxed) {
-            state.ended = Ended::Interrupted;
-            break;
+    let run = Run { study, evaluators, keys, steps, journal, cache, rungs, first, interrupt, deadline, state, top: None };
+    run.go(watch)
+}
+
+/// A study that is under way.
+struct Run<'a> {
+    study: &'a Study,
+    evaluators: Vec<Evaluator<'a>>,
+    keys: Vec<Key>,
+    /// Step of each rung (s).
+    steps: Vec<f64>,
+    journal: Journal,
+    /// For each rung what the journal holds.
+    cache: Vec<HashMap<Choice, &'a Entry>>,
+    rungs: Vec<Rung>,
+    first: Vec<Choice>,
+    interrupt: &'a AtomicBool,
+    deadline: Option<Instant>,
+    state: State,
+    /// Rung, choice and loss of the best or nearest.
+    top: Option<(usize, Choice, Loss)>,
+}
+
+/// How a batch ended.
+enum Batch {
+    /// Whole, with the losses of all that was asked for.
+    Whole(Vec<Loss>),
+    /// With the stage's evaluations used up.
+    Spent,
+    /// Before its end, on request.
+    Interrupted,
+}
+
+impl Run<'_> {
+    fn go(mut self, watch: &mut impl Watch) -> Result<State, StudyError> {
+        let mut dice = Dice::new(self.study.seed);
+        for k in 0..self.study.stages.len() {
+            // A study of one stage has the seed itself, later stages have others.
+            let seed = if k == 0 { self.study.seed } else { dice.bits() };
+            let ended = self.stage(k, seed, watch)?;
+            self.state.ended = ended;
+            if matches!(ended, Ended::Interrupted | Ended::Time) {
+                break;
+            }
         }
-        let asked = search.ask();
-        if asked.is_empty() || stale == STALE {
-            state.ended = Ended::NothingNew;
-            break;
-        }
-        // What is asked for the first time, within the budget.
+        let finest = self.top.as_ref().map_or(0, |(rung, ..)| *rung);
+        self.state.rungs = (0..self.rungs.len())
+            .filter(|&rung| !self.rungs[rung].all().is_empty())
+            .map(|rung| {
+                let (rank_correlation, shared) = self.rungs[rung].correlation(&self.rungs[finest]);
+                let evaluations = self.rungs[rung].all().len() as u64;
+                RungState { step: self.steps[rung], evaluations, rank_correlation, shared: shared as u64 }
+            })
+            .collect();
+        let start = self.rungs[finest].get(&self.first[0]).or_else(|| self.rungs[0].get(&self.first[0]));
+        self.state.front = state::front_of(self.study, &self.rungs[finest], start);
+        Ok(self.state)
+    }
+
+    /// The best `count` of the stages before this one, at the step of the last of them; the starts before there is any.
+    fn promoted(&self, k: usize) -> Vec<Choice> {
+        let Some(before) = k.checked_sub(1) else { return self.first.clone() };
+        let ranked = self.rungs[self.study.stages[before].rung].ranked();
+        ranked.iter().take(self.study.stages[k].promote).map(|judged| judged.choice.clone()).collect()
+    }
+
+    /// Evenly over the ranks behind those that are promoted.
+    fn sample(&self, k: usize) -> Vec<Choice> {
+        let Stage { promote, sample, .. } = self.study.stages[k];
+        let ranked = self.rungs[self.study.stages[k - 1].rung].ranked();
+        let rest = ranked.get(promote..).unwrap_or_default();
+        (0..sample.min(rest.len())).map(|j| rest[j * rest.len() / sample.min(rest.len())].choice.clone()).collect()
+    }
+
+    fn stage(&mut self, k: usize, seed: u64, watch: &mut impl Watch) -> Result<Ended, StudyError> {
+        let stage = self.study.stages[k];
+        self.state.stages.push(StageState {
+            method: stage.work.name().to_owned(),
+            step: self.steps[stage.rung],
+            evaluations: 0,
+            rounds: 0,
+            best: None,
+            within_limits: false,
+        });
+        let starts = self.promoted(k);
+        let mut search = match stage.work {
+            Work::Search(method) => {
+                let painter = self.study.painter();
+                Some(Rounds::new(method, &self.study.space(), starts.clone(), painter, seed))
+            }
+            Work::Rescore => None,
+        };
+        let mut list = if search.is_none() { [starts, self.sample(k)].concat() } else { Vec::new() };
+        let mut stale = 0;
+        let ended = loop {
+            if self.interrupt.load(Ordering::Relaxed) {
+                break Ended::Interrupted;
+            }
+            if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                break Ended::Time;
+            }
+            let asked = match &mut search {
+                Some(search) => search.ask(),
+                None => list.drain(..list.len().min(RESCORED)).collect(),
+            };
+            if asked.is_empty() || stale == STALE {
+                break Ended::NothingNew;
+            }
+            let before = self.state.evaluations;
+            let (batch, simulated) = self.batch(k, &asked)?;
+            stale = if self.state.evaluations > before { 0 } else { stale + 1 };
+            let mut proof = Proof::None;
+            if let Some(search) = &mut search {
+                if let Batch::Whole(losses) = &batch {
+                    search.tell(losses);
+                }
+                proof = search.best().map_or(proof, |(best, _)| self.proof_of(stage.rung, best, search.proof()));
+                self.state.stages[k].rounds = search.ended();
+            }
+            self.show_best(proof);
+            watch.batch(&self.state, simulated);
+            match batch {
+                Batch::Whole(_) if self.state.stages[k].evaluations < stage.evaluations => {}
+                Batch::Whole(_) | Batch::Spent => break Ended::Budget,
+                Batch::Interrupted => break Ended::Interrupted,
+            }
+        };
+        self.show_stage(k);
+        Ok(ended)
+    }
+
+    /// Evaluates what is new of a batch, within the stage's evaluations; and how many of it were simulated.
+    fn batch(&mut self, k: usize, asked: &[Choice]) -> Result<(Batch, usize), StudyError> {
+        let Stage { rung, evaluations, .. } = self.study.stages[k];
         let mut fresh: Vec<&Choice> = Vec::new();
         let mut listed = HashSet::new();
-        for choice in &asked {
-            if !known.contains_key(choice) && listed.insert(choice) {
+        for choice in asked {
+            if self.rungs[rung].get(choice).is_none() && listed.insert(choice) {
                 fresh.push(choice);
             }
         }
-        let left = usize::try_from(study.budget - state.evaluations).unwrap_or(usize::MAX);
+        let left = usize::try_from(evaluations - self.state.stages[k].evaluations).unwrap_or(usize::MAX);
         let cut = fresh.len() > left;
         fresh.truncate(left);
-        stale = if fresh.is_empty() { stale + 1 } else { 0 };
 
-        let unknown: Vec<&Choice> = fresh.iter().copied().filter(|choice| !cache.contains_key(*choice)).collect();
-        let layouts: Vec<Vec<u8>> = unknown.iter().map(|choice| study.layout(choice).materials).collect();
-        let marks = evaluator.marks(&layouts, interrupt)?;
+        let unknown: Vec<&Choice> = fresh.iter().copied().filter(|choice| !self.cache[rung].contains_key(*choice)).collect();
+        let layouts: Vec<Vec<u8>> = unknown.iter().map(|choice| self.study.layout(choice).materials).collect();
+        let marks = self.evaluators[rung].marks(&layouts, self.interrupt)?;
         // Only what comes before the first interrupted one is kept, so that the journal's order is that of the search.
-        let whole = marks.iter().position(|m| matches!(m.stop, Some(Stop::Interrupted { .. }))).unwrap_or(marks.len());
+        let is_interrupted = |marks: &Vec<crate::evaluate::Marks>| {
+            marks.iter().any(|marks| matches!(marks.stop, Some(Stop::Interrupted { .. })))
+        };
+        let whole = marks.iter().position(is_interrupted).unwrap_or(marks.len());
+        let letters = self.study.letters.len() as u8;
         let new: Vec<Entry> = marks[..whole]
             .iter()
             .zip(&layouts)
             .zip(&unknown)
-            .map(|((marks, layout), choice)| Entry::new(key.of(layout), pack(choice, space.letters), marks))
+            .map(|((marks, layout), choice)| Entry::new(self.keys[rung].of(layout), pack(choice, letters), marks))
             .collect();
-        journal.append(&new)?;
+        self.journal.append(&new)?;
         let simulated = new.len();
         let mut new = new.into_iter();
-        for choice in &fresh {
-            let entry = match cache.get(*choice) {
+        for choice in fresh {
+            let entry = match self.cache[rung].get(choice) {
                 Some(&entry) => entry.clone(),
                 None => match new.next() {
                     Some(entry) => entry,
                     None => break,
                 },
             };
-            state.evaluations += 1;
-            state.stopped += u64::from(entry.stop.is_some());
-            if **choice == first {
-                state.start = Some(entry.clone());
-            }
-            let (within_limits, loss) = (study.objective.is_met(&entry), study.objective.loss(&entry));
-            let better = loss.is_finite()
-                && best.as_ref().is_none_or(|(within, least, _)| (!within_limits, loss) < (!within, *least));
-            if better {
-                best = Some((within_limits, loss, (*choice).clone()));
-                let entry = entry.clone();
-                state.best = Some(Best { entry, evaluation: state.evaluations, within_limits, one_opt: false });
-            }
-            known.insert((*choice).clone(), entry);
+            self.judge(k, choice, entry);
         }
-        let losses: Option<Vec<f64>> =
-            asked.iter().map(|choice| known.get(choice).map(|entry| study.objective.loss(entry))).collect();
-        if let Some(losses) = &losses {
-            search.tell(losses);
-        }
-        if let (Some(state), Some((_, _, choice))) = (&mut state.best, &best) {
-            state.one_opt = search.one_opt() && search.best().is_some_and(|(best, _)| best == choice);
-        }
-        state.rounds = search.ended();
-        watch.batch(&state, simulated);
         if whole < marks.len() {
-            state.ended = Ended::Interrupted;
-            break;
+            return Ok((Batch::Interrupted, simulated));
         }
-        if cut || state.evaluations == study.budget {
-            break;
+        let losses = asked.iter().map(|choice| self.rungs[rung].get(choice).map(|judged| judged.loss.clone())).collect();
+        // What was cut off has no loss, and nobody asks further.
+        Ok((if cut { None } else { losses }.map_or(Batch::Spent, Batch::Whole), simulated))
+    }
+
+    /// Takes down one evaluation.
+    fn judge(&mut self, k: usize, choice: &Choice, entry: Entry) {
+        let rung = self.study.stages[k].rung;
+        self.state.evaluations += 1;
+        self.state.stages[k].evaluations += 1;
+        self.state.stopped += u64::from(entry.stop.is_some());
+        let judged = self.rungs[rung].add(self.study, choice, entry);
+        let loss = judged.loss.clone();
+        if k == 0 && *choice == self.first[0] {
+            let judged = judged.clone();
+            self.state.start = Some(Found::new(self.study, &self.rungs[rung], &judged, Proof::None));
+        }
+        // A finer step's word counts more than any coarser one's.
+        let better = loss.is_finite()
+            && self.top.as_ref().is_none_or(|(at, _, least)| {
+                self.steps[rung] < self.steps[*at] || (rung == *at && order(&loss) < order(least))
+            });
+        if better {
+            self.top = Some((rung, choice.clone(), loss));
         }
     }
-    Ok(state)
+
+    /// What is proved of a search's best holds of the study's, if they are the same at the same step.
+    fn proof_of(&self, rung: usize, best: &Choice, proof: Proof) -> Proof {
+        let same = self.top.as_ref().is_some_and(|(at, choice, _)| *at == rung && choice == best);
+        if same { proof } else { Proof::None }
+    }
+
+    fn show_best(&mut self, proof: Proof) {
+        let Some((rung, choice, _)) = &self.top else { return };
+        let rung = &self.rungs[*rung];
+        let Some(judged) = rung.get(choice) else { return };
+        let found = Found::new(self.study, rung, judged, proof);
+        (self.state.best, self.state.nearest) =
+            if found.within_limits { (Some(found), None) } else { (None, Some(found)) };
+    }
+
+    fn show_stage(&mut self, k: usize) {
+        let best: Option<&Judged> = self.rungs[self.study.stages[k].rung]
+            .all()
+            .iter()
+            .filter(|judged| judged.loss.is_finite())
+            .min_by(|a, b| order(&a.loss).partial_cmp(&order(&b.loss)).unwrap_or(std::cmp::Ordering::Equal));
+        let stage = &mut self.state.stages[k];
+        stage.best = best.map(|judged| Summary::new(self.study, &judged.entry, judged.fabric));
+        stage.within_limits = best.is_some_and(|judged| judged.loss.miss == 0.0);
+    }
 }
+
+/// Layouts that a rescore evaluates at a time: two registers of eight.
+const RESCORED: usize = 16;

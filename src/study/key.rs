@@ -1,0 +1,48 @@
+//! What an evaluation depends on, hashed.
+
+use super::{Entry, Study};
+use crate::evaluate::Plan;
+use crate::search::Choice;
+
+/// Hashes what the scores of a study's layouts depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct Key(u128);
+
+impl Key {
+    /// Everything but the layout: the design's text, impacts, materials, integrator, step and window.
+    pub fn new(study: &Study, plan: &Plan) -> Self {
+        let mut key = Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
+        key.add(study.design.text.as_bytes());
+        key.add(format!("{:?}", study.palette).as_bytes());
+        key.add(plan.integrator.to_string().as_bytes());
+        let impacts = study.impacts.iter().flat_map(|impact| [impact.force, impact.duration]);
+        for number in impacts.chain([plan.step, plan.window]) {
+            key.add(&number.to_bits().to_le_bytes());
+        }
+        key
+    }
+
+    /// FNV-1a, 128 bits; the length first, so that parts cannot run into each other.
+    fn add(&mut self, bytes: &[u8]) {
+        for byte in (bytes.len() as u64).to_le_bytes().iter().chain(bytes) {
+            self.0 = (self.0 ^ u128::from(*byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
+        }
+    }
+
+    /// With a layout, as hexadecimal text.
+    pub fn of(mut self, materials: &[u8]) -> String {
+        self.add(materials);
+        format!("{:032x}", self.0)
+    }
+
+    /// The entries of a journal that belong to the study as it is now, by choice.
+    pub fn own<'a>(self, study: &Study, entries: &'a [Entry]) -> Vec<(Choice, &'a Entry)> {
+        let letters = study.letters.len() as u8;
+        let own = |entry: &'a Entry| {
+            let choice = entry.choice(study.free.len(), letters)?;
+            (self.of(&study.layout(&choice).materials) == entry.key && entry.impacts.len() == study.impacts.len())
+                .then_some((choice, entry))
+        };
+        entries.iter().filter_map(own).collect()
+    }
+}

@@ -1,0 +1,108 @@
+//! All that is known at one step: evaluations in their order, and the best of them.
+
+use std::collections::HashMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::measure::{Fabric, Measure, Side, value};
+use super::{Entry, Study};
+use crate::search::{Choice, Loss, rank_correlation};
+
+/// One evaluation, judged.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// The layout's letters.
+    pub choice: Choice,
+    /// Its scores.
+    pub entry: Entry,
+    /// What the layout itself says.
+    pub fabric: Fabric,
+    /// What it costs.
+    pub loss: Loss,
+}
+
+/// The evaluations at one step, in the order in which they were asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Rung {
+    all: Vec<Judged>,
+    place: HashMap<Choice, usize>,
+}
+
+impl Rung {
+    /// Adds an evaluation of a choice that is new here.
+    pub fn add(&mut self, study: &Study, choice: &Choice, entry: Entry) -> &Judged {
+        let fabric = study.loom.fabric(&study.layout(choice).materials);
+        let loss = study.objective.loss(&entry, &fabric);
+        self.place.insert(choice.clone(), self.all.len());
+        self.all.push(Judged { choice: choice.clone(), entry, fabric, loss });
+        &self.all[self.all.len() - 1]
+    }
+
+    /// What is known of a choice.
+    pub fn get(&self, choice: &Choice) -> Option<&Judged> {
+        self.place.get(choice).map(|&place| &self.all[place])
+    }
+
+    /// All, in order.
+    pub fn all(&self) -> &[Judged] {
+        &self.all
+    }
+
+    /// Which evaluation it was, from 1.
+    pub fn number(&self, choice: &Choice) -> Option<u64> {
+        self.place.get(choice).map(|&place| place as u64 + 1)
+    }
+
+    /// Those that came to their end, the best first: by what they miss, then by their loss; of two that are alike the older.
+    pub fn ranked(&self) -> Vec<&Judged> {
+        let mut ranked: Vec<&Judged> = self.all.iter().filter(|judged| judged.loss.is_finite()).collect();
+        ranked.sort_by(|a, b| order(&a.loss).partial_cmp(&order(&b.loss)).unwrap_or(std::cmp::Ordering::Equal));
+        ranked
+    }
+
+    /// The rank correlation of the losses here and there, over the layouts known at both, and how many these are.
+    pub fn correlation(&self, finer: &Self) -> (Option<f64>, usize) {
+        let finite = |judged: &&Judged| judged.loss.is_finite();
+        let both = self.all.iter().filter(finite).filter_map(|coarse| {
+            let fine = finer.get(&coarse.choice).filter(finite)?;
+            Some((coarse.loss.total, fine.loss.total))
+        });
+        let (coarse, fine): (Vec<f64>, Vec<f64>) = both.unzip();
+        (rank_correlation(&coarse, &fine), coarse.len())
+    }
+}
+
+/// What keeps the limits comes first, by its loss; then what misses them, by its loss with the penalties.
+pub fn order(loss: &Loss) -> (bool, f64) {
+    (loss.miss > 0.0, loss.total)
+}
+
+/// A layout's scores in numbers, each the value that counts over all impacts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// C = F/P, the least
+    #[serde(rename = "C")]
+    pub contrast: Option<f64>,
+    /// G, the least
+    #[serde(rename = "G")]
+    pub focal_gain: Option<f64>,
+    /// Q, the greatest
+    #[serde(rename = "Q")]
+    pub protection: Option<f64>,
+    /// What the layout itself says.
+    #[serde(flatten)]
+    pub fabric: Fabric,
+}
+
+impl Summary {
+    /// Of an evaluation of a study.
+    pub fn new(study: &Study, entry: &Entry, fabric: Fabric) -> Self {
+        let of = |measure, side| value(measure, entry, &fabric, study.objective.over, side);
+        Self {
+            contrast: of(Measure::Contrast, Side::Least),
+            focal_gain: of(Measure::FocalGain, Side::Least),
+            protection: of(Measure::Protection, Side::Most),
+            fabric,
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! How far a study is, and what it has found.
+
+use serde::{Deserialize, Serialize};
+
+use super::rung::{Judged, Rung, Summary};
+use super::{Entry, Study};
+use crate::search::{Proof, front, hypervolume, knee};
+
+/// A layout that was found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// Its scores, over all impacts.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// Its evaluation.
+    #[serde(flatten)]
+    pub entry: Entry,
+    /// Which evaluation at its step it was, from 1.
+    pub evaluation: u64,
+    /// Whether it keeps the objective's limits.
+    pub within_limits: bool,
+    /// Whether it is known that no flip of a single site makes the objective better.
+    pub one_opt: bool,
+    /// Whether it is known that no flips of two sites make the objective better.
+    pub two_opt: bool,
+}
+
+impl Found {
+    /// One of a rung's evaluations.
+    pub fn new(study: &Study, rung: &Rung, judged: &Judged, proof: Proof) -> Self {
+        Self {
+            summary: Summary::new(study, &judged.entry, judged.fabric),
+            entry: judged.entry.clone(),
+            evaluation: rung.number(&judged.choice).unwrap_or(0),
+            within_limits: judged.loss.miss == 0.0,
+            one_opt: proof >= Proof::OneOpt,
+            two_opt: proof == Proof::TwoOpt,
+        }
+    }
+}
+
+/// Why a study ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ended {
+    /// All stages are done, and the last has used up its evaluations.
+    Budget,
+    /// All stages are done, and the last found nothing that it had not seen.
+    NothingNew,
+    /// The time that one run may take is over; run again to go on.
+    Time,
+    /// On request; run again to go on.
+    Interrupted,
+}
+
+/// How far a stage is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageState {
+    /// Its method.
+    pub method: String,
+    /// Its step (s).
+    #[serde(rename = "step_s")]
+    pub step: f64,
+    /// Evaluations of layouts that were new at this step.
+    pub evaluations: u64,
+    /// Rounds of the method that have ended.
+    pub rounds: u64,
+    /// The best layout at this step when the stage ended.
+    pub best: Option<Summary>,
+    /// Whether that keeps the limits.
+    pub within_limits: bool,
+}
+
+/// What a step is worth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RungState {
+    /// The step (s).
+    #[serde(rename = "step_s")]
+    pub step: f64,
+    /// Layouts evaluated at it.
+    pub evaluations: u64,
+    /// Spearman's rank correlation of the objective with that at the finest step, over the layouts evaluated at both.
+    pub rank_correlation: Option<f64>,
+    /// How many these are.
+    pub shared: u64,
+}
+
+/// The layouts that no other dominates, where several measures are traded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Front {
+    /// The traded measures.
+    pub measures: Vec<String>,
+    /// Its layouts, in the order of the first measure's loss.
+    pub layouts: Vec<Found>,
+    /// Volume that it dominates below the start's losses.
+    pub hypervolume: Option<f64>,
+    /// Place in `layouts` of the knee.
+    pub knee: Option<usize>,
+}
+
+/// How far a study is. Nothing in it depends on when and how often it was interrupted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Evaluations, of all stages.
+    pub evaluations: u64,
+    /// How many of these a guard stopped.
+    pub stopped: u64,
+    /// The stages begun so far.
+    pub stages: Vec<StageState>,
+    /// Why it ended.
+    pub ended: Ended,
+    /// The first start's scores, at the first stage's step.
+    pub start: Option<Found>,
+    /// The best layout, at the finest step that is reached: of those within the limits that with the least loss. None if no
+    /// layout is within the limits.
+    pub best: Option<Found>,
+    /// Where there is no best: the layout that comes nearest to the limits.
+    pub nearest: Option<Found>,
+    /// The different steps, in the order in which the stages use them.
+    pub rungs: Vec<RungState>,
+    /// Where several measures are traded: the front at the finest step that is reached.
+    pub front: Option<Front>,
+}
+
+impl State {
+    /// The best layout or the nearest.
+    pub fn found(&self) -> Option<&Found> {
+        self.best.as_ref().or(self.nearest.as_ref())
+    }
+}
+
+/// The front of a rung's evaluations; none where nothing is traded.
+pub(super) fn front_of(study: &Study, rung: &Rung, start: Option<&Judged>) -> Option<Front> {
+    let measures: Vec<String> = study.objective.aims().map(|wish| wish.measure.name().to_owned()).collect();
+    if measures.len() < 2 {
+        return None;
+    }
+    let within: Vec<&Judged> = rung.ranked().into_iter().filter(|judged| judged.loss.miss == 0.0).collect();
+    let losses: Vec<_> = within.iter().map(|judged| judged.loss.clone()).collect();
+    let mut members: Vec<&Judged> = front(&losses).into_iter().map(|k| within[k]).collect();
+    members.sort_by(|a, b| a.loss.parts[0].total_cmp(&b.loss.parts[0]));
+    let points: Vec<Vec<f64>> = members.iter().map(|judged| judged.loss.parts.clone()).collect();
+    let reference = start.filter(|start| start.loss.is_finite()).map(|start| start.loss.parts.as_slice());
+    Some(Front {
+        measures,
+        layouts: members.iter().map(|judged| Found::new(study, rung, judged, Proof::None)).collect(),
+        hypervolume: reference.map(|reference| hypervolume(&points, reference)),
+        knee: knee(&points),
+    })
+}
