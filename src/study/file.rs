@@ -257,9 +257,11 @@ impl Study {
             return Err(source.fail("start", message));
         }
         let asks = |stage: &Stage| stage.work == Work::Search(Method::Painter);
-        if self.stages.iter().any(asks) && self.painter().is_none() {
+        if let Some(k) = self.stages.iter().position(asks)
+            && self.painter().is_none()
+        {
             let message = "method = \"lens-family\" needs a design with a [lens], and its material and the host among materials.";
-            return Err(source.fail("method", message.to_owned()));
+            return Err(source.fail_in("stage", k, "method", message.to_owned()));
         }
         Ok(())
     }

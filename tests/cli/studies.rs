@@ -6,7 +6,7 @@ const STUDY: &str = r#"format = 1
 design = "small.toml"
 materials = ["stainless-440c", "brass-260"]
 rows = [3, 5]
-objective = { maximise = "contrast" }
+objective = { contrast = { maximise = 1 } }
 budget = 40
 seed = 1
 method = "local"
