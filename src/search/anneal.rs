@@ -123,8 +123,11 @@ impl Search for Annealing {
             return;
         }
         if self.scale.is_none() {
-            let mut changes: Vec<f64> =
-                told.iter().map(|(_, loss)| (loss - self.current.1).abs()).filter(|change| change.is_finite()).collect();
+            let mut changes: Vec<f64> = told
+                .iter()
+                .map(|(_, loss)| (loss - self.current.1).abs())
+                .filter(|change| change.is_finite())
+                .collect();
             changes.sort_by(f64::total_cmp);
             self.scale = Some(changes.get(changes.len() / 2).copied().unwrap_or(1.0));
             // The best of them is as good a place to begin as any.

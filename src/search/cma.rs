@@ -228,7 +228,8 @@ mod tests {
             x.windows(2).map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2)).sum()
         };
         for seed in 1..=3 {
-            let counts = [evaluations(sphere, 2.0, seed), evaluations(ellipsoid, 2.0, seed), evaluations(rosenbrock, 0.0, seed)];
+            let counts =
+                [evaluations(sphere, 2.0, seed), evaluations(ellipsoid, 2.0, seed), evaluations(rosenbrock, 0.0, seed)];
             assert!(counts[0] < 3000 && counts[1] < 9000 && counts[2] < 10_500, "{counts:?}");
         }
     }

@@ -117,8 +117,7 @@ impl Waves {
 /// A smooth random choice: for each letter a random field of up to four half waves each way; the highest field has the site.
 pub fn level_set(space: &Space, dice: &mut Dice) -> Choice {
     let waves = Waves::new(space, RANDOM_ORDER);
-    let fields: Vec<Vec<f64>> =
-        (0..space.letters).map(|_| (0..waves.each()).map(|_| dice.bell()).collect()).collect();
+    let fields: Vec<Vec<f64>> = (0..space.letters).map(|_| (0..waves.each()).map(|_| dice.bell()).collect()).collect();
     // The letters' fields less the first one's, so that all letters are alike.
     let weights: Vec<f64> =
         fields.iter().skip(1).flat_map(|field| field.iter().zip(&fields[0]).map(|(w, first)| w - first)).collect();

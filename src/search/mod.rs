@@ -30,7 +30,7 @@ pub use genetic::Genetic;
 pub use level_set::{Waves, level_set};
 pub use local::{LocalSearch, Reach};
 pub use nsga::Nsga;
-pub use painted::{Painted, Painter};
+pub use painted::{Paint, Painted, Painter};
 pub use rounds::{Method, Rounds};
 
 use crate::real::Real;
@@ -84,7 +84,10 @@ impl Space {
     /// All pairs of sites that stand side by side: rows and columns differ by one at most.
     fn neighbours(&self) -> Vec<[usize; 2]> {
         let beside = |a: usize, b: usize| (0..2).all(|k| self.sites[a][k].abs_diff(self.sites[b][k]) <= 1);
-        (0..self.sites.len()).flat_map(|a| (a + 1..self.sites.len()).map(move |b| [a, b])).filter(|&[a, b]| beside(a, b)).collect()
+        (0..self.sites.len())
+            .flat_map(|a| (a + 1..self.sites.len()).map(move |b| [a, b]))
+            .filter(|&[a, b]| beside(a, b))
+            .collect()
     }
 
     /// The greater of the numbers of rows and columns.

@@ -5,6 +5,9 @@ use std::sync::Arc;
 use super::level_set::Waves;
 use super::{Choice, Cma, Dice, Search, Space, sane};
 
+/// From parameters, of any finite values, to a choice.
+pub type Paint = dyn Fn(&[f64]) -> Choice + Send + Sync;
+
 /// A map from real parameters to choices.
 #[derive(Clone)]
 pub struct Painter {
@@ -13,7 +16,7 @@ pub struct Painter {
     /// First standard deviation of every parameter.
     pub spread: f64,
     /// From parameters, of any finite values, to a choice.
-    pub paint: Arc<dyn Fn(&[f64]) -> Choice + Send + Sync>,
+    pub paint: Arc<Paint>,
 }
 
 impl Painter {
@@ -60,7 +63,7 @@ impl Painted {
     fn begin_anew(&mut self) {
         self.restarts += 1;
         let near = match &self.best {
-            Some((_, point, _)) if self.restarts % 2 == 0 => point.clone(),
+            Some((_, point, _)) if self.restarts.is_multiple_of(2) => point.clone(),
             _ => self.painter.start.iter().map(|_| 2.0 * self.painter.spread * self.dice.bell()).collect(),
         };
         let points = POINTS << self.restarts.min(DOUBLINGS);

@@ -57,7 +57,11 @@ fn nsga_finds_the_whole_front_of_a_space_that_can_be_enumerated() {
         // A limit that a fifth or so of the choices misses.
         let loss = |choice: &Choice| {
             let parts = vec![one(choice), two(choice)];
-            Loss { total: parts[0] + parts[1], miss: (f64::from(choice[0] + choice[1] + choice[2]) - 2.0).max(0.0), parts }
+            Loss {
+                total: parts[0] + parts[1],
+                miss: (f64::from(choice[0] + choice[1] + choice[2]) - 2.0).max(0.0),
+                parts,
+            }
         };
         let losses: Vec<Loss> = all.iter().map(loss).collect();
         let truth: Vec<&Loss> = front(&losses).into_iter().map(|k| &losses[k]).collect();

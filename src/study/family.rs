@@ -11,7 +11,8 @@ impl Study {
     /// None where the design has no lens, or its material or the host may not be chosen.
     pub(super) fn painter(&self) -> Option<Painter> {
         let (design, request) = (&self.design, self.design.lens.as_ref()?);
-        let lens = crate::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants).ok()?;
+        let lens =
+            crate::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants).ok()?;
         let letter = |name: &str| {
             let of = |&place: &u8| self.palette[usize::from(place)].name == name;
             self.letters.iter().position(of).map(|letter| letter as u8)
@@ -23,7 +24,8 @@ impl Study {
         // Four rows, and a seventh of the curvature, to a standard deviation of one and a half.
         let rows = 8.0 / 3.0;
         let curvature = 0.1 / lens.radius;
-        let start = vec![f64::from(lens.apex_row) / rows, f64::from(lens.back_row) / rows, 1.0 / (lens.radius * curvature)];
+        let start =
+            vec![f64::from(lens.apex_row) / rows, f64::from(lens.back_row) / rows, 1.0 / (lens.radius * curvature)];
         let paint = move |x: &[f64]| {
             let row = |x: f64| (x * rows).round().clamp(f64::from(first), f64::from(last)) as u32;
             let (apex_row, back_row) = (row(x[0]), row(x[1]));

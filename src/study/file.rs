@@ -253,14 +253,16 @@ impl Study {
             return Err(source.fail("start", message));
         }
         if let Some(k) = (1..self.bases.len()).find(|&k| !self.differs_within_rows(k)) {
-            let message = format!("start: number {} differs from the first outside of rows, which do not change.", k + 1);
+            let message =
+                format!("start: number {} differs from the first outside of rows, which do not change.", k + 1);
             return Err(source.fail("start", message));
         }
         let asks = |stage: &Stage| stage.work == Work::Search(Method::Painter);
         if let Some(k) = self.stages.iter().position(asks)
             && self.painter().is_none()
         {
-            let message = "method = \"lens-family\" needs a design with a [lens], and its material and the host among materials.";
+            let message =
+                "method = \"lens-family\" needs a design with a [lens], and its material and the host among materials.";
             return Err(source.fail_in("stage", k, "method", message.to_owned()));
         }
         Ok(())
@@ -334,7 +336,8 @@ fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec
     }
     let above = [("method", file.method.is_some()), ("budget", file.budget.is_some()), ("step", step.is_some())];
     if let Some((key, _)) = above.into_iter().find(|(_, given)| *given) {
-        let message = format!("{key} stands above [[stage]]; give it in each stage (budget as evaluations), or no stages.");
+        let message =
+            format!("{key} stands above [[stage]]; give it in each stage (budget as evaluations), or no stages.");
         return Err(source.fail(key, message));
     }
     stage::read(source, &file.stage)

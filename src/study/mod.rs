@@ -8,9 +8,10 @@
 //!   one after the other; `family`: the design's lens as real parameters
 //! - `measure`: what can be measured of a layout; `objective`: measures to one number, or to several that are traded
 //! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
-//! - `rung`: all that is known at one step; `state`: how far a study is
+//! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with
 //! - `run`: ask, evaluate, write down, tell
 
+mod baselines;
 mod entry;
 mod family;
 mod file;
@@ -24,6 +25,7 @@ mod source;
 mod stage;
 mod state;
 
+pub use baselines::{BaselineScores, Spread};
 pub use entry::{Entry, Scored};
 pub use file::{Start, Study};
 pub use journal::{Journal, Loaded};
@@ -33,7 +35,7 @@ pub use objective::{Aim, Objective, Wish};
 pub use run::{Watch, run};
 pub use rung::{Judged, Rung, Summary};
 pub use stage::{Stage, Work};
-pub use state::{Ended, Found, Front, RungState, StageState, State};
+pub use state::{Ended, Found, Front, Improvement, RungState, StageState, State};
 
 use std::path::PathBuf;
 

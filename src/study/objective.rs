@@ -94,7 +94,9 @@ impl Objective {
     /// which is continuous, so that a search may pass through what is not allowed, and rises from its first moment by more
     /// than an aim commonly gains there, so that it does not stay. Failed is what a guard stopped.
     pub fn loss(&self, entry: &Entry, fabric: &Fabric) -> Loss {
-        self.finite_loss(entry, fabric).filter(|loss| entry.stop.is_none() && loss.is_finite()).unwrap_or_else(Loss::failed)
+        self.finite_loss(entry, fabric)
+            .filter(|loss| entry.stop.is_none() && loss.is_finite())
+            .unwrap_or_else(Loss::failed)
     }
 
     fn finite_loss(&self, entry: &Entry, fabric: &Fabric) -> Option<Loss> {
@@ -163,7 +165,9 @@ impl WishFile {
             (None, Some(weight), None, None) => (Some(Aim::Minimise), weight),
             (None, None, Some(target), weight) => (Some(Aim::Target(target)), weight.unwrap_or(1.0)),
             (None, None, None, None) if self.min.is_some() || self.max.is_some() => (None, 1.0),
-            _ => return Err(format!("asks for none or for several of maximise, minimise, target, min and max. {LIKE}")),
+            _ => {
+                return Err(format!("asks for none or for several of maximise, minimise, target, min and max. {LIKE}"));
+            }
         };
         if !(weight.is_finite() && weight > 0.0) {
             return Err(format!("a weight of {weight} must be positive."));

@@ -9,7 +9,7 @@ use super::entry::pack;
 use super::rung::{Judged, Rung, Summary, order};
 use super::stage::{Stage, Work};
 use super::state::{self, Ended, Found, RungState, StageState, State};
-use super::{Entry, Journal, Key, Study, StudyError};
+use super::{Entry, Improvement, Journal, Key, Study, StudyError, baselines};
 use crate::dem::Stop;
 use crate::evaluate::Evaluator;
 use crate::search::{Choice, Dice, Loss, Proof, Rounds, Search as _};
@@ -40,7 +40,9 @@ pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut im
     let deadline = study.time.map(|time| Instant::now() + Duration::from_secs_f64(time.min(1e9)));
     // Errors of the study are found before anything is written.
     let evaluators = (0..study.rungs.len())
-        .map(|rung| Evaluator::new(&study.design, &study.impacts, study.palette.clone(), study.overrides(rung), interrupt))
+        .map(|rung| {
+            Evaluator::new(&study.design, &study.impacts, study.palette.clone(), study.overrides(rung), interrupt)
+        })
         .collect::<Result<Vec<_>, _>>()?;
     let keys: Vec<Key> = evaluators.iter().map(|evaluator| Key::new(study, evaluator.plan())).collect();
     let (journal, loaded) = Journal::open(journal)?;
@@ -64,9 +66,12 @@ pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut im
         nearest: None,
         rungs: Vec::new(),
         front: None,
+        history: Vec::new(),
+        baselines: Vec::new(),
     };
     let first = study.first();
-    let run = Run { study, evaluators, keys, steps, journal, cache, rungs, first, interrupt, deadline, state, top: None };
+    let run =
+        Run { study, evaluators, keys, steps, journal, cache, rungs, first, interrupt, deadline, state, top: None };
     run.go(watch)
 }
 
@@ -122,6 +127,9 @@ impl Run<'_> {
             .collect();
         let start = self.rungs[finest].get(&self.first[0]).or_else(|| self.rungs[0].get(&self.first[0]));
         self.state.front = state::front_of(self.study, &self.rungs[finest], start);
+        if !matches!(self.state.ended, Ended::Interrupted | Ended::Time) {
+            self.state.baselines = baselines::evaluate(self.study, &self.evaluators[finest], self.interrupt)?;
+        }
         Ok(self.state)
     }
 
@@ -211,7 +219,8 @@ impl Run<'_> {
         let cut = fresh.len() > left;
         fresh.truncate(left);
 
-        let unknown: Vec<&Choice> = fresh.iter().copied().filter(|choice| !self.cache[rung].contains_key(*choice)).collect();
+        let unknown: Vec<&Choice> =
+            fresh.iter().copied().filter(|choice| !self.cache[rung].contains_key(*choice)).collect();
         let layouts: Vec<Vec<u8>> = unknown.iter().map(|choice| self.study.layout(choice).materials).collect();
         let marks = self.evaluators[rung].marks(&layouts, self.interrupt)?;
         // Only what comes before the first interrupted one is kept, so that the journal's order is that of the search.
@@ -242,7 +251,8 @@ impl Run<'_> {
         if whole < marks.len() {
             return Ok((Batch::Interrupted, simulated));
         }
-        let losses = asked.iter().map(|choice| self.rungs[rung].get(choice).map(|judged| judged.loss.clone())).collect();
+        let losses =
+            asked.iter().map(|choice| self.rungs[rung].get(choice).map(|judged| judged.loss.clone())).collect();
         // What was cut off has no loss, and nobody asks further.
         Ok((if cut { None } else { losses }.map_or(Batch::Spent, Batch::Whole), simulated))
     }
@@ -265,6 +275,9 @@ impl Run<'_> {
                 self.steps[rung] < self.steps[*at] || (rung == *at && order(&loss) < order(least))
             });
         if better {
+            let (evaluations, step) = (self.state.evaluations, self.steps[rung]);
+            let within_limits = loss.miss == 0.0;
+            self.state.history.push(Improvement { evaluations, step, loss: loss.total, within_limits });
             self.top = Some((rung, choice.clone(), loss));
         }
     }

@@ -15,7 +15,8 @@ pub(super) struct Source<'a> {
 impl Source<'_> {
     /// A complaint about a key, which stands at the beginning of its line, or, after that, anywhere in a line.
     pub fn fail(&self, key: &str, message: String) -> StudyError {
-        let begins = |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+        let begins =
+            |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
         let holds = |line: &str| !line.trim_start().starts_with('#') && line.contains(key);
         let line = self.text.lines().position(begins).or_else(|| self.text.lines().position(holds));
         self.at(line.map(|line| line as u64 + 1), message)
@@ -26,7 +27,8 @@ impl Source<'_> {
         let heading = format!("[[{name}]]");
         let headings = self.text.lines().enumerate().filter(|(_, line)| line.trim_start().starts_with(&heading));
         let Some((begin, _)) = headings.clone().nth(k) else { return self.fail(name, message) };
-        let of_key = self.text.lines().enumerate().skip(begin + 1).take_while(|(_, line)| !line.trim_start().starts_with('['));
+        let of_key =
+            self.text.lines().enumerate().skip(begin + 1).take_while(|(_, line)| !line.trim_start().starts_with('['));
         let found = of_key.into_iter().find(|(_, line)| {
             line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='))
         });

@@ -76,11 +76,15 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
                 Err(error) => return Err(fail("method", format!("{error}, rescore."))),
             },
         };
-        let several = matches!(work, Work::Search(Method::Genetic | Method::GeneticLocal | Method::Nsga) | Work::Rescore);
+        let several =
+            matches!(work, Work::Search(Method::Genetic | Method::GeneticLocal | Method::Nsga) | Work::Rescore);
         let promote = file.promote.unwrap_or(if several { 16 } else { 1 });
         let sample = file.sample.unwrap_or(0);
         if work == Work::Rescore && k == 0 {
-            return Err(fail("method", "method = \"rescore\" has nothing to evaluate anew in the first stage.".to_owned()));
+            return Err(fail(
+                "method",
+                "method = \"rescore\" has nothing to evaluate anew in the first stage.".to_owned(),
+            ));
         }
         if work != Work::Rescore && sample > 0 {
             return Err(fail("sample", "sample belongs to stages with method = \"rescore\".".to_owned()));
@@ -88,10 +92,15 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
         let evaluations = match (work, file.evaluations) {
             (Work::Rescore, None) => promote as u64 + sample as u64,
             (Work::Rescore, Some(_)) => {
-                return Err(fail("evaluations", "a rescore evaluates promote and sample; leave evaluations out.".to_owned()));
+                return Err(fail(
+                    "evaluations",
+                    "a rescore evaluates promote and sample; leave evaluations out.".to_owned(),
+                ));
             }
             (_, Some(evaluations)) => evaluations,
-            (_, None) => return Err(fail("evaluations", "evaluations is missing: how many this stage may do.".to_owned())),
+            (_, None) => {
+                return Err(fail("evaluations", "evaluations is missing: how many this stage may do.".to_owned()));
+            }
         };
         if !(1..=MOST_EVALUATIONS).contains(&evaluations) {
             return Err(fail("evaluations", format!("evaluations = {evaluations} must be 1 to {MOST_EVALUATIONS}.")));

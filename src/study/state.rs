@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::rung::{Judged, Rung, Summary};
-use super::{Entry, Study};
+use super::{BaselineScores, Entry, Study};
 use crate::search::{Proof, front, hypervolume, knee};
 
 /// A layout that was found.
@@ -15,6 +15,8 @@ pub struct Found {
     /// Its evaluation.
     #[serde(flatten)]
     pub entry: Entry,
+    /// The number that was made small.
+    pub loss: f64,
     /// Which evaluation at its step it was, from 1.
     pub evaluation: u64,
     /// Whether it keeps the objective's limits.
@@ -31,6 +33,7 @@ impl Found {
         Self {
             summary: Summary::new(study, &judged.entry, judged.fabric),
             entry: judged.entry.clone(),
+            loss: judged.loss.total,
             evaluation: rung.number(&judged.choice).unwrap_or(0),
             within_limits: judged.loss.miss == 0.0,
             one_opt: proof >= Proof::OneOpt,
@@ -98,6 +101,20 @@ pub struct Front {
     pub knee: Option<usize>,
 }
 
+/// A best so far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Improvement {
+    /// After how many evaluations, of all stages.
+    pub evaluations: u64,
+    /// The step (s).
+    #[serde(rename = "step_s")]
+    pub step: f64,
+    /// The number that is made small; at another step it is another number.
+    pub loss: f64,
+    /// Whether the limits are kept.
+    pub within_limits: bool,
+}
+
 /// How far a study is. Nothing in it depends on when and how often it was interrupted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
@@ -120,6 +137,10 @@ pub struct State {
     pub rungs: Vec<RungState>,
     /// Where several measures are traded: the front at the finest step that is reached.
     pub front: Option<Front>,
+    /// Every evaluation that was the best so far, or the nearest to the limits.
+    pub history: Vec<Improvement>,
+    /// What layouts are compared with, at the finest step that is reached; simulated at the end.
+    pub baselines: Vec<BaselineScores>,
 }
 
 impl State {

@@ -6,9 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use granulens::evaluate::Evaluator;
 use granulens::search::{Dice, front};
-use granulens::study::{
-    Ended, Entry, Journal, Key, Over, Rung, State, Study, StudyError, Summary, Watch, Work, run,
-};
+use granulens::study::{Ended, Entry, Journal, Key, Over, Rung, State, Study, StudyError, Summary, Watch, Work, run};
 
 /// A crystal of 32 spheres, of which 12 may change: what is quickest to simulate.
 const DESIGN: &str = r#"format = 1
@@ -183,7 +181,8 @@ fn every_method_finds_the_optimum_of_a_crystal_that_can_be_enumerated() {
 fn nsga_finds_the_front_of_a_crystal_that_can_be_enumerated() {
     let traded = "objective = { contrast = { maximise = 1 }, mass = { minimise = 1 }, focal-gain = { min = 0.8 } }\n";
     let objective = STUDY.lines().find(|line| line.starts_with("objective")).unwrap();
-    let desk = Desk::new(&STUDY.replace("600", "2500").replace(objective, traded.trim()).replace("genetic+local", "nsga2"));
+    let desk =
+        Desk::new(&STUDY.replace("600", "2500").replace(objective, traded.trim()).replace("genetic+local", "nsga2"));
     let study = desk.study();
     let rung = enumerated(&study);
     let losses: Vec<_> = rung.all().iter().map(|judged| judged.loss.clone()).collect();
@@ -411,7 +410,11 @@ fn wrong_study_files_hear_their_line() {
         ("rows = [3, 5]", "rows = [3, 9]", "of rows 1 to 8"),
         ("maximise", "minimize", "study.toml:5: objective.contrast: unknown field `minimize`"),
         ("maximise = 1", "max = 9", "study.toml:5: objective asks for nothing"),
-        ("maximise = 1", "maximise = 1, minimise = 1", "study.toml:5: objective.contrast: asks for none or for several"),
+        (
+            "maximise = 1",
+            "maximise = 1, minimise = 1",
+            "study.toml:5: objective.contrast: asks for none or for several",
+        ),
         ("maximise = 1", "maximise = 0", "study.toml:5: objective.contrast: a weight of 0 must be positive"),
         ("contrast", "colour", "study.toml:5: objective: unknown measure colour; known are contrast, focal-gain"),
         ("0.8", "-0.8", "study.toml:5: objective.focal-gain: min = -0.8 must be positive"),
@@ -432,7 +435,11 @@ fn wrong_study_files_hear_their_line() {
     }
     for (old, new, says) in [
         ("force = \"12 kN\"", "force = \"12 mm\"", "study.toml:16: force"),
-        ("force = \"12 kN\"\nduration = \"16 us\"", "force = \"16 kN\"\nduration = \"20 us\"", "study.toml:16: the impact is given twice"),
+        (
+            "force = \"12 kN\"\nduration = \"16 us\"",
+            "force = \"16 kN\"\nduration = \"20 us\"",
+            "study.toml:16: the impact is given twice",
+        ),
         ("duration = \"16 us\"", "", "missing field `duration`"),
         ("evaluations = 80\n", "", "study.toml:22: evaluations is missing"),
         ("evaluations = 80", "evaluations = 0", "study.toml:24: evaluations = 0 must be 1"),

@@ -1,0 +1,164 @@
+//! `granulens study compare`: studies that have been run, side by side.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use granulens::study::Spread;
+use serde_json::json;
+
+use super::run::Report;
+use crate::cli::Common;
+use crate::cli::console::{emit, emit_json};
+use crate::cli::failure::Failure;
+
+#[derive(clap::Args)]
+pub struct Compare {
+    /// Folders of studies that have been run, each with its study.json
+    #[arg(required = true, num_args = 2.., value_name = "FOLDER")]
+    folders: Vec<PathBuf>,
+}
+
+/// How near to the best of all counts as there: a part of the objective's goal, as the loss is a logarithm.
+const NEAR: f64 = 0.05;
+
+/// One study's line.
+struct Row {
+    name: String,
+    report: Report,
+    /// Evaluations after which the loss was within 5 % of the best of all studies, at the same step.
+    soon: Option<u64>,
+    /// Sites on which its best layout differs from that of the first study, where both choose on the same sites.
+    differs: Option<usize>,
+}
+
+impl Compare {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let reports = self.folders.iter().map(|folder| read(folder)).collect::<Result<Vec<_>, _>>()?;
+        let finest = |report: &Report| report.state.history.last().map(|last| last.step);
+        let same_step = reports.windows(2).all(|two| finest(&two[0]) == finest(&two[1]));
+        let least = reports.iter().filter_map(|report| Some(report.state.best.as_ref()?.loss)).reduce(f64::min);
+        let reference = reports.first().and_then(layout);
+        let rows: Vec<Row> = self
+            .folders
+            .iter()
+            .zip(reports)
+            .map(|(folder, report)| {
+                let near = |loss: f64| least.is_some_and(|least| loss <= least + NEAR);
+                let at = finest(&report);
+                let mut there =
+                    report.state.history.iter().filter(|h| h.within_limits && Some(h.step) == at && near(h.loss));
+                let soon = if same_step { there.next().map(|h| h.evaluations) } else { None };
+                let differs = reference.as_ref().zip(layout(&report)).and_then(|(a, b)| differing(a, &b));
+                Row { name: folder.display().to_string(), report, soon, differs }
+            })
+            .collect();
+        if common.json {
+            emit_json(&json!({
+                "format": granulens::outcome::FORMAT,
+                "studies": rows.iter().map(Row::json).collect::<Vec<_>>(),
+                "C": spread(&rows, |row| row.best()?.0),
+                "G": spread(&rows, |row| row.best()?.1),
+                "Q": spread(&rows, |row| row.best()?.2),
+            }));
+        } else {
+            emit(&table(&rows, same_step));
+        }
+        Ok(())
+    }
+}
+
+type Ratios = (Option<f64>, Option<f64>, Option<f64>);
+
+impl Row {
+    /// C, G and Q of the best layout.
+    fn best(&self) -> Option<Ratios> {
+        let summary = self.report.state.best.as_ref()?.summary;
+        Some((summary.contrast, summary.focal_gain, summary.protection))
+    }
+
+    fn methods(&self) -> String {
+        let names: Vec<&str> = self.report.state.stages.iter().map(|stage| stage.method.as_str()).collect();
+        names.join(" > ")
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let (contrast, gain, protection) = self.best().unwrap_or((None, None, None));
+        json!({
+            "folder": self.name, "methods": self.methods(), "seed": self.report.seed,
+            "evaluations": self.report.state.evaluations, "C": contrast, "G": gain, "Q": protection,
+            "within_limits": self.report.state.best.is_some(), "evaluations_to_5_percent": self.soon,
+            "sites_different_from_first": self.differs,
+        })
+    }
+}
+
+fn read(folder: &Path) -> Result<Report, Failure> {
+    let path = folder.join("study.json");
+    let text = std::fs::read_to_string(&path).map_err(|error| {
+        let message = format!("{}: {error}", path.display());
+        Failure::input_with_help(message, "Run the study first, with granulens study run; name its folder here.")
+    })?;
+    serde_json::from_str(&text).map_err(|error| {
+        Failure::input_with_help(
+            format!("{}: is no report of a study: {error}", path.display()),
+            "It may be of another version; granulens study run writes it anew from the journal.",
+        )
+    })
+}
+
+/// The best layout, its materials by name.
+fn layout(report: &Report) -> Option<Vec<String>> {
+    let best = report.state.best.as_ref()?;
+    let letters = best.entry.choice(report.sites, report.materials.len() as u8)?;
+    letters.into_iter().map(|letter| report.materials.get(usize::from(letter)).cloned()).collect()
+}
+
+fn differing(a: &[String], b: &[String]) -> Option<usize> {
+    (a.len() == b.len()).then(|| a.iter().zip(b).filter(|(a, b)| a != b).count())
+}
+
+fn spread(rows: &[Row], score: impl Fn(&Row) -> Option<f64>) -> Option<Spread> {
+    Spread::of(&rows.iter().filter_map(score).collect::<Vec<_>>())
+}
+
+fn table(rows: &[Row], same_step: bool) -> String {
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max(5);
+    let mut text = format!(
+        "{:width$}  {:>4}  {:>11}  {:>7}  {:>7}  {:>7}  {:>6}  {:>7}  methods\n",
+        "study", "seed", "evaluations", "C", "G", "Q", "to 5 %", "differs"
+    );
+    for row in rows {
+        let show = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.4}"));
+        let count = |value: Option<u64>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
+        let (contrast, gain, protection) = row.best().unwrap_or((None, None, None));
+        let _ = writeln!(
+            text,
+            "{:width$}  {:>4}  {:>11}  {:>7}  {:>7}  {:>7}  {:>6}  {:>7}  {}",
+            row.name,
+            row.report.seed,
+            row.report.state.evaluations,
+            show(contrast),
+            show(gain),
+            show(protection),
+            count(row.soon),
+            count(row.differs.map(|count| count as u64)),
+            row.methods()
+        );
+    }
+    for (name, spread) in [
+        ("C", spread(rows, |row| row.best()?.0)),
+        ("G", spread(rows, |row| row.best()?.1)),
+        ("Q", spread(rows, |row| row.best()?.2)),
+    ] {
+        if let Some(Spread { mean, half_width: Some(half_width), range: [least, most] }) = spread {
+            let _ = writeln!(text, "{name}: {least:.4} to {most:.4}, mean {mean:.4}±{half_width:.4} (95 %)");
+        }
+    }
+    if rows.iter().any(|row| row.best().is_none()) {
+        text.push_str("- in C, G and Q: no layout keeps that study's limits\n");
+    }
+    if !same_step {
+        text.push_str("their finest steps differ, so speeds are not compared\n");
+    }
+    text
+}

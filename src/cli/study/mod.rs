@@ -1,0 +1,76 @@
+//! `granulens study`: search for the best layout, evaluation by evaluation, and look at what was found.
+//!
+//! - `run`: run a study or go on with it; `events`: progress, as a bar or as lines of JSON
+//! - `show`: what a journal holds; `export`: the best layout, and the journal as a table
+//! - `compare`: several studies side by side
+//! - `words`: what a study has come to, in words
+
+mod compare;
+mod events;
+mod export;
+mod run;
+mod show;
+mod words;
+
+use std::path::{Path, PathBuf};
+
+use granulens::layout;
+use granulens::study::{Entry, Study as Studied};
+
+use super::Common;
+use super::failure::Failure;
+
+/// Search for the layout that a study file asks for
+///
+/// Every evaluation is a line of journal.jsonl in the study's folder, reports/NAME of NAME.toml unless --out names another.
+/// Whatever ends a run, the same command goes on where it was and comes to the same end, bit for bit.
+#[derive(clap::Args)]
+pub struct Study {
+    #[command(subcommand)]
+    job: Job,
+}
+
+#[derive(clap::Subcommand)]
+enum Job {
+    /// Run a study, or go on with it; writes study.json and best.csv beside the journal
+    ///
+    /// Where no layout keeps the study's limits, nearest.csv takes the place of best.csv, and the exit code is 3.
+    Run(run::Run),
+    /// Show how many evaluations a study's journal holds, and the best of them
+    Show(Named),
+    /// Write a study's best layout, or its journal as a table
+    Export(export::Export),
+    /// Compare studies that have been run: what each came to, how fast, and how much their best layouts differ
+    Compare(compare::Compare),
+}
+
+/// Which study.
+#[derive(clap::Args)]
+struct Named {
+    /// Study file
+    study: PathBuf,
+}
+
+impl Study {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        match self.job {
+            Job::Run(run) => run.run(common),
+            Job::Show(named) => show::show(&named.study, common),
+            Job::Export(export) => export.run(common),
+            Job::Compare(compare) => compare.run(common),
+        }
+    }
+}
+
+fn folder(common: &Common, study: &Path) -> PathBuf {
+    let stem = study.file_stem().unwrap_or(study.as_os_str());
+    common.out.clone().unwrap_or_else(|| Path::new("reports").join(stem))
+}
+
+/// A layout file's text.
+fn best_layout(study: &Studied, entry: &Entry) -> Result<String, Failure> {
+    let choice = entry
+        .choice(study.free.len(), study.letters.len() as u8)
+        .ok_or_else(|| Failure::input("the best layout belongs to another study"))?;
+    Ok(layout::write(&study.layout(&choice)))
+}

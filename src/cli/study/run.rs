@@ -1,0 +1,101 @@
+//! `granulens study run`.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use granulens::outcome::FORMAT;
+use granulens::study::{Ended, State, Study as Studied, run};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::events::Meter;
+use super::words::words;
+use super::{best_layout, folder};
+use crate::cli::Common;
+use crate::cli::console::{emit, emit_json, interrupt, note, pretty};
+use crate::cli::failure::Failure;
+use crate::cli::folder::write_file;
+
+#[derive(clap::Args)]
+pub struct Run {
+    /// Study file
+    study: PathBuf,
+    /// Print every step of the search as a line of JSON on stdout: begin, warning, batch, end
+    #[arg(long)]
+    events: bool,
+}
+
+/// What `study.json` holds.
+#[derive(Serialize, Deserialize)]
+pub struct Report {
+    /// Format number of every JSON file of results.
+    pub format: u32,
+    /// Version of granulens.
+    pub version: String,
+    /// The study file, as it was named.
+    pub study: String,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// How many sites could change.
+    pub sites: usize,
+    /// The materials that could be chosen.
+    pub materials: Vec<String>,
+    /// What it came to.
+    #[serde(flatten)]
+    pub state: State,
+}
+
+impl Run {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        go(&self.study, self.events, common)
+    }
+}
+
+fn go(path: &Path, events: bool, common: &Common) -> Result<(), Failure> {
+    let study = Studied::read(path, common.seed)?;
+    let folder = folder(common, path);
+    let begun = Instant::now();
+    let mut meter = Meter::new(common, study.budget(), events);
+    let state = run(&study, &folder.join("journal.jsonl"), interrupt(), &mut meter)?;
+    meter.finish();
+    let seconds = begun.elapsed().as_secs_f64();
+    let simulated = meter.simulated;
+    let report = Report {
+        format: FORMAT,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        study: path.display().to_string(),
+        seed: study.seed,
+        sites: study.free.len(),
+        materials: study.letters.iter().map(|&place| study.palette[usize::from(place)].name.clone()).collect(),
+        state,
+    };
+    write_file(&folder.join("study.json"), &pretty(&report))?;
+    let state = report.state;
+    // What misses a limit never goes by the name of best.
+    for (name, found) in [("best.csv", &state.best), ("nearest.csv", &state.nearest)] {
+        if let Some(found) = found {
+            write_file(&folder.join(name), &best_layout(&study, &found.entry)?)?;
+        }
+    }
+    let speed = json!({ "simulated": simulated, "seconds": seconds, "threads": rayon::current_num_threads() });
+    if events {
+        emit(&json!({ "event": "end", "study": state, "run": speed }).to_string());
+    } else if common.json {
+        emit_json(&json!({ "format": FORMAT, "study": state, "run": speed, "warnings": meter.warnings }));
+    } else {
+        emit(&words(&state));
+        note(common, &format!("{simulated} simulated in {seconds:.1} s; written to {}", folder.display()));
+    }
+    match (state.ended, state.found()) {
+        (Ended::Interrupted, _) => Err(Failure::Interrupted(format!(
+            "{} of {} evaluations are done and kept; the same command goes on",
+            state.evaluations,
+            study.budget()
+        ))),
+        (_, None) => Err(Failure::Guard(vec!["no evaluation has come to its end".to_owned()])),
+        (_, Some(found)) if !found.within_limits => {
+            Err(Failure::Threshold(vec!["no layout keeps the study's limits; nearest.csv comes nearest".to_owned()]))
+        }
+        _ => Ok(()),
+    }
+}

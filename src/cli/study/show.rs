@@ -1,0 +1,81 @@
+//! `granulens study show`: what a journal holds.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use granulens::search::Proof;
+use granulens::study::{Found, Journal, Key, Rung, Study as Studied, StudyError};
+use granulens::units::Dimension::Time;
+use serde_json::json;
+
+use super::folder;
+use super::words::scores;
+use crate::cli::Common;
+use crate::cli::console::{emit, emit_json, note};
+use crate::cli::failure::Failure;
+
+/// What a study's journal holds: its entries at each step, and the best at the finest.
+pub struct Known {
+    pub study: Studied,
+    /// Step (s) and evaluations.
+    pub rungs: Vec<(f64, Rung)>,
+    pub best: Option<Found>,
+    others: usize,
+    warnings: Vec<String>,
+}
+
+pub fn find(path: &Path, common: &Common) -> Result<Known, Failure> {
+    let study = Studied::read(path, common.seed)?;
+    let loaded = Journal::read(&folder(common, path).join("journal.jsonl"))?;
+    let mut rungs = Vec::new();
+    let mut own = 0;
+    for place in 0..study.rungs.len() {
+        let plan = study.plan(place).map_err(StudyError::from)?;
+        let mut rung = Rung::default();
+        for (choice, entry) in Key::new(&study, &plan).own(&study, &loaded.entries) {
+            if rung.get(&choice).is_none() {
+                rung.add(&study, &choice, entry.clone());
+            }
+        }
+        own += rung.all().len();
+        rungs.push((plan.step, rung));
+    }
+    let known = rungs.iter().filter(|(_, rung)| !rung.ranked().is_empty());
+    let finest = known.min_by(|a, b| a.0.total_cmp(&b.0));
+    let best = finest.and_then(|(_, rung)| {
+        let best = *rung.ranked().first()?;
+        Some(Found::new(&study, rung, best, Proof::None))
+    });
+    for warning in &loaded.warnings {
+        note(common, &format!("note: {warning}"));
+    }
+    let others = loaded.entries.len() - own;
+    Ok(Known { study, rungs, best, others, warnings: loaded.warnings })
+}
+
+pub fn show(path: &Path, common: &Common) -> Result<(), Failure> {
+    let Known { study, rungs, best, others, warnings } = find(path, common)?;
+    let evaluations: usize = rungs.iter().map(|(_, rung)| rung.all().len()).sum();
+    if common.json {
+        emit_json(&json!({
+            "format": granulens::outcome::FORMAT, "evaluations": evaluations, "budget": study.budget(),
+            "of_other_settings": others, "warnings": warnings, "best": best,
+        }));
+        return Ok(());
+    }
+    let mut text = format!("{evaluations} evaluations in the journal, budget {}\n", study.budget());
+    if others > 0 {
+        let _ = writeln!(text, "{others} more belong to other settings");
+    }
+    if rungs.len() > 1 {
+        for (step, rung) in &rungs {
+            let _ = writeln!(text, "  {} at a step of {}", rung.all().len(), Time.show(*step));
+        }
+    }
+    if let Some(best) = best {
+        let limits = if best.within_limits { "within the limits" } else { "MISSES A LIMIT" };
+        let _ = writeln!(text, "best   {}  evaluation {}, {limits}", scores(&best.summary), best.evaluation);
+    }
+    emit(&text);
+    Ok(())
+}

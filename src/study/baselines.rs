@@ -1,0 +1,138 @@
+//! What a study's layouts are compared with: strips, uniform crystals and random mixtures, under the study's impacts.
+
+use std::sync::atomic::AtomicBool;
+
+use serde::{Deserialize, Serialize};
+
+use super::rung::Summary;
+use super::{Entry, Study, StudyError};
+use crate::evaluate::Evaluator;
+use crate::layout::{Baseline, Layout};
+use crate::search::Dice;
+
+/// One baseline, or several of a kind that differ by their seed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BaselineScores {
+    /// Such as `flat-height`, `strip-brass-260`, `random-rows`.
+    pub name: String,
+    /// How many seeds; 1 where nothing is random.
+    pub seeds: u64,
+    /// C = F/P
+    #[serde(rename = "C")]
+    pub contrast: Option<Spread>,
+    /// G
+    #[serde(rename = "G")]
+    pub focal_gain: Option<Spread>,
+    /// Q
+    #[serde(rename = "Q")]
+    pub protection: Option<Spread>,
+}
+
+/// A mean and how well it is known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// The mean over seeds.
+    pub mean: f64,
+    /// Half the width of the mean's 95 % confidence interval, by Student's distribution; none for a single value.
+    pub half_width: Option<f64>,
+    /// The least and the greatest value.
+    pub range: [f64; 2],
+}
+
+/// Quantiles of 0.975 of Student's distribution for 1, 2, ... degrees of freedom.
+const STUDENT: [f64; 15] =
+    [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131];
+
+impl Spread {
+    /// Of some values; none of no value.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let count = values.len() as f64;
+        let range = [values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?];
+        let mean = values.iter().sum::<f64>() / count;
+        let half_width = (values.len() > 1).then(|| {
+            let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+            // Beyond the table the normal distribution's, a little too narrow up to some 100.
+            STUDENT.get(values.len() - 2).unwrap_or(&1.96) * (variance / count).sqrt()
+        });
+        Some(Self { mean, half_width, range })
+    }
+}
+
+/// Simulates a study's baselines: those of a lens (see [`Baseline`]) made of the material that Q refers to, with as many
+/// seeds as the design asks for; strips of each allowed material over the rows that may change, since a strip of a light one
+/// may gather much energy and protect nothing; and mixtures of all of them there, with the same seeds.
+pub(super) fn evaluate(
+    study: &Study,
+    evaluator: &Evaluator<'_>,
+    interrupt: &AtomicBool,
+) -> Result<Vec<BaselineScores>, StudyError> {
+    let (design, lattice) = (&study.design, study.design.lattice);
+    let sites = lattice.sites();
+    let rows = |of: &mut dyn Iterator<Item = usize>| {
+        let rows: Vec<u32> = of.map(|i| sites[i].row).collect();
+        Some([*rows.iter().min()?, *rows.iter().max()?])
+    };
+    let start = Layout { lattice, palette: study.palette.clone(), materials: study.bases[0].clone() };
+    let of_start = rows(&mut (0..sites.len()).filter(|&i| start.materials[i] != 0));
+    let free = rows(&mut study.free.iter().copied()).unwrap_or([1, lattice.rows()]);
+    let mut named: Vec<(String, Vec<u8>)> = Vec::new();
+    if study.palette.len() > 1 {
+        for baseline in Baseline::set(design.first_seed, design.seeds) {
+            named.push((baseline.kind().to_owned(), baseline.layout(&start, of_start.unwrap_or(free)).materials));
+        }
+    }
+    for (letter, &place) in (0..).zip(&study.letters) {
+        let strip = study.layout(&vec![letter; study.free.len()]).materials;
+        named.push((format!("strip-{}", study.palette[usize::from(place)].name), strip));
+    }
+    for seed in (0..design.seeds).map(|k| design.first_seed.wrapping_add(k)) {
+        let choice = study.space().random(&mut Dice::new(seed));
+        named.push(("random-rows".to_owned(), study.layout(&choice).materials));
+    }
+    let layouts: Vec<Vec<u8>> = named.iter().map(|(_, layout)| layout.clone()).collect();
+    let marks = evaluator.marks(&layouts, interrupt)?;
+    let summaries: Vec<Option<Summary>> = marks
+        .iter()
+        .zip(&layouts)
+        .map(|(marks, layout)| {
+            let entry = Entry::new(String::new(), String::new(), marks);
+            entry.stop.is_none().then(|| Summary::new(study, &entry, study.loom.fabric(layout)))
+        })
+        .collect();
+    let mut names: Vec<&String> = named.iter().map(|(name, _)| name).collect();
+    names.dedup();
+    let scores = |name: &String| {
+        let of_kind: Vec<&Summary> = named
+            .iter()
+            .zip(&summaries)
+            .filter(|((kind, _), _)| kind == name)
+            .filter_map(|(_, s)| s.as_ref())
+            .collect();
+        let spread = |score: fn(&Summary) -> Option<f64>| {
+            Spread::of(&of_kind.iter().filter_map(|summary| score(summary)).collect::<Vec<_>>())
+        };
+        BaselineScores {
+            name: name.clone(),
+            seeds: named.iter().filter(|(kind, _)| kind == name).count() as u64,
+            contrast: spread(|s| s.contrast),
+            focal_gain: spread(|s| s.focal_gain),
+            protection: spread(|s| s.protection),
+        }
+    };
+    Ok(names.into_iter().map(scores).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Spread;
+
+    /// By hand: 1, 2, 3, 4 has mean 2.5 and variance 5/3; t = 3.182 for three degrees of freedom.
+    #[test]
+    fn intervals_are_students() {
+        let spread = Spread::of(&[1.0, 4.0, 2.0, 3.0]).unwrap();
+        assert_eq!((spread.mean, spread.range), (2.5, [1.0, 4.0]));
+        assert!((spread.half_width.unwrap() - 3.182 * (5.0_f64 / 12.0).sqrt()).abs() < 1e-12);
+        assert_eq!(Spread::of(&[1.0]).unwrap().half_width, None);
+        assert_eq!(Spread::of(&[]), None);
+    }
+}
