@@ -128,7 +128,12 @@ impl Run<'_> {
         let start = self.rungs[finest].get(&self.first[0]).or_else(|| self.rungs[0].get(&self.first[0]));
         self.state.front = state::front_of(self.study, &self.rungs[finest], start);
         if !matches!(self.state.ended, Ended::Interrupted | Ended::Time) {
-            self.state.baselines = baselines::evaluate(self.study, &self.evaluators[finest], self.interrupt)?;
+            let baselines = baselines::evaluate(self.study, &self.evaluators[finest], self.interrupt)?;
+            if self.interrupt.load(Ordering::Relaxed) {
+                self.state.ended = Ended::Interrupted;
+            } else {
+                self.state.baselines = baselines;
+            }
         }
         Ok(self.state)
     }
