@@ -3,37 +3,90 @@
 use std::sync::Arc;
 
 use super::Study;
-use crate::lens::Shape;
+use crate::lens::{Lens, LensRequest, propose};
+use crate::material::Material;
 use crate::search::Painter;
 
+/// Rows to a unit of the parameters.
+const ROWS: f64 = 8.0 / 3.0;
+
+/// Distance of the lens's axis to a unit (diameters of spheres).
+const AXIS: f64 = 2.0;
+
+/// First standard deviation of every parameter: some four rows, three diameters, 15 % of the curvature.
+const SPREAD: f64 = 1.5;
+
 impl Study {
-    /// Apex row, back row and radius of the design's lens, each a number of about one: what the method `lens-family` searches.
-    /// None where the design has no lens, or its material or the host may not be chosen.
+    /// First row, last row, curvature and place of the design's lens, each a number of about one: what the method `lens-family`
+    /// searches. Where the family has no curvature or no axis of its own these do nothing. None where the design has no lens,
+    /// or a material that its lenses are made of may not be chosen.
     pub(super) fn painter(&self) -> Option<Painter> {
-        let (design, request) = (&self.design, self.design.lens.as_ref()?);
-        let lens =
-            crate::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants).ok()?;
-        let letter = |name: &str| {
-            let of = |&place: &u8| self.palette[usize::from(place)].name == name;
+        let (design, request) = (self.design.clone(), self.design.lens.clone()?);
+        let lens = propose(&design.lattice, &design.host, &request, &design.target, design.constants).ok()?;
+        let letter = |material: &Material| {
+            let of = |&place: &u8| self.palette[usize::from(place)] == *material;
             self.letters.iter().position(of).map(|letter| letter as u8)
         };
-        let (host, inside) = (letter(&design.host.name)?, letter(&request.material.name)?);
-        let lattice = design.lattice;
-        let sites: Vec<_> = self.free.iter().map(|&i| lattice.sites()[i]).collect();
-        let [first, last] = [sites.first()?.row, sites.last()?.row];
-        // Four rows, and a seventh of the curvature, to a standard deviation of one and a half.
-        let rows = 8.0 / 3.0;
-        let curvature = 0.1 / lens.radius;
-        let start =
-            vec![f64::from(lens.apex_row) / rows, f64::from(lens.back_row) / rows, 1.0 / (lens.radius * curvature)];
+        // Letters by the place of a material in a lens's palette.
+        let letters: Vec<u8> = lens.palette.iter().map(letter).collect::<Option<_>>()?;
+        let host = letters[0];
+        let free = self.free.clone();
+        let sites = design.lattice.sites();
+        let [first, last] = [sites[*free.first()?].row, sites[*free.last()?].row];
+        let curvature = lens.radius.map_or(1.0, |radius| 0.1 / radius);
+        let diameter = design.lattice.diameter();
+        let start = vec![
+            f64::from(lens.apex_row) / ROWS,
+            f64::from(lens.back_row) / ROWS,
+            lens.radius.map_or(0.0, |radius| 1.0 / (radius * curvature)),
+            lens.axis / (AXIS * diameter),
+        ];
+        let has_radius = lens.radius.is_some();
         let paint = move |x: &[f64]| {
-            let row = |x: f64| (x * rows).round().clamp(f64::from(first), f64::from(last)) as u32;
-            let (apex_row, back_row) = (row(x[0]), row(x[1]));
-            // A curvature of nothing is a flat strip; one beyond a hemisphere has no more to give.
-            let radius = 1.0 / (x[2] * curvature).clamp(1e-3 / lattice.half_width(), 2.0 / lattice.diameter());
-            let shape = Shape { apex_row, back_row, radius };
-            sites.iter().map(|site| if shape.contains(&lattice, site) { inside } else { host }).collect()
+            let row = |x: f64| (x * ROWS).round().clamp(f64::from(first), f64::from(last)) as u32;
+            // Half the width of the crystal bends nothing, and a sphere's own radius is as round as it gets.
+            let bent = (x[2] * curvature).clamp(1e-2 / design.lattice.half_width(), 2.0 / diameter);
+            let wanted = LensRequest {
+                apex_row: Some(row(x[0])),
+                back_row: Some(row(x[1])),
+                radius: has_radius.then(|| 1.0 / bent),
+                axis: request
+                    .family
+                    .has_axis()
+                    .then(|| (x[3] * AXIS * diameter).clamp(0.0, design.lattice.half_width())),
+                rows: [first, last],
+                ..request.clone()
+            };
+            // A lens that cannot be is no lens.
+            let lens = propose(&design.lattice, &design.host, &wanted, &design.target, design.constants).ok();
+            let place = |lens: &Lens, i: usize| letters.get(usize::from(lens.materials[i])).copied().unwrap_or(host);
+            free.iter().map(|&i| lens.as_ref().map_or(host, |lens| place(lens, i))).collect()
         };
-        Some(Painter { start, spread: 1.5, paint: Arc::new(paint) })
+        Some(Painter { start, spread: SPREAD, paint: Arc::new(paint) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// The repository's study: its start is the design's lens, and a longer one has more spheres.
+    #[test]
+    fn the_first_parameters_paint_the_designs_lens() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/two-materials.toml");
+        let study = Study::read(&path, None).unwrap();
+        let painter = study.painter().unwrap();
+        let painted = (painter.paint)(&painter.start);
+        assert_eq!(painted, study.first()[0]);
+        let mut longer = painter.start.clone();
+        longer[1] += 3.0 / ROWS;
+        let count = |choice: &[u8]| choice.iter().filter(|&&letter| letter != 0).count();
+        assert!(count(&(painter.paint)(&longer)) > count(&painted) + 30);
+        // Parameters out of all bounds still paint something.
+        for x in [-1e9, 1e9] {
+            assert_eq!((painter.paint)(&[x; 4]).len(), painted.len());
+        }
     }
 }
