@@ -5,6 +5,10 @@
 
 use serde::{Deserialize, Serialize};
 
+mod traced;
+
+pub use traced::{Front, Traced, TracedRay, TracedSpot};
+
 use crate::dem::Stop;
 use crate::lattice::Site;
 pub use crate::score::Scores;

@@ -277,6 +277,7 @@ fn wrong_lens() {
         ("\"plano-convex\"", "\"plano-convexe\""),
         ("\"plano-convex\"", "\"aspheric-back\""),
         ("\"plano-convex\"", "\"plano-convex\"\naxis = \"17 D\""),
+        ("\"plano-convex\"", "\"plano-convex\"\naim_row = 40"),
         ("\"plano-convex\"", "\"plano-convex\"\nstages = 3"),
         ("\"plano-convex\"", "\"stages\"\nstages = 8"),
         ("\"plano-convex\"", "\"plano-convex\"\nothers = [\"brass\"]"),

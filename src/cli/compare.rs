@@ -62,7 +62,9 @@ impl Compare {
 /// Reads a layout on the design's lattice; host and lens material keep the first places of the palette.
 pub fn read_layout(design: &Design, path: &std::path::Path) -> Result<Layout, Failure> {
     let mut palette = vec![design.host.clone()];
-    palette.extend(design.lens.iter().map(|request| request.material.clone()));
+    palette.extend(
+        design.lens.iter().flat_map(|request| std::iter::once(&request.material).chain(&request.others)).cloned(),
+    );
     Ok(layout::read(path, design.lattice, &palette, &design.own_materials)?)
 }
 

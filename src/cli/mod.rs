@@ -16,6 +16,7 @@ mod run;
 mod speed;
 mod surface;
 mod study;
+mod trace;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -60,7 +61,7 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: run and study a folder, design, contact and surface what they make, the others their JSON object
+    /// Where to write: run and study a folder, design, trace, contact and surface what they make, the others their JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
 }
@@ -70,6 +71,7 @@ struct Common {
 enum Command {
     Run(run::Run),
     Design(design::Propose),
+    Trace(trace::Trace),
     Check(check::Check),
     Compare(compare::Compare),
     Materials(materials::Materials),
@@ -96,6 +98,7 @@ pub fn main() -> ExitCode {
     let done = match cli.command {
         Command::Run(command) => command.run(common),
         Command::Design(command) => command.run(common),
+        Command::Trace(command) => command.run(common),
         Command::Check(command) => command.run(common),
         Command::Compare(command) => command.run(common),
         Command::Materials(command) => command.run(common),

@@ -2,15 +2,18 @@
 //!
 //! - `plan`: step and window, chosen once for all arrangements
 //! - `compare`: the lens and its baselines, in parallel
+//! - `traced`: what rays and first arrivals say, without a simulation
 //! - `batch`: many layouts at once, in vector lanes, for those who search
 
 mod batch;
 mod compare;
 mod plan;
+mod traced;
 
 pub use batch::{Evaluator, EvaluatorError, Marks, common_plan};
 pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use plan::{Overrides, Plan, PlanError};
+pub use traced::{trace_arrivals, trace_lens};
 
 use std::sync::atomic::AtomicBool;
 

@@ -84,6 +84,11 @@ impl Family {
         !matches!(self, Self::Prism)
     }
 
+    /// Whether its faces are made for one point.
+    pub const fn aims(self) -> bool {
+        matches!(self, Self::AsphericFront | Self::AsphericBack)
+    }
+
     /// Whether it takes further materials.
     pub const fn takes_others(self) -> bool {
         matches!(self, Self::Stages | Self::Graded)
@@ -110,7 +115,7 @@ pub(super) struct Place {
     pub half_width: f64,
     /// Where the lens's own axis lies (m).
     pub axis: f64,
-    /// Depth of the middle of the focal region (m).
+    /// Depth at which rays shall meet (m).
     pub focus: f64,
     /// Wave speeds (m/s) of host and lens material.
     pub speeds: [f64; 2],

@@ -64,6 +64,8 @@ pub struct LensRequest {
     /// the other side. Left out, it is 0 for plano-convex lenses; others stand before their region: on the axis or the far
     /// mirror line if it touches one of them, otherwise before its middle.
     pub axis: Option<f64>,
+    /// The row at whose depth rays of an aspheric lens meet, where given; otherwise in the middle of the focal region.
+    pub aim_row: Option<u32>,
     /// Number of stages, of the family that has them.
     pub stages: u32,
     /// How sites take their material; left out, diffused for graded lenses, nearest for all others.
@@ -85,6 +87,7 @@ impl LensRequest {
             back_row: None,
             radius: None,
             axis: None,
+            aim_row: None,
             stages: 2,
             raster: None,
             seed: 1,

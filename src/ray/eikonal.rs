@@ -174,6 +174,39 @@ impl Eikonal {
         }
     }
 
+    /// Where the wave is at a time (s): straight pieces (m), one for each triangle of the mesh that it crosses.
+    pub fn isochrone(&self, time: f64) -> Vec<[[f64; 2]; 2]> {
+        let mut pieces = Vec::new();
+        for point in 0..self.times.len() {
+            let (row, p) = self.place(point);
+            // The triangles to the right of a point: with its neighbours below and above.
+            for down in [1, -1] {
+                let corners = [(0, 0), (0, 2), (down, 1)].map(|(down, across)| (i64::from(row) + down, p + across));
+                if corners.iter().any(|(_, p)| *p > self.width) {
+                    continue;
+                }
+                let [Some(a), Some(b), Some(c)] = corners.map(|(row, p)| self.index(row, p)) else { continue };
+                let crossed: Vec<[f64; 2]> =
+                    [[a, b], [b, c], [c, a]].into_iter().filter_map(|side| self.crossed(side, time)).collect();
+                if let [from, to] = crossed[..] {
+                    pieces.push([from, to]);
+                }
+            }
+        }
+        pieces
+    }
+
+    /// Where the wave crosses a side of a triangle at a time.
+    fn crossed(&self, [a, b]: [usize; 2], time: f64) -> Option<[f64; 2]> {
+        let (start, end) = (self.times[a], self.times[b]);
+        if (start < time) == (end < time) {
+            return None;
+        }
+        let part = (time - start) / (end - start);
+        let ([x0, z0], [x1, z1]) = (self.at(a), self.at(b));
+        Some([x0 + part * (x1 - x0), z0 + part * (z1 - z0)])
+    }
+
     /// First arrivals at the sites (s), in the lattice's order.
     pub fn at_sites(&self) -> Vec<f64> {
         let site = |row: u32, x: f64| {

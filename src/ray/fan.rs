@@ -31,7 +31,7 @@ pub fn fan(optics: &dyn Optics, count: usize) -> Vec<Trace> {
 pub struct Spot {
     /// Depth (m).
     pub depth: f64,
-    /// Mean distance from the axis (m); of one about the axis, both halves taken together, 0.
+    /// Mean distance from the axis (m); of one about a mirror line, both halves taken together, that line.
     pub centre: f64,
     /// Root of the mean squared distance from the centre (m).
     pub radius: f64,
@@ -41,16 +41,16 @@ pub struct Spot {
     pub rays: usize,
 }
 
-/// The spot that rays make at `depth` (m) about the axis, or, if `about_axis` is false, about their own centre; none if no
-/// ray passes it.
-pub fn spot<'a>(traces: impl IntoIterator<Item = &'a Trace>, depth: f64, about_axis: bool) -> Option<Spot> {
+/// The spot that rays make at `depth` (m) about a mirror line at `about` (m), across which the other half lies, or, without
+/// one, about their own centre; none if no ray passes it.
+pub fn spot<'a>(traces: impl IntoIterator<Item = &'a Trace>, depth: f64, about: Option<f64>) -> Option<Spot> {
     let passages: Vec<(f64, f64)> =
         traces.into_iter().filter(|t| t.fate == Fate::Arrived).filter_map(|trace| trace.path.at_depth(depth)).collect();
     if passages.is_empty() {
         return None;
     }
     let mean = |value: &dyn Fn(f64) -> f64| passages.iter().map(|p| value(p.0)).sum::<f64>() / passages.len() as f64;
-    let centre = if about_axis { 0.0 } else { mean(&|x| x) };
+    let centre = about.unwrap_or_else(|| mean(&|x| x));
     let radius = mean(&|x| (x - centre).powi(2)).sqrt();
     let times =
         passages.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &(_, t)| [low.min(t), high.max(t)]);
@@ -58,8 +58,8 @@ pub fn spot<'a>(traces: impl IntoIterator<Item = &'a Trace>, depth: f64, about_a
 }
 
 /// The depth between two (m) at which the spot is smallest, on a grid of a thousandth of the way.
-pub fn least_spot(traces: &[Trace], [low, high]: [f64; 2], about_axis: bool) -> Option<Spot> {
-    let spots = (0..=1000).filter_map(|k| spot(traces, low + (high - low) * f64::from(k) / 1000.0, about_axis));
+pub fn least_spot(traces: &[Trace], [low, high]: [f64; 2], about: Option<f64>) -> Option<Spot> {
+    let spots = (0..=1000).filter_map(|k| spot(traces, low + (high - low) * f64::from(k) / 1000.0, about));
     spots.min_by(|a, b| a.radius.total_cmp(&b.radius))
 }
 

@@ -28,10 +28,10 @@ fn a_hyperbolic_back_brings_all_rays_to_one_point_at_one_time() {
     // All of the crystal in front of it is lens.
     let scene = scene(back, [1.0, n]);
     let traces = fan(&scene, 101);
-    let focus = spot(&traces, vertex + f, true).unwrap();
+    let focus = spot(&traces, vertex + f, Some(0.0)).unwrap();
     assert_eq!(focus.rays, 101);
     assert!(focus.radius < 1e-12 && focus.times[1] - focus.times[0] < 1e-12, "{focus:?}");
-    let least = least_spot(&traces, [vertex + 10.0, vertex + 30.0], true).unwrap();
+    let least = least_spot(&traces, [vertex + 10.0, vertex + 30.0], Some(0.0)).unwrap();
     assert!((least.depth - vertex - f).abs() < 0.02, "{least:?}");
 }
 
@@ -43,7 +43,7 @@ fn an_elliptic_front_brings_all_rays_to_one_point_within() {
     let front =
         Conic { vertex: Vector::new(0.0, vertex), curvature: 1.0 / radius, constant: -1.0 / (n * n), x: [0.0, 9.0] };
     let scene = Scene { half_width: 9.0, ..scene(front, [n, 1.0]) };
-    let focus = spot(&fan(&scene, 50), vertex + n * radius / (n - 1.0), true).unwrap();
+    let focus = spot(&fan(&scene, 50), vertex + n * radius / (n - 1.0), Some(0.0)).unwrap();
     assert_eq!(focus.rays, 50);
     assert!(focus.radius < 1e-12 && focus.times[1] - focus.times[0] < 1e-12, "{focus:?}");
 }

@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn a_uniform_slab_only_delays() {
         let traces = fan(&slab(|_| 2.0, [5.0, 15.0]), 7);
-        let spot = spot(&traces, 50.0, true).unwrap();
+        let spot = spot(&traces, 50.0, Some(0.0)).unwrap();
         assert!((spot.times[0] - 60.0).abs() < 1e-10 && (spot.times[1] - 60.0).abs() < 1e-10);
         assert!(traces.iter().all(|t| t.path.points.len() == t.events.len() + 2));
     }

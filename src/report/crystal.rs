@@ -7,8 +7,9 @@ use std::collections::HashMap;
 
 use super::colour::{LEVELS, MISSING, Scale, level};
 use super::svg::{Anchor, Shapes, Svg};
+use crate::lattice::Site;
 use crate::outcome::{Outcome, Proposal};
-use crate::target::Region;
+use crate::target::{Region, Target};
 
 /// Steps from corner to corner of a site's cell, a regular hexagon standing on a corner, in diameters: the part of the sheet
 /// that is nearer to this site than to any other. Filled cells leave no gaps between spheres.
@@ -23,10 +24,30 @@ pub enum Extent {
     Both,
 }
 
+/// What a picture needs to know of a crystal.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
+    /// Its sites.
+    pub sites: &'a [Site],
+    /// Sphere diameter (m).
+    pub diameter: f64,
+    /// Distance from the axis to the far mirror line (m).
+    pub half_width: f64,
+    /// Where energy is wanted and where it is not.
+    pub target: &'a Target,
+}
+
+impl<'a> From<&'a Outcome> for Ground<'a> {
+    fn from(outcome: &'a Outcome) -> Self {
+        let Outcome { sites, diameter, half_width, target, .. } = outcome;
+        Self { sites, diameter: *diameter, half_width: *half_width, target }
+    }
+}
+
 /// A crystal placed in a picture.
 #[derive(Clone, Copy)]
 pub struct Crystal<'a> {
-    outcome: &'a Outcome,
+    ground: Ground<'a>,
     extent: Extent,
     /// Pixels per metre.
     scale: f64,
@@ -37,30 +58,31 @@ pub struct Crystal<'a> {
 impl<'a> Crystal<'a> {
     /// Places the crystal with the upper left corner of its frame at `corner`, as large as `room` (width and height) allows
     /// but with spheres of at most 40 pixels.
-    pub fn new(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], room: [f64; 2]) -> Self {
-        let [width, height] = Self::scaled(outcome, extent, corner, 1.0).size();
-        Self::scaled(outcome, extent, corner, (room[0] / width).min(room[1] / height).min(40.0))
+    pub fn new(ground: impl Into<Ground<'a>>, extent: Extent, corner: [f64; 2], room: [f64; 2]) -> Self {
+        let ground = ground.into();
+        let [width, height] = Self::scaled(ground, extent, corner, 1.0).size();
+        Self::scaled(ground, extent, corner, (room[0] / width).min(room[1] / height).min(40.0))
     }
 
-    fn scaled(outcome: &'a Outcome, extent: Extent, corner: [f64; 2], per_diameter: f64) -> Self {
+    fn scaled(ground: Ground<'a>, extent: Extent, corner: [f64; 2], per_diameter: f64) -> Self {
         let left = match extent {
             Extent::Half => 0.5 * per_diameter,
-            Extent::Both => (outcome.half_width / outcome.diameter + 0.5) * per_diameter,
+            Extent::Both => (ground.half_width / ground.diameter + 0.5) * per_diameter,
         };
         let origin = [corner[0] + left, corner[1] + 2.0 * CORNER[1] * per_diameter];
-        Self { outcome, extent, scale: per_diameter / outcome.diameter, origin }
+        Self { ground, extent, scale: per_diameter / ground.diameter, origin }
     }
 
     /// Upper left corner of the frame around all cells (px).
     pub fn corner(&self) -> [f64; 2] {
-        let left = if self.extent == Extent::Half { 0.0 } else { -self.outcome.half_width };
+        let left = if self.extent == Extent::Half { 0.0 } else { -self.ground.half_width };
         let [x, y] = self.place([left, 0.0]);
         [x - self.diameter() / 2.0, y - 2.0 * CORNER[1] * self.diameter()]
     }
 
     /// Width and height of the frame (px).
     pub fn size(&self) -> [f64; 2] {
-        let right = self.place([self.outcome.half_width, self.deepest()]);
+        let right = self.place([self.ground.half_width, self.deepest()]);
         let [left, top] = self.corner();
         [right[0] + self.diameter() / 2.0 - left, right[1] + 2.0 * CORNER[1] * self.diameter() - top]
     }
@@ -72,12 +94,12 @@ impl<'a> Crystal<'a> {
 
     /// A sphere's diameter (px).
     pub fn diameter(&self) -> f64 {
-        self.outcome.diameter * self.scale
+        self.ground.diameter * self.scale
     }
 
     /// The greatest depth of a site (m).
     fn deepest(&self) -> f64 {
-        self.outcome.sites.iter().map(|site| site.z).fold(0.0, f64::max)
+        self.ground.sites.iter().map(|site| site.z).fold(0.0, f64::max)
     }
 
     /// The signs with which x is drawn: the half, or the half and its mirror image.
@@ -87,8 +109,8 @@ impl<'a> Crystal<'a> {
 
     /// The places of a site: two in a mirrored picture, unless it lies on the axis.
     pub fn places(&self, index: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let site = self.outcome.sites[index];
-        let on_axis = site.x.abs() < 1e-9 * self.outcome.diameter;
+        let site = self.ground.sites[index];
+        let on_axis = site.x.abs() < 1e-9 * self.ground.diameter;
         let count = if on_axis { 1 } else { self.sides().len() };
         self.sides()[..count].iter().map(move |side| self.place([side * site.x, site.z]))
     }
@@ -98,7 +120,7 @@ impl<'a> Crystal<'a> {
         let mut levels = vec![Shapes::default(); LEVELS + 1];
         let [half, quarter] = CORNER.map(|c| c * self.diameter());
         let steps = [[half, quarter], [0.0, 2.0 * quarter], [-half, quarter], [-half, -quarter], [0.0, -2.0 * quarter]];
-        for index in 0..self.outcome.sites.len() {
+        for index in 0..self.ground.sites.len() {
             let chosen = value(index).map_or(LEVELS, |v| scale.level(v));
             for [x, y] in self.places(index) {
                 levels[chosen].closed([x, y - 2.0 * quarter], &steps);
@@ -114,12 +136,12 @@ impl<'a> Crystal<'a> {
     /// Lines between cells of different material.
     pub fn boundaries(&self, svg: &mut Svg, layout: &[u8], attributes: &str) {
         // Along x in half diameters: neighbours are two such steps away in the row, one in the rows beside it.
-        let position = |x: f64| (2.0 * x / self.outcome.diameter).round() as i64;
+        let position = |x: f64| (2.0 * x / self.ground.diameter).round() as i64;
         let places: HashMap<(u32, i64), u8> =
-            self.outcome.sites.iter().zip(layout).map(|(s, &m)| ((s.row, position(s.x)), m)).collect();
+            self.ground.sites.iter().zip(layout).map(|(s, &m)| ((s.row, position(s.x)), m)).collect();
         let [half, quarter] = CORNER.map(|c| c * self.diameter());
         let mut lines = Shapes::default();
-        for (site, &own) in self.outcome.sites.iter().zip(layout) {
+        for (site, &own) in self.ground.sites.iter().zip(layout) {
             let p = position(site.x);
             let differs = |row: u32, p: i64| places.get(&(row, p)).is_some_and(|&other| other != own);
             // Each pair once: the neighbours to the right, below left and below right.
@@ -142,8 +164,8 @@ impl<'a> Crystal<'a> {
     fn rectangles(&self, region: &Region) -> Vec<([f64; 2], [f64; 2])> {
         // Centres are D/2 apart in x from row to row, so D/4 beyond the region parts what is inside from what is not;
         // at the rim, and at the axis of the half, whole spheres are enclosed.
-        let quarter = self.outcome.diameter / 4.0;
-        let rim = self.outcome.half_width - quarter;
+        let quarter = self.ground.diameter / 4.0;
+        let rim = self.ground.half_width - quarter;
         let right = region.x[1] + if region.x[1] > rim { 2.0 * quarter } else { quarter };
         let meets_axis = region.x[0] < quarter;
         let left = match (meets_axis, self.extent) {
@@ -151,7 +173,7 @@ impl<'a> Crystal<'a> {
             (true, Extent::Both) => -right,
             (false, _) => region.x[0] - quarter,
         };
-        let spacing = 0.75_f64.sqrt() * self.outcome.diameter;
+        let spacing = 0.75_f64.sqrt() * self.ground.diameter;
         let depth = |row: f64| (row - 1.0) * spacing;
         let [top, bottom] = [depth(f64::from(region.rows[0]) - 0.5), depth(f64::from(region.rows[1]) + 0.5)];
         let rectangle = |a: f64, b: f64| {
@@ -165,7 +187,7 @@ impl<'a> Crystal<'a> {
     /// Outlines the focal region (solid) and the protected one (dashed): a white line with a dark edge, to be seen on
     /// every colour.
     pub fn regions(&self, svg: &mut Svg, width: f64) {
-        let target = &self.outcome.target;
+        let target = self.ground.target;
         for (region, dash) in [(&target.focus, ""), (&target.protect, r#"stroke-dasharray="5 3""#)] {
             for (corner, size) in self.rectangles(region) {
                 svg.rectangle(corner, size, &format!(r##"fill="none" stroke="#222" stroke-width="{}""##, width + 1.6));
@@ -176,7 +198,7 @@ impl<'a> Crystal<'a> {
 
     /// Writes the regions' names into them, or above them where they are too low for a line of text.
     pub fn name_regions(&self, svg: &mut Svg, size: f64) {
-        let target = &self.outcome.target;
+        let target = self.ground.target;
         for (region, name) in [(&target.focus, "focal"), (&target.protect, "protected")] {
             for ([x, y], [width, height]) in self.rectangles(region) {
                 // Bold letters are some 0.6 of their size wide.
@@ -203,7 +225,8 @@ impl<'a> Crystal<'a> {
         }
     }
 
-    fn mirrored(&self, svg: &mut Svg, line: &[[f64; 2]], attributes: &str) {
+    /// A line (m) and, in a mirrored picture, its mirror image.
+    pub fn mirrored(&self, svg: &mut Svg, line: &[[f64; 2]], attributes: &str) {
         for side in self.sides() {
             let points: Vec<_> = line.iter().map(|&[x, z]| self.place([side * x, z])).collect();
             svg.polyline(&points, attributes);
@@ -216,7 +239,7 @@ impl<'a> Crystal<'a> {
         let rounds = [5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
         let every = rounds.into_iter().find(|&n| f64::from(n) * spacing >= 40.0).unwrap_or(10_000);
         let left = self.corner()[0] - 4.0;
-        for site in self.outcome.sites.iter().filter(|s| s.column == 1 && (s.row == 1 || s.row % every == 0)) {
+        for site in self.ground.sites.iter().filter(|s| s.column == 1 && (s.row == 1 || s.row % every == 0)) {
             let y = self.place([0.0, site.z])[1];
             svg.line([left, y], [left + 3.0, y], r##"stroke="#555""##);
             svg.text([left - 3.0, y + size * 0.36], size, Anchor::End, "", &site.row.to_string());

@@ -29,7 +29,7 @@ pub fn layout(outcome: &Outcome, arrangement: &ArrangementOutcome) -> String {
     let mut svg = Svg::new(full_width, full_height, &title);
 
     impact(&mut svg, &crystal, &outcome.manifest.impact);
-    spheres(&mut svg, &crystal, outcome, arrangement);
+    spheres(&mut svg, &crystal, outcome.materials.len(), &arrangement.layout);
     axis(&mut svg, &crystal);
     if let Some(proposal) = &outcome.proposal {
         crystal.rays(&mut svg, proposal, RAY);
@@ -46,7 +46,7 @@ pub fn layout(outcome: &Outcome, arrangement: &ArrangementOutcome) -> String {
 }
 
 /// Arrows on row 1: every sphere of it is struck.
-fn impact(svg: &mut Svg, crystal: &Crystal, words: &str) {
+pub(super) fn impact(svg: &mut Svg, crystal: &Crystal, words: &str) {
     let ([left, top], [width, _]) = (crystal.corner(), crystal.size());
     let text = format!("impact: {words}");
     svg.text([left + width / 2.0, 24.0], 13.0, Anchor::Middle, r#"font-weight="bold""#, &text);
@@ -59,12 +59,12 @@ fn impact(svg: &mut Svg, crystal: &Crystal, words: &str) {
 }
 
 /// One group per material, so that a thousand circles share one colour.
-fn spheres(svg: &mut Svg, crystal: &Crystal, outcome: &Outcome, arrangement: &ArrangementOutcome) {
+pub(super) fn spheres(svg: &mut Svg, crystal: &Crystal, materials: usize, layout: &[u8]) {
     let radius = crystal.diameter() / 2.0 - 0.4;
-    for index in 0..outcome.materials.len() {
+    for index in 0..materials {
         let style = format!(r##"fill="{}" stroke="#444" stroke-width="0.5""##, material(index));
         svg.group(&style, |svg| {
-            for (site, _) in arrangement.layout.iter().enumerate().filter(|&(_, &m)| usize::from(m) == index) {
+            for (site, _) in layout.iter().enumerate().filter(|&(_, &m)| usize::from(m) == index) {
                 for place in crystal.places(site) {
                     svg.circle(place, radius, "");
                 }
@@ -73,7 +73,7 @@ fn spheres(svg: &mut Svg, crystal: &Crystal, outcome: &Outcome, arrangement: &Ar
     }
 }
 
-fn axis(svg: &mut Svg, crystal: &Crystal) {
+pub(super) fn axis(svg: &mut Svg, crystal: &Crystal) {
     let (x, top, height) = (crystal.place([0.0, 0.0])[0], crystal.corner()[1], crystal.size()[1]);
     svg.line([x, top], [x, top + height + 8.0], r##"stroke="#222" stroke-width="1" stroke-dasharray="9 3 2 3""##);
     svg.text([x, top + height + 20.0], 11.0, Anchor::Middle, "", "lens axis, x = 0");

@@ -10,6 +10,7 @@
 //! - `claims`: what was published of such lenses, measured on this outcome
 //! - `page`, `files`: what is written
 //! - `contact_curve`: a contact law as a picture
+//! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `surface`: a design surface as a picture; `labels`: places for its labels
 
 mod claims;
@@ -27,9 +28,11 @@ mod summary;
 mod surface;
 mod svg;
 mod table;
+mod trace;
 
 pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, write, write_numbers};
 pub use surface::{surface, surface_csv};
 pub use table::table;
+pub use trace::trace;

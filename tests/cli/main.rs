@@ -3,7 +3,7 @@
 //! - `jobs`: run, design and compare; the same numbers on any number of threads
 //! - `check`: layouts under an impact, steps, guards and thresholds
 //! - `layouts`: what a wrong layout file hears
-//! - `laws`: materials, contact and speed; `surface`: design surfaces
+//! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption
 
@@ -15,6 +15,7 @@ mod layouts;
 mod refusals;
 mod studies;
 mod surface;
+mod trace;
 
 use std::path::{Path, PathBuf};
 

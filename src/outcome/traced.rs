@@ -1,0 +1,91 @@
+//! What rays say of a design, to be stored and drawn.
+
+use serde::{Deserialize, Serialize};
+
+use super::Proposal;
+use crate::lattice::Site;
+use crate::target::Target;
+
+/// The result of `trace`. Everything in SI, for the half x >= 0.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Traced {
+    /// Format number of this structure.
+    pub format: u32,
+    /// Name of the design.
+    pub name: String,
+    /// What strikes the crystal, in words.
+    pub impact: String,
+    /// The crystal's sites, in the order of all per-site lists.
+    pub sites: Vec<Site>,
+    /// Sphere diameter (m).
+    #[serde(rename = "diameter_m")]
+    pub diameter: f64,
+    /// Distance from the axis to the far mirror line (m).
+    #[serde(rename = "half_width_m")]
+    pub half_width: f64,
+    /// Where energy is wanted and where it is not.
+    pub target: Target,
+    /// Names of the materials that `layout` counts: host first.
+    pub materials: Vec<String>,
+    /// For each site an index into the materials.
+    pub layout: Vec<u8>,
+    /// The lens; none where a layout was given, whose faces nobody knows.
+    pub proposal: Option<Proposal>,
+    /// The rays, from the axis to the far mirror line; none without a lens.
+    pub rays: Vec<TracedRay>,
+    /// Where rays are at equal times.
+    pub wavefronts: Vec<Front>,
+    /// The caustic: the lines that neighbouring rays touch.
+    #[serde(rename = "caustic_m")]
+    pub caustic: Vec<Vec<[f64; 2]>>,
+    /// The spot that rays make in the middle row of the focal region, and the smallest they make anywhere behind the lens.
+    pub spots: [Option<TracedSpot>; 2],
+    /// First arrival at each site by the eikonal equation on the lattice (s).
+    #[serde(rename = "first_arrival_s")]
+    pub first_arrival: Vec<f64>,
+    /// Where the first arrival is at the same times as the wavefronts: unconnected pieces.
+    pub isochrones: Vec<Front>,
+    /// First arrival in the middle row of the focal region (s): by rays, where any come there, and by the eikonal equation.
+    #[serde(rename = "focal_arrival_s")]
+    pub focal_arrival: [Option<f64>; 2],
+}
+
+/// One ray.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TracedRay {
+    /// Corners (x, z) (m).
+    #[serde(rename = "points_m")]
+    pub points: Vec<[f64; 2]>,
+    /// Time at each of them (s).
+    #[serde(rename = "times_s")]
+    pub times: Vec<f64>,
+    /// Why it did not come to the last row, if so.
+    pub failure: Option<String>,
+}
+
+/// A wave at one time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Front {
+    /// Time (s).
+    #[serde(rename = "time_s")]
+    pub time: f64,
+    /// Lines of points (x, z) (m).
+    #[serde(rename = "lines_m")]
+    pub lines: Vec<Vec<[f64; 2]>>,
+}
+
+/// Where rays pass a depth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TracedSpot {
+    /// Depth (m).
+    #[serde(rename = "depth_m")]
+    pub depth: f64,
+    /// Mean distance from the lens axis of the crystal (m).
+    #[serde(rename = "centre_m")]
+    pub centre: f64,
+    /// Root of the mean squared distance from the centre (m).
+    #[serde(rename = "radius_m")]
+    pub radius: f64,
+    /// Number of rays.
+    pub rays: usize,
+}
