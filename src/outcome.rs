@@ -109,7 +109,8 @@ pub struct Proposal {
     pub apex_row: u32,
     /// Last row of the lens.
     pub back_row: u32,
-    /// Radius of the curved face, or focal length of a graded slab (m), of families that have it.
+    /// Radius of the curved face (m); of aspheric lenses the distance at which they gather, of graded slabs the focal length
+    /// aimed at; none of prisms.
     #[serde(rename = "radius_m")]
     pub radius: Option<f64>,
     /// Distance of the lens's own axis from that of the crystal (m).

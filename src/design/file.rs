@@ -26,7 +26,7 @@ section!(ImpactFile: Written { kind, force, duration });
 section!(TargetFile: Section<RegionFile> { focus, protect });
 section!(RegionFile: Written { rows, x });
 section!(LensFile: Written {
-    family, material, others, apex_row, back_row, radius, max_interface_angle, rows, axis, aim_row, stages, raster, seed
+    family, material, others, apex_row, back_row, radius, max_interface_angle, rows, axis, stages, raster, seed
 });
 section!(RunFile: Written { integrator, step, accuracy, window });
 section!(CompareFile: Written { seeds, first_seed });
@@ -65,7 +65,6 @@ pub(super) const EXAMPLES: &[&str] = &[
     "lens.rows = [2, 29]",
     "lens.others = [\"aluminium-2017\"]",
     "lens.axis = \"8 D\"",
-    "lens.aim_row = 36",
     "lens.stages = 2",
     "lens.raster = \"nearest\"",
     "lens.seed = 1",

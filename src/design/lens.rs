@@ -9,9 +9,6 @@ use crate::material::Material;
 use crate::target::Target;
 use crate::units::Dimension;
 
-/// Beyond it rays are parallel for any crystal that fits into memory.
-const MOST_AIM_ROW: u32 = 1_000_000;
-
 /// More stages than that leave none of them a face to speak of.
 const MOST_STAGES: u32 = 10;
 
@@ -119,15 +116,6 @@ pub(super) fn read(
         Some(entry) => Some(axis(&entry, lattice)?),
         None => None,
     };
-    let aim_row = match scope.optional("aim_row", &file.aim_row) {
-        Some(entry) if !family.aims() => {
-            let rule = format!("has no meaning for a lens of the family {}", family.name());
-            return Err(entry.fail(&rule, "Leave it out, or ask for aspheric-front or aspheric-back."));
-        }
-        // Rays may be made to meet behind the last row.
-        Some(entry) => Some(entry.whole(focus..=MOST_AIM_ROW)?),
-        None => None,
-    };
     let stages = match scope.optional("stages", &file.stages) {
         Some(entry) if family != Family::Stages => {
             return Err(entry.fail("belongs to the family stages", "Leave it out, or ask for that family."));
@@ -166,7 +154,6 @@ pub(super) fn read(
         back_row,
         radius,
         axis,
-        aim_row,
         stages,
         raster,
         seed,

@@ -65,28 +65,25 @@ impl Family {
         }
     }
 
-    /// What its radius is called: that of a circular face, or the focal length of a graded slab; none if it has none.
+    /// What its radius is called: that of a circular face, the distance at which an aspheric lens gathers, or the focal length
+    /// of a graded slab; none if it has none.
     pub const fn radius(self) -> Option<&'static str> {
         match self {
-            Self::AsphericFront | Self::AsphericBack | Self::Prism => None,
+            Self::Prism => None,
+            Self::AsphericFront | Self::AsphericBack => Some("focal distance"),
             Self::Graded => Some("focal length"),
             _ => Some("radius"),
         }
     }
 
-    /// Whether there is a curvature to choose.
+    /// Whether there is a curvature to choose: an aspheric lens is made for the middle of its region.
     pub(super) const fn is_curved(self) -> bool {
-        self.radius().is_some()
+        !matches!(self, Self::AsphericFront | Self::AsphericBack | Self::Prism)
     }
 
     /// Whether it makes sense to give it an axis of its own: a prism has none.
     pub const fn has_axis(self) -> bool {
         !matches!(self, Self::Prism)
-    }
-
-    /// Whether its faces are made for one point.
-    pub const fn aims(self) -> bool {
-        matches!(self, Self::AsphericFront | Self::AsphericBack)
     }
 
     /// Whether it takes further materials.
@@ -180,14 +177,16 @@ impl Family {
             }
             // Half the depth to the focus is the shortest that a thick slab is given.
             Self::Graded => 2.0 / (place.focus - place.depth[1]),
-            Self::AsphericFront | Self::AsphericBack | Self::Prism => 1.0,
+            // Rays may be made to meet anywhere behind the lens.
+            Self::AsphericFront | Self::AsphericBack => f64::INFINITY,
+            Self::Prism => 1.0,
         }
     }
 
     /// The curvatures to try: `count` from flat to the greatest; a prism's sign is the side of its edge.
     pub(super) fn curvatures(self, place: &Place, count: u32) -> Vec<f64> {
         match self {
-            Self::AsphericFront | Self::AsphericBack => vec![1.0],
+            Self::AsphericFront | Self::AsphericBack => vec![1.0 / (place.focus - place.depth[1])],
             Self::Prism => vec![1.0, -1.0],
             _ => {
                 let greatest = self.greatest_curvature(place);
@@ -229,13 +228,13 @@ impl Family {
                 (curvature > 0.0).then(|| one(Face::Conic(front), Face::flat(last, whole), whole))?
             }
             Self::AsphericFront => {
-                let front = EqualTime::new(first, last, place.focus, axis, place.widest(), [host, lens])?;
+                let front = EqualTime::new(first, last, last + 1.0 / curvature, axis, place.widest(), [host, lens])?;
                 let x = place.within(front.aperture());
                 one(Face::EqualTime(front), Face::flat(last, x), x)
             }
             Self::AsphericBack => {
                 let n = host / lens;
-                let focal = place.focus - last;
+                let focal = 1.0 / curvature;
                 if n <= 1.0 || focal <= 0.0 {
                     return None;
                 }

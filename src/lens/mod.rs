@@ -58,14 +58,13 @@ pub struct LensRequest {
     pub apex_row: Option<u32>,
     /// The last row of the lens, where given: of a plano-convex one that of its flat face.
     pub back_row: Option<u32>,
-    /// Radius of the curved face, or focal length of a graded slab (m), where given.
+    /// Radius of the curved face (m), where given; of an aspheric lens the distance from its back, on its axis, to the point
+    /// where rays meet, of a graded slab the focal length aimed at.
     pub radius: Option<f64>,
     /// Distance of the lens's own axis from that of the crystal (m), where given. A lens off the axis has its mirror image on
     /// the other side. Left out, it is 0 for plano-convex lenses; others stand before their region: on the axis or the far
     /// mirror line if it touches one of them, otherwise before its middle.
     pub axis: Option<f64>,
-    /// The row at whose depth rays of an aspheric lens meet, where given; otherwise in the middle of the focal region.
-    pub aim_row: Option<u32>,
     /// Number of stages, of the family that has them.
     pub stages: u32,
     /// How sites take their material; left out, diffused for graded lenses, nearest for all others.
@@ -87,7 +86,6 @@ impl LensRequest {
             back_row: None,
             radius: None,
             axis: None,
-            aim_row: None,
             stages: 2,
             raster: None,
             seed: 1,

@@ -32,7 +32,8 @@ pub struct Lens {
     pub apex_row: u32,
     /// Last row.
     pub back_row: u32,
-    /// Radius of the curved face, or focal length of a graded slab (m), of families that have it.
+    /// Radius of the curved face (m); of aspheric lenses the distance at which they gather, of graded slabs the focal length
+    /// aimed at; none of prisms.
     pub radius: Option<f64>,
     /// Distance of its own axis from that of the crystal (m).
     pub axis: f64,

@@ -97,8 +97,6 @@ pub(super) struct Problem<'a> {
     pub others: Vec<f64>,
     /// Where the lens's own axis lies (m)
     pub axis: f64,
-    /// Depth at which aspheric lenses gather (m)
-    pub aim: f64,
     pub stages: u32,
     /// Distances from the axis between which rays shall pass or, of a shield, shall not (m)
     pub region: [f64; 2],
@@ -136,7 +134,6 @@ impl<'a> Problem<'a> {
             speeds,
             others: Vec::new(),
             axis: request.axis.unwrap_or_else(|| before(family, region, lattice)),
-            aim: lattice.depth(request.aim_row.map_or(region.mid_row(), f64::from)),
             stages: request.stages,
             region: region.x,
             depth: lattice.depth(region.mid_row()),
@@ -176,7 +173,7 @@ impl<'a> Problem<'a> {
             spacing: self.lattice.row_spacing(),
             half_width: self.lattice.half_width(),
             axis: self.axis,
-            focus: self.aim,
+            focus: self.depth,
             speeds: self.graded_speeds(),
             max_angle: self.max_angle,
             stages: self.stages,

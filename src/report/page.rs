@@ -161,7 +161,11 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
         pair("Family", &proposal.family),
         pair("Rows of the lens", format!("first {}, last {}", proposal.apex_row, proposal.back_row)),
         pair(
-            if proposal.family == "graded" { "Focal length aimed at" } else { "Radius of the curved face" },
+            match proposal.family.as_str() {
+                "graded" => "Focal length aimed at",
+                "aspheric-front" | "aspheric-back" => "Focal distance behind the lens",
+                _ => "Radius of the curved face",
+            },
             proposal.radius.map_or("none".to_owned(), diameters),
         ),
         pair("Its axis", diameters(proposal.axis)),
