@@ -1,5 +1,6 @@
 //! The state of spheres and flats, as parallel arrays.
 
+use super::cluster::ClusterState;
 use super::{Body, Rig};
 
 /// State of all spheres and flats. Row i of each array is sphere (or flat) i.
@@ -20,6 +21,10 @@ pub(super) struct Bodies<const D: usize> {
     /// Per axis the damping rate Z/m + drag (1/s); empty where nothing damps.
     pub damping: Vec<[f64; D]>,
 
+    pub clusters: Vec<ClusterState<D>>,
+    /// For each sphere the cluster that moves it.
+    pub clustered: Vec<Option<u32>>,
+
     pub flat_moved: Vec<[f64; D]>,
     pub flat_velocity: Vec<[f64; D]>,
     pub flat_acceleration: Vec<[f64; D]>,
@@ -32,8 +37,10 @@ impl<const D: usize> Bodies<D> {
         let count = rig.sample.spheres.len();
         let mut inverse_mass = Vec::with_capacity(count);
         let mut weight = vec![1.0; count];
+        let clustered = rig.clustered();
         for (i, sphere) in rig.sample.spheres.iter().enumerate() {
-            let mut held = rig.held[i];
+            // A member of a cluster is moved by it alone.
+            let mut held = if clustered[i].is_some() { [true; D] } else { rig.held[i] };
             for mirror in rig.mirrors.iter().filter(|mirror| mirror.carries(&sphere.centre, sphere.radius)) {
                 weight[i] *= 0.5;
                 held[mirror.axis] = true;
@@ -59,11 +66,19 @@ impl<const D: usize> Bodies<D> {
             spin: rig.spin.clone(),
             spin_rate: vec![[0.0; 3]; count],
             inverse_inertia: (0..count)
-                .map(|i| if rig.held[i].iter().all(|&held| held) { 0.0 } else { 1.0 / (rig.inertia[i] * weight[i]) })
+                .map(|i| {
+                    if clustered[i].is_some() || rig.held[i].iter().all(|&held| held) {
+                        0.0
+                    } else {
+                        1.0 / (rig.inertia[i] * weight[i])
+                    }
+                })
                 .collect(),
             inverse_mass,
             weight,
             damping,
+            clusters: rig.clusters.iter().map(ClusterState::new).collect(),
+            clustered,
             flat_moved: vec![[0.0; D]; rig.flats.len()],
             flat_velocity: rig.flats.iter().map(|flat| flat.velocity).collect(),
             flat_acceleration: vec![[0.0; D]; rig.flats.len()],

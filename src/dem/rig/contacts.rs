@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::bodies::{Bodies, cross, dot, spin_cross};
 use super::flat::Face;
-use super::law::{Binder, Bond, Bonding, End, Slip};
+use super::law::{Binder, Bond, Bonding, End, Slip, reduced_mass};
 use super::pairs::{Finder, Near, TOUCHING};
 use super::{Body, Rig};
 use crate::sample::Sphere;
@@ -144,6 +144,8 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     share: Vec<f64>,
     /// Place of a contact's law in `bonds`.
     bond: Vec<u32>,
+    /// Reduced mass m̄ (kg).
+    reduced: Vec<f64>,
     bonds: Vec<Bond<L>>,
     known_bonds: HashMap<[u32; 2], u32>,
     pub memory: Vec<L::Memory>,
@@ -184,6 +186,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// it is met as it is.
     pub fn new(rig: &Rig<D>, bodies: &Bodies<D>, face_factor: f64) -> Self {
         let count = rig.sample.spheres.len();
+        let clustered = rig.clustered();
         let ends: Vec<End> = (0..count)
             .map(|i| {
                 let sphere = &rig.sample.spheres[i];
@@ -191,16 +194,20 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 End {
                     material: sphere.material,
                     radius: sphere.radius,
-                    mass: if fixed { f64::INFINITY } else { rig.mass[i] },
+                    mass: match clustered[i] {
+                        Some(cluster) => rig.clusters[cluster as usize].mass,
+                        None if fixed => f64::INFINITY,
+                        None => rig.mass[i],
+                    },
                 }
             })
             .collect();
-        let mut kinds: HashMap<(usize, u64, u64), u32> = HashMap::new();
+        let mut kinds: HashMap<(usize, u64), u32> = HashMap::new();
         let class = ends
             .iter()
             .map(|end| {
                 let next = kinds.len() as u32;
-                *kinds.entry((end.material, end.radius.to_bits(), end.mass.to_bits())).or_insert(next)
+                *kinds.entry((end.material, end.radius.to_bits())).or_insert(next)
             })
             .collect();
         debug_assert_eq!(bodies.weight.len(), count);
@@ -209,6 +216,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             faces: Vec::new(),
             share: Vec::new(),
             bond: Vec::new(),
+            reduced: Vec::new(),
             bonds: Vec::new(),
             known_bonds: HashMap::new(),
             memory: Vec::new(),
@@ -232,7 +240,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// Looks anew who is near whom; memories go with their contact.
     pub fn renew(&mut self, rig: &Rig<D>, finder: &Finder<D>, bodies: &Bodies<D>, binder: &impl Binder<L>) {
         let near = finder.find(rig, &bodies.displacement);
-        let faces = near_faces(rig, finder.skin, bodies);
+        let faces = near_faces(rig, finder, bodies);
         self.replace(rig, near, faces, bodies, binder);
     }
 
@@ -348,41 +356,31 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         }
     }
 
-    fn bind(&mut self, rig: &Rig<D>, binder: &impl Binder<L>) {
+    fn bind<B: Binder<L>>(&mut self, rig: &Rig<D>, binder: &B) {
         self.bond.clear();
-        // Laws without memory belong to grains of many sizes: a law per contact is then read in order, not looked up.
-        let shared = L::NUMBERS > 0;
-        if !shared {
-            self.bonds.clear();
-        }
-        let face_class = self.class.iter().max().map_or(0, |&last| last + 1);
+        self.reduced.clear();
+        let class = |i: u32| if B::BY_SIZE { self.class[i as usize] } else { self.ends[i as usize].material as u32 };
         for c in 0..self.near.len() + self.faces.len() {
             let (key, ends) = match self.near.get(c) {
-                Some(pair) => {
-                    let [a, b] = pair.ends.map(|i| i as usize);
-                    ([self.class[a], self.class[b]], [self.ends[a], self.ends[b]])
-                }
+                Some(pair) => (pair.ends.map(class), pair.ends.map(|i| self.ends[i as usize])),
                 None => {
                     let face = &self.faces[c - self.near.len()];
                     let end = self.ends[face.sphere as usize];
-                    let (mass, other) = match face.facing {
-                        Facing::Flat(f) => (rig.flats[f as usize].mass, f + 1),
-                        Facing::Mirror(_) => (end.mass, 0),
+                    let mass = match face.facing {
+                        Facing::Flat(f) => rig.flats[f as usize].mass,
+                        Facing::Mirror(_) => end.mass,
                     };
-                    ([self.class[face.sphere as usize], face_class + other], [end, End { mass, ..end }])
+                    // A face counts as a sphere like the one that it meets.
+                    ([class(face.sphere); 2], [end, End { mass, ..end }])
                 }
             };
+            self.reduced.push(reduced_mass(ends));
             let next = self.bonds.len() as u32;
-            if shared {
-                let place = *self.known_bonds.entry(key).or_insert(next);
-                if place == next {
-                    self.bonds.push(binder.bond(ends));
-                }
-                self.bond.push(place);
-            } else {
+            let place = *self.known_bonds.entry(key).or_insert(next);
+            if place == next {
                 self.bonds.push(binder.bond(ends));
-                self.bond.push(next);
             }
+            self.bond.push(place);
         }
     }
 
@@ -500,7 +498,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     }
 
     fn sweep_pairs<const TURNING: bool>(&mut self, bodies: &Bodies<D>, trial: Trial<D>, sums: &mut Sums<D>) {
-        let Self { near, share, bond, bonds, memory, stretch, account, ends, .. } = self;
+        let Self { near, share, bond, reduced, bonds, memory, stretch, account, ends, .. } = self;
         let displacement = &bodies.displacement;
         let mut spare = [0.0; D];
         if self.first_of.is_empty() || rayon::current_num_threads() == 1 {
@@ -508,7 +506,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             for c in 0..near.len() {
                 let share = if share.is_empty() { 1.0 } else { share[c] };
                 let stretch = if TURNING { &mut stretch[c] } else { &mut spare };
-                let bond = &bonds[bond[c] as usize];
+                let bond = (&bonds[bond[c] as usize], reduced[c]);
                 let reaction = react_pair::<D, L, TURNING>(
                     &near[c],
                     displacement,
@@ -538,7 +536,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         // Each contact on its own, in any order; then each sphere's sum over its contacts, in their order.
         const GRAIN: usize = 2048;
         let near: &[Near<D>] = near;
-        let (share, bond): (&[f64], &[u32]) = (share, bond);
+        let (share, bond, reduced): (&[f64], &[u32], &[f64]) = (share, bond, reduced);
         let (bonds, ends): (&[Bond<L>], &[End]) = (bonds, ends);
         let rows = self
             .reactions
@@ -556,7 +554,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 let c = chunk * GRAIN + n;
                 let share = if share.is_empty() { 1.0 } else { share[c] };
                 let stretch = stretch.as_mut().map_or(&mut spare, |stretch| &mut stretch[n]);
-                let bond = &bonds[bond[c] as usize];
+                let bond = (&bonds[bond[c] as usize], reduced[c]);
                 reactions[n] = react_pair::<D, L, TURNING>(
                     &near[c],
                     displacement,
@@ -646,7 +644,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             let meeting =
                 Meeting { overlap: factor * (radius - distance), closing_speed: factor * along, normal, sliding };
             let stretch = if TURNING { &mut self.stretch[c] } else { &mut spare };
-            let bond = &self.bonds[self.bond[c] as usize];
+            let bond = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
             let Reaction { force, twist } = if slips {
                 react::<D, L, true>(&meeting, bond, &mut self.memory[c], stretch, &mut self.account[c], step, share)
             } else {
@@ -760,7 +758,7 @@ fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     displacement: &[[f64; D]],
     trial: Trial<D>,
     ends: &[End],
-    bond: &Bond<L>,
+    (bond, reduced): (&Bond<L>, f64),
     memory: &mut L::Memory,
     stretch: &mut [f64; D],
     account: &mut Account,
@@ -804,14 +802,14 @@ fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
         }
     }
     let meeting = Meeting { overlap, closing_speed, normal, sliding };
-    Some(react::<D, L, TURNING>(&meeting, bond, memory, stretch, account, step, share))
+    Some(react::<D, L, TURNING>(&meeting, (bond, reduced), memory, stretch, account, step, share))
 }
 
 /// Normal and tangential force of a closed contact; its memories advance by one step.
 #[inline(always)]
 fn react<const D: usize, L: Bonding, const TURNING: bool>(
     meeting: &Meeting<D>,
-    bond: &Bond<L>,
+    (bond, reduced): (&Bond<L>, f64),
     memory: &mut L::Memory,
     stretch: &mut [f64; D],
     account: &mut Account,
@@ -819,28 +817,28 @@ fn react<const D: usize, L: Bonding, const TURNING: bool>(
     share: f64,
 ) -> Reaction<D> {
     let Meeting { overlap, closing_speed, normal, sliding } = meeting;
-    let (push, next) = bond.normal.respond(*overlap, *closing_speed, memory);
+    let (push, next) = bond.normal.respond(*overlap, *closing_speed, reduced, memory);
     *memory = next;
     account.accept(*overlap, push);
     let mut force = normal.map(|n| share * push * n);
     let mut twist = [0.0; 3];
     if TURNING && bond.slip.coefficient > 0.0 {
         let slip = &bond.slip;
-        let stiffness = slip.stiffness_at(*overlap);
+        let (stiffness, damping) = (slip.stiffness_at(*overlap), slip.rate * reduced);
         // ξ is turned into the tangent plane, then follows the sliding: ξ̇ = u.
         let along = dot(stretch, normal);
         let mut drag = [0.0; D];
         for k in 0..D {
             stretch[k] += step * sliding[k] - along * normal[k];
-            drag[k] = stiffness * stretch[k] + slip.damping * sliding[k];
+            drag[k] = stiffness * stretch[k] + damping * sliding[k];
         }
-        let (cap, size) = (slip.coefficient * push.abs(), dot(&drag, &drag).sqrt());
-        if size > cap {
-            let shorter = cap / size;
+        let (cap, squared) = (slip.coefficient * push.abs(), dot(&drag, &drag));
+        if squared > cap * cap {
+            let shorter = cap / squared.sqrt();
             for k in 0..D {
                 drag[k] *= shorter;
                 if stiffness > 0.0 {
-                    stretch[k] = (drag[k] - slip.damping * sliding[k]) / stiffness;
+                    stretch[k] = (drag[k] - damping * sliding[k]) / stiffness;
                 }
             }
         }
@@ -888,13 +886,14 @@ impl NearFace {
 }
 
 /// Spheres near flats and mirrors, in order of their keys.
-fn near_faces<const D: usize>(rig: &Rig<D>, skin: f64, bodies: &Bodies<D>) -> Vec<NearFace> {
+fn near_faces<const D: usize>(rig: &Rig<D>, finder: &Finder<D>, bodies: &Bodies<D>) -> Vec<NearFace> {
     let mut faces = Vec::new();
     if rig.flats.is_empty() && rig.mirrors.is_empty() {
         return faces;
     }
     for (i, sphere) in rig.sample.spheres.iter().enumerate() {
         let radius = sphere.radius;
+        let skin = finder.leeway[i] + finder.common;
         let at: [f64; D] = std::array::from_fn(|k| sphere.centre[k] + bodies.displacement[i][k]);
         for (f, flat) in rig.flats.iter().enumerate() {
             if flat.distance(&bodies.flat_moved[f], &at).0 - radius < skin {

@@ -3,6 +3,7 @@
 use super::Rig;
 use super::bodies::Bodies;
 use super::checkpoint::State;
+use super::cluster::ClusterState;
 use super::contacts::{Account, Facing, Kept, NearFace, Strain, Sums};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
@@ -142,6 +143,7 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
                 flat(&self.sums.force),
                 self.sums.torque.as_flattened().to_vec(),
                 flat(&self.sums.flat),
+                b.clusters.iter().flat_map(ClusterState::numbers).collect(),
             ],
             work_in: self.work_in,
             absorbed: self.absorbed,
@@ -240,12 +242,17 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
             self.sums.torque.as_flattened_mut(),
             self.sums.flat.as_flattened_mut(),
         ];
-        fits &= state.bodies.len() == arrays.len();
-        for (array, numbers) in arrays.iter_mut().zip(&state.bodies) {
+        let Some((clusters, rows)) = state.bodies.split_last() else { return false };
+        fits &= rows.len() == arrays.len() && clusters.len() == b.clusters.len() * ClusterState::<D>::NUMBERS;
+        for (array, numbers) in arrays.iter_mut().zip(rows) {
             fits &= array.len() == numbers.len();
             if fits {
                 array.copy_from_slice(numbers);
             }
+        }
+        if fits {
+            let parts = clusters.chunks(ClusterState::<D>::NUMBERS);
+            b.clusters = parts.map(ClusterState::from_numbers).collect();
         }
         fits
     }

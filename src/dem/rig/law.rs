@@ -83,8 +83,8 @@ pub(super) trait Bonding: Clone + Send + Sync + 'static {
     type Memory: Copy + Default + PartialEq + Send + Sync + 'static;
     /// How many numbers that is.
     const NUMBERS: usize;
-    /// Force (N), and the memory after an accepted step.
-    fn respond(&self, overlap: f64, closing_speed: f64, memory: &Self::Memory) -> (f64, Self::Memory);
+    /// Force (N) between bodies of reduced mass m̄ (kg), and the memory after an accepted step.
+    fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &Self::Memory) -> (f64, Self::Memory);
     /// Energy (J) that the contact would give back.
     fn stored(&self, overlap: f64, memory: &Self::Memory) -> f64;
     /// Greatest overlap (m) and force (N) so far, where they are remembered.
@@ -110,7 +110,7 @@ impl Bonding for Solid {
     type Memory = History;
     const NUMBERS: usize = 3;
 
-    fn respond(&self, overlap: f64, closing_speed: f64, memory: &History) -> (f64, History) {
+    fn respond(&self, overlap: f64, closing_speed: f64, _: f64, memory: &History) -> (f64, History) {
         match self {
             Self::Named(law) => law.respond(overlap, closing_speed, memory),
             Self::Tabulated(law) => law.respond(overlap, closing_speed, memory),
@@ -145,16 +145,26 @@ impl Bonding for Solid {
     }
 }
 
-impl Bonding for Dashpot {
+/// Spring and dashpot of any two grains: the dashpot is given per reduced mass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Viscous {
+    stiffness: f64,
+    /// γ (1/s)
+    rate: f64,
+    cut: bool,
+}
+
+impl Bonding for Viscous {
     type Memory = ();
     const NUMBERS: usize = 0;
 
     #[inline(always)]
-    fn respond(&self, overlap: f64, closing_speed: f64, (): &()) -> (f64, ()) {
-        (self.force(overlap, closing_speed, &History::new()), ())
+    fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, (): &()) -> (f64, ()) {
+        let law = Dashpot { stiffness: self.stiffness, damping: self.rate * reduced, cut: self.cut };
+        (law.force(overlap, closing_speed, &History::new()), ())
     }
     fn stored(&self, overlap: f64, (): &()) -> f64 {
-        NormalLaw::stored(self, overlap, &History::new())
+        0.5 * self.stiffness * overlap * overlap
     }
     fn greatest((): &()) -> Option<[f64; 2]> {
         None
@@ -187,8 +197,8 @@ pub(super) struct Slip {
     pub stiffness: f64,
     /// k_t over √δ (N/m^1.5), Mindlin's part
     pub mindlin: f64,
-    /// γ_t m̄ (kg/s)
-    pub damping: f64,
+    /// γ_t (1/s), per reduced mass
+    pub rate: f64,
 }
 
 /// One end of a contact, as far as laws ask for it.
@@ -200,7 +210,7 @@ pub(super) struct End {
     pub mass: f64,
 }
 
-fn reduced_mass([a, b]: [End; 2]) -> f64 {
+pub(super) fn reduced_mass([a, b]: [End; 2]) -> f64 {
     match (a.mass.is_finite(), b.mass.is_finite()) {
         (true, true) => a.mass * b.mass / (a.mass + b.mass),
         (true, false) => a.mass,
@@ -210,6 +220,8 @@ fn reduced_mass([a, b]: [End; 2]) -> f64 {
 
 /// Makes bonds from a law book.
 pub(super) trait Binder<L> {
+    /// Whether laws depend on the spheres' sizes, not on their materials alone.
+    const BY_SIZE: bool;
     fn bond(&self, ends: [End; 2]) -> Bond<L>;
 }
 
@@ -223,6 +235,8 @@ pub(super) struct ByMaterial {
 }
 
 impl Binder<Solid> for ByMaterial {
+    const BY_SIZE: bool = true;
+
     fn bond(&self, ends: [End; 2]) -> Bond<Solid> {
         let [a, b] = ends;
         let materials = [&self.materials[a.material], &self.materials[b.material]];
@@ -236,7 +250,7 @@ impl Binder<Solid> for ByMaterial {
         let slip = self.friction.map_or(Slip::default(), |friction| {
             let compliance = |m: &Material| 2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.youngs_modulus;
             let shear = 1.0 / (compliance(materials[0]) + compliance(materials[1]));
-            friction.slip(reduced_mass(ends), 8.0 * shear * pair.radius.sqrt())
+            friction.slip(8.0 * shear * pair.radius.sqrt())
         });
         Bond { normal, slip }
     }
@@ -249,22 +263,23 @@ pub(super) struct ByDashpot {
     pub cut: bool,
 }
 
-impl Binder<Dashpot> for ByDashpot {
-    fn bond(&self, ends: [End; 2]) -> Bond<Dashpot> {
+impl Binder<Viscous> for ByDashpot {
+    const BY_SIZE: bool = false;
+
+    fn bond(&self, ends: [End; 2]) -> Bond<Viscous> {
         let (rate, friction) = self.materials[ends[0].material.max(ends[1].material)];
-        let mass = reduced_mass(ends);
-        let normal = Dashpot { stiffness: self.stiffness, damping: rate * mass, cut: self.cut };
-        Bond { normal, slip: friction.map_or(Slip::default(), |friction| friction.slip(mass, 0.0)) }
+        let normal = Viscous { stiffness: self.stiffness, rate, cut: self.cut };
+        Bond { normal, slip: friction.map_or(Slip::default(), |friction| friction.slip(0.0)) }
     }
 }
 
 impl Friction {
-    fn slip(&self, reduced_mass: f64, mindlin: f64) -> Slip {
+    fn slip(&self, mindlin: f64) -> Slip {
         Slip {
             coefficient: self.coefficient,
             stiffness: if let Spring::Constant(stiffness) = self.spring { stiffness } else { 0.0 },
             mindlin: if self.spring == Spring::Mindlin { mindlin } else { 0.0 },
-            damping: self.damping * reduced_mass,
+            rate: self.damping,
         }
     }
 }

@@ -55,9 +55,6 @@ struct Act<const D: usize> {
 /// From so many spheres on loops over them are shared among threads.
 const MANY: usize = 20_000;
 
-/// Part of the skin that a body may cross before pairs are looked for anew: two may do so towards each other.
-const HALF: f64 = 0.5;
-
 /// State of one body through a step: everything that moves in `D` dimensions.
 struct Motion<'a, const D: usize> {
     displacement: &'a mut [f64; D],
@@ -94,9 +91,9 @@ impl<const D: usize> Motion<'_, D> {
 }
 
 impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
-    pub fn new(rig: &Rig<D>, binder: B, face_factor: f64, step: f64, skin: f64) -> Self {
+    pub fn new(rig: &Rig<D>, binder: B, face_factor: f64, step: f64) -> Self {
         let bodies = Bodies::new(rig);
-        let finder = Finder::new(rig, skin);
+        let finder = Finder::new(rig);
         let contacts = Contacts::new(rig, &bodies, face_factor);
         let (spheres, flats) = (rig.sample.spheres.len(), rig.flats.len());
         let turning = rig.laws.has_friction();
@@ -147,6 +144,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
                 }
             }
         }
+        self.move_clusters(rig, 0.0);
         let Self { bodies, contacts, sums, .. } = self;
         let (velocity, spin, flat_velocity) = (&bodies.velocity, &bodies.spin, &bodies.flat_velocity);
         contacts.sweep(rig, bodies, Trial { velocity, spin, flat_velocity, step: 0.0 }, sums);
@@ -173,6 +171,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
                     sums.flat[f][k] * inverse + fall - bodies.flat_damping[f][k] * bodies.flat_velocity[f][k];
             }
         }
+        self.move_clusters(rig, 0.0);
         let ledger = self.ledger(rig);
         self.work_in = ledger.kinetic + ledger.stored;
     }
@@ -183,6 +182,11 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         self.plan_acts(rig);
         self.drift(h);
         self.apply_acts(rig, h);
+        for (c, cluster) in rig.clusters.iter().enumerate() {
+            let mut state = self.bodies.clusters[c];
+            state.drift(rig, cluster, h, &mut self.bodies, &mut self.trial, &mut self.trial_spin);
+            self.bodies.clusters[c] = state;
+        }
         if self.has_strayed() {
             self.contacts.renew(rig, &self.finder, &self.bodies, &self.binder);
             self.seen.copy_from_slice(&self.bodies.displacement);
@@ -197,7 +201,17 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         );
         self.kick(rig, h);
         self.finish_acts(rig, h);
+        self.move_clusters(rig, h);
         self.count += 1;
+    }
+
+    /// Clusters take up the forces on their members, and the members their motion.
+    fn move_clusters(&mut self, rig: &Rig<D>, h: f64) {
+        for (c, cluster) in rig.clusters.iter().enumerate() {
+            let mut state = self.bodies.clusters[c];
+            state.kick(rig, cluster, h, &self.sums, &mut self.bodies);
+            self.bodies.clusters[c] = state;
+        }
     }
 
     /// What loads do during the step that begins now.
@@ -311,17 +325,17 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
 
     /// Whether a body has moved so far that pairs may be near that were not when last looked for.
     fn has_strayed(&self) -> bool {
-        let most = (HALF * self.finder.skin).powi(2);
-        let strayed = |(now, seen): (&[f64; D], &[f64; D])| {
+        let strayed = |now: &[f64; D], seen: &[f64; D], leeway: f64| {
             let mut squared = 0.0;
             for k in 0..D {
                 squared += (now[k] - seen[k]) * (now[k] - seen[k]);
             }
-            squared > most
+            squared > leeway * leeway
         };
         let bodies = &self.bodies;
-        bodies.displacement.iter().zip(&self.seen).any(strayed)
-            || bodies.flat_moved.iter().zip(&self.flat_seen).any(strayed)
+        let leeway = &self.finder.leeway;
+        (0..leeway.len()).any(|i| strayed(&bodies.displacement[i], &self.seen[i], leeway[i]))
+            || bodies.flat_moved.iter().zip(&self.flat_seen).any(|(now, seen)| strayed(now, seen, self.finder.common))
     }
 
     fn kick(&mut self, rig: &Rig<D>, h: f64) {
@@ -448,7 +462,11 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             ..EnergyLedger::default()
         };
         let bodies = &self.bodies;
-        for i in 0..bodies.velocity.len() {
+        for (state, cluster) in bodies.clusters.iter().zip(&rig.clusters) {
+            ledger.kinetic += state.kinetic(cluster);
+            ledger.potential -= cluster.mass * dot(&rig.gravity, &state.moved);
+        }
+        for i in (0..bodies.velocity.len()).filter(|&i| bodies.clustered[i].is_none()) {
             let mass = rig.mass[i] * bodies.weight[i];
             ledger.kinetic += 0.5 * mass * bodies.speed_squared(i);
             if self.turning {

@@ -4,6 +4,7 @@
 //! looked at, stored and taken up again. Where [`simulate`](super::simulate) follows one pulse through a crystal whose
 //! contacts are those of its lattice, a rig finds its contacts as it goes; friction, rotation and gravity can be switched on.
 //!
+//! - `cluster`: spheres bound to each other
 //! - `flat`: rigid faces, fixed, moved or free; `curve`: what a load is over time
 //! - `law`: which law holds between which bodies
 //! - `pairs`: who is near whom, with a skin; `bodies`, `contacts`: the state and the forces, as parallel arrays
@@ -16,6 +17,7 @@
 
 mod bodies;
 mod checkpoint;
+mod cluster;
 mod contacts;
 mod curve;
 mod engine;
@@ -28,6 +30,7 @@ mod pairs;
 mod simulation;
 
 pub use checkpoint::CheckpointError;
+pub use cluster::{Cluster, ClusterState};
 pub use curve::{Curve, CurveError};
 pub use felt::Arrival;
 pub use flat::{Face, Flat};
@@ -62,6 +65,8 @@ pub struct Rig<const D: usize> {
     pub periods: [Option<f64>; D],
     /// Rigid faces.
     pub flats: Vec<Flat<D>>,
+    /// Rigid bodies made of several of the spheres.
+    pub clusters: Vec<Cluster<D>>,
     /// Half-infinite elastic bars that spheres or flats are fixed to.
     pub bars: Vec<Bar>,
     /// Forces and prescribed velocities.
@@ -139,6 +144,17 @@ pub enum LoadKind {
 }
 
 impl<const D: usize> Rig<D> {
+    /// For each sphere the cluster that it belongs to.
+    fn clustered(&self) -> Vec<Option<u32>> {
+        let mut of = vec![None; self.sample.spheres.len()];
+        for (c, cluster) in self.clusters.iter().enumerate() {
+            for &i in &cluster.members {
+                of[i] = Some(c as u32);
+            }
+        }
+        of
+    }
+
     /// Spheres at rest, free, of their materials' mass, with the moment of inertia of solid spheres; nothing acts on them.
     pub fn new(sample: Sample<D>, laws: LawBook) -> Self {
         let count = sample.spheres.len();
@@ -153,6 +169,7 @@ impl<const D: usize> Rig<D> {
             mirrors: Vec::new(),
             periods: [None; D],
             flats: Vec::new(),
+            clusters: Vec::new(),
             bars: Vec::new(),
             loads: Vec::new(),
             gravity: [0.0; D],

@@ -30,16 +30,27 @@ pub(super) const TOUCHING: f64 = 1e-9;
 /// A sphere this many times as wide as the median one is compared with every other instead of widening the cells.
 const BIG: f64 = 2.5;
 
+/// Width of the skin over the median radius. Wider lists hold more pairs that do not touch, narrower ones must be made anew
+/// more often; on an impact on a bed this is where the two balance.
+const SKIN: f64 = 0.6;
+
+/// Leeway of big spheres over the median radius.
+const BIG_LEEWAY: f64 = 2.0;
+
 /// Finds near pairs; holds what does not change from list to list.
 #[derive(Clone, Debug)]
 pub(super) struct Finder<const D: usize> {
     periods: [Option<f64>; D],
-    /// Surfaces nearer than this are near (m).
-    pub skin: f64,
+    /// How far each sphere may move before the list must be made anew (m): surfaces nearer than the sum of two are near.
+    pub leeway: Vec<f64>,
+    /// The leeway of spheres that are not big, and of flats.
+    pub common: f64,
     /// Largest diameter of the spheres that go into cells (m).
     widest: f64,
     big: Vec<u32>,
     is_big: Vec<bool>,
+    /// Spheres of one cluster never count as near each other.
+    clustered: Vec<Option<u32>>,
 }
 
 /// Cells in a row along each axis that hold sorted spheres.
@@ -48,9 +59,18 @@ struct Grid<const D: usize> {
     width: [f64; D],
     count: [usize; D],
     periodic: [bool; D],
-    /// Where each cell's spheres begin in `order`.
+    /// Where each cell's spheres begin in `packed`.
     start: Vec<u32>,
-    order: Vec<u32>,
+    packed: Vec<Packed<D>>,
+}
+
+/// A sphere in its cell: what a search asks for, side by side.
+#[derive(Clone, Copy)]
+struct Packed<const D: usize> {
+    at: [f64; D],
+    /// Radius and leeway (m).
+    size: f64,
+    sphere: u32,
 }
 
 impl<const D: usize> Grid<D> {
@@ -71,20 +91,22 @@ impl<const D: usize> Grid<D> {
 }
 
 impl<const D: usize> Finder<D> {
-    /// `skin` (m) is how near surfaces have to be to count as near.
-    pub fn new(rig: &Rig<D>, skin: f64) -> Self {
+    /// Near are surfaces closer than `SKIN` of the median radius; big spheres, mostly few and fast, have more.
+    pub fn new(rig: &Rig<D>) -> Self {
         let mut radii: Vec<f64> = rig.sample.spheres.iter().map(|s| s.radius).collect();
         radii.sort_unstable_by(f64::total_cmp);
         let median = radii.get(radii.len() / 2).copied().unwrap_or(0.0);
         let is_big: Vec<bool> = rig.sample.spheres.iter().map(|s| s.radius > BIG * median).collect();
         let big = (0..is_big.len() as u32).filter(|&i| is_big[i as usize]).collect();
         let widest = radii.iter().rev().find(|&&r| r <= BIG * median).map_or(0.0, |r| 2.0 * r);
-        Self { periods: rig.periods, skin, widest, big, is_big }
+        let common = 0.5 * SKIN * median;
+        let leeway = is_big.iter().map(|&big| if big { BIG_LEEWAY * median } else { common }).collect();
+        Self { periods: rig.periods, leeway, common, widest, big, is_big, clustered: rig.clustered() }
     }
 
     /// The shortest period that can be handled (m): a sphere may not be near two images of another.
     pub fn shortest_period(&self) -> f64 {
-        2.0 * (self.widest + self.skin)
+        2.0 * (self.widest + 2.0 * self.common)
     }
 
     /// All near pairs, in order of their keys. `displacement` is from the start.
@@ -92,7 +114,7 @@ impl<const D: usize> Finder<D> {
         let spheres = &rig.sample.spheres;
         let mut wrapped = Vec::with_capacity(spheres.len());
         let mut turns = Vec::with_capacity(spheres.len());
-        for (sphere, moved) in spheres.iter().zip(displacement) {
+        for (i, (sphere, moved)) in spheres.iter().zip(displacement).enumerate() {
             let mut at: [f64; D] = std::array::from_fn(|k| sphere.centre[k] + moved[k]);
             let mut turn = [0_i32; D];
             for k in 0..D {
@@ -102,43 +124,47 @@ impl<const D: usize> Finder<D> {
                     turn[k] = whole as i32;
                 }
             }
-            wrapped.push(at);
+            wrapped.push(Packed { at, size: sphere.radius + self.leeway[i], sphere: i as u32 });
             turns.push(turn);
         }
         let grid = self.grid(&wrapped);
+        let period = self.periods.map(|period| period.unwrap_or(0.0));
         let mut list = Vec::with_capacity(spheres.len() * (D + 1));
-        let mut found: Vec<Near<D>> = Vec::new();
+        let mut found: Vec<(u32, [i32; D])> = Vec::new();
         for i in 0..spheres.len() {
             found.clear();
-            let mut visit = |j: usize, shift: &[i32; D]| {
+            let home = wrapped[i];
+            let mut visit = |other: &Packed<D>, shift: &[i32; D]| {
                 let mut squared = 0.0;
                 for k in 0..D {
-                    let apart =
-                        wrapped[j][k] - wrapped[i][k] + self.periods[k].map_or(0.0, |p| f64::from(shift[k]) * p);
+                    let apart = other.at[k] - home.at[k] + f64::from(shift[k]) * period[k];
                     squared += apart * apart;
                 }
-                let reach = spheres[i].radius + spheres[j].radius;
-                if squared < (reach + self.skin) * (reach + self.skin) {
-                    let image = std::array::from_fn(|k| (shift[k] - turns[j][k] + turns[i][k]) as i8);
-                    found.push(pair(rig, [i, j], image));
+                let near = home.size + other.size;
+                if squared < near * near && other.sphere > home.sphere {
+                    found.push((other.sphere, *shift));
                 }
             };
             if self.is_big[i] {
-                for j in i + 1..spheres.len() {
-                    self.shifts(|shift| visit(j, shift));
+                for other in &wrapped[i + 1..] {
+                    self.shifts(|shift| visit(other, shift));
                 }
             } else {
-                self.around(&grid, &wrapped[i], |j, shift| {
-                    if j > i {
-                        visit(j, shift);
-                    }
-                });
-                for &j in self.big.iter().filter(|&&j| j as usize > i) {
-                    self.shifts(|shift| visit(j as usize, shift));
+                self.around(&grid, &home.at, &mut visit);
+                for &j in &self.big {
+                    self.shifts(|shift| visit(&wrapped[j as usize], shift));
                 }
             }
-            found.sort_unstable_by_key(Near::key);
-            list.extend_from_slice(&found);
+            let from = list.len();
+            for &(j, shift) in &found {
+                let j = j as usize;
+                if self.clustered[i].is_some() && self.clustered[i] == self.clustered[j] {
+                    continue;
+                }
+                let image = std::array::from_fn(|k| (shift[k] - turns[j][k] + turns[i][k]) as i8);
+                list.push(pair(rig, [i, j], image));
+            }
+            list[from..].sort_unstable_by_key(Near::key);
         }
         list
     }
@@ -153,11 +179,11 @@ impl<const D: usize> Finder<D> {
         }
     }
 
-    fn grid(&self, wrapped: &[[f64; D]]) -> Grid<D> {
-        let least = (self.widest + self.skin).max(f64::MIN_POSITIVE);
+    fn grid(&self, wrapped: &[Packed<D>]) -> Grid<D> {
+        let least = (self.widest + 2.0 * self.common).max(f64::MIN_POSITIVE);
         let mut low = [f64::INFINITY; D];
         let mut high = [f64::NEG_INFINITY; D];
-        for at in wrapped {
+        for Packed { at, .. } in wrapped {
             for k in 0..D {
                 low[k] = low[k].min(at[k]);
                 high[k] = high[k].max(at[k]);
@@ -194,8 +220,8 @@ impl<const D: usize> Finder<D> {
         }
         let cells: usize = count.iter().product();
         let periodic = self.periods.map(|p| p.is_some());
-        let mut grid = Grid { low, width, count, periodic, start: vec![0; cells + 1], order: Vec::new() };
-        let homes: Vec<usize> = wrapped.iter().map(|at| grid.index(&grid.place(at))).collect();
+        let mut grid = Grid { low, width, count, periodic, start: vec![0; cells + 1], packed: Vec::new() };
+        let homes: Vec<usize> = wrapped.iter().map(|sphere| grid.index(&grid.place(&sphere.at))).collect();
         for (i, &home) in homes.iter().enumerate() {
             if !self.is_big[i] {
                 grid.start[home + 1] += 1;
@@ -204,11 +230,11 @@ impl<const D: usize> Finder<D> {
         for cell in 0..cells {
             grid.start[cell + 1] += grid.start[cell];
         }
-        grid.order = vec![0; grid.start[cells] as usize];
+        grid.packed = vec![Packed { at: [0.0; D], size: 0.0, sphere: 0 }; grid.start[cells] as usize];
         let mut next = grid.start.clone();
         for (i, &home) in homes.iter().enumerate() {
             if !self.is_big[i] {
-                grid.order[next[home] as usize] = i as u32;
+                grid.packed[next[home] as usize] = wrapped[i];
                 next[home] += 1;
             }
         }
@@ -216,7 +242,8 @@ impl<const D: usize> Finder<D> {
     }
 
     /// Visits every sphere in the cells around a point, with the periods by which it is shifted there.
-    fn around(&self, grid: &Grid<D>, at: &[f64; D], mut visit: impl FnMut(usize, &[i32; D])) {
+    #[inline]
+    fn around(&self, grid: &Grid<D>, at: &[f64; D], mut visit: impl FnMut(&Packed<D>, &[i32; D])) {
         let home = grid.place(at);
         'cells: for code in 0..3_usize.pow(D as u32) {
             let mut place = [0_usize; D];
@@ -234,8 +261,8 @@ impl<const D: usize> Finder<D> {
                 }
             }
             let cell = grid.index(&place);
-            for &j in &grid.order[grid.start[cell] as usize..grid.start[cell + 1] as usize] {
-                visit(j as usize, &shift);
+            for other in &grid.packed[grid.start[cell] as usize..grid.start[cell + 1] as usize] {
+                visit(other, &shift);
             }
         }
     }
@@ -283,7 +310,7 @@ mod tests {
             let mut rig = Rig::new(sample, LawBook::named(LawKind::Hertz));
             rig.periods = [Some(period), None];
             let moved: Vec<[f64; 2]> = (0..count).map(|_| [60.0 * draw() - 30.0, draw()]).collect();
-            let finder = Finder::new(&rig, 0.2);
+            let finder = Finder::new(&rig);
             let list = finder.find(&rig, &moved);
             assert!(list.is_sorted_by(|a, b| a.key() < b.key()), "in order and without doubles");
 
@@ -294,7 +321,7 @@ mod tests {
                         let (a, b) = (&rig.sample.spheres[i], &rig.sample.spheres[j]);
                         let x = b.centre[0] + moved[j][0] - a.centre[0] - moved[i][0] + f64::from(image) * period;
                         let z = b.centre[1] + moved[j][1] - a.centre[1] - moved[i][1];
-                        if x.hypot(z) < a.radius + b.radius + 0.2 {
+                        if x.hypot(z) < a.radius + b.radius + finder.leeway[i] + finder.leeway[j] {
                             expected.push(([i as u32, j as u32], [image, 0]));
                         }
                     }

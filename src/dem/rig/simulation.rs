@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::checkpoint::{CheckpointError, State, digest};
+use super::cluster::ClusterState;
 use super::contacts::Strain;
 use super::engine::Engine;
 use super::felt::{Arrival, Felt};
@@ -69,6 +70,9 @@ pub enum RigError {
         /// What it must stay below (s).
         limit: f64,
     },
+    /// A member of a cluster that does not exist, belongs to two, is held, moved or loaded by itself; or a cluster that makes no sense.
+    #[error("cluster {0} cannot be simulated: {1}")]
+    Cluster(usize, &'static str),
     /// A body is fixed to a bar and has its velocity prescribed.
     #[error("{0} is fixed to a bar, so that its velocity cannot be prescribed")]
     Bound(Body),
@@ -222,6 +226,10 @@ impl<const D: usize> View<'_, D> {
             force: self.engine.sums().flat[flat],
         }
     }
+    /// State of a cluster.
+    pub fn cluster(&self, cluster: usize) -> ClusterState<D> {
+        self.engine.bodies().clusters[cluster]
+    }
     /// The closed contacts, in a fixed order.
     pub fn contacts(&self) -> impl Iterator<Item = Touching<D>> + '_ {
         (0..self.engine.contacts()).filter_map(|c| self.engine.touching(self.rig, c))
@@ -230,9 +238,6 @@ impl<const D: usize> View<'_, D> {
 
 /// Steps between two looks at the guards.
 const WATCH: u64 = 64;
-
-/// Skin of the lists of near pairs over the smallest radius: wide enough that a crystal under impact rarely outgrows it.
-const SKIN: f64 = 0.3;
 
 impl<const D: usize> Simulation<D> {
     /// Sets a rig in motion, with steps of `step` (s).
@@ -428,12 +433,7 @@ fn lighter<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> f64 {
     mass(bodies[0]).min(mass(bodies[1]))
 }
 
-fn skin<const D: usize>(rig: &Rig<D>) -> f64 {
-    SKIN * rig.sample.spheres.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min).min(f64::MAX)
-}
-
 fn engine<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
-    let skin = skin(rig);
     match &rig.laws {
         LawBook::Materials { law, constants, pairs, friction } => {
             let binder = ByMaterial {
@@ -443,11 +443,11 @@ fn engine<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
                 friction: *friction,
                 materials: rig.sample.materials.clone(),
             };
-            Box::new(Machine::new(rig, binder, 2.0, step, skin))
+            Box::new(Machine::new(rig, binder, 2.0, step))
         }
         LawBook::Dashpot { stiffness, materials, cut } => {
             let binder = ByDashpot { stiffness: *stiffness, materials: materials.clone(), cut: *cut };
-            Box::new(Machine::new(rig, binder, 1.0, step, skin))
+            Box::new(Machine::new(rig, binder, 1.0, step))
         }
     }
 }
@@ -508,7 +508,33 @@ fn check<const D: usize>(rig: &Rig<D>, step: f64) -> Result<(), RigError> {
             return Err(RigError::Bound(bar.body));
         }
     }
-    let least = Finder::new(rig, skin(rig)).shortest_period();
+    let mut member = vec![false; count];
+    for (c, cluster) in rig.clusters.iter().enumerate() {
+        let wrong = |why| Err(RigError::Cluster(c + 1, why));
+        for &i in &cluster.members {
+            if i >= count || std::mem::replace(&mut member[i], true) {
+                return wrong("a member does not exist or belongs to two clusters");
+            }
+            let loaded = rig.loads.iter().flat_map(|load| &load.bodies).chain(rig.bars.iter().map(|bar| &bar.body));
+            if rig.held[i].contains(&true) || loaded.into_iter().any(|&body| body == Body::Sphere(i)) {
+                return wrong("a member is held, loaded or fixed to a bar by itself");
+            }
+        }
+        let numbers = cluster.centre.iter().chain(&cluster.velocity).chain([&cluster.spin]);
+        if cluster.members.is_empty() || !numbers.into_iter().all(|x| x.is_finite()) {
+            return wrong("it has no members, or a number that is not finite");
+        }
+        if !(cluster.mass > 0.0 && cluster.inertia > 0.0 && cluster.mass.is_finite() && cluster.inertia.is_finite()) {
+            return wrong("mass and moment of inertia must be positive");
+        }
+        if cluster.turns && D != 2 {
+            return wrong("only in the plane can a cluster turn");
+        }
+        if !rig.mirrors.is_empty() {
+            return wrong("clusters do not go with mirrors");
+        }
+    }
+    let least = Finder::new(rig).shortest_period();
     for period in rig.periods.into_iter().flatten() {
         if period.is_nan() || period < least {
             return Err(RigError::Period { period, least });
