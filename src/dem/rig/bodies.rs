@@ -133,3 +133,13 @@ pub(super) fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     }
     sum
 }
+
+/// The components of a spin that there are in `D` dimensions.
+#[inline(always)]
+pub(super) fn axes_of_spin<const D: usize>() -> std::ops::Range<usize> {
+    match D {
+        2 => 2..3,
+        3 => 0..3,
+        _ => 0..0,
+    }
+}

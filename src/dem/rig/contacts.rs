@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use rayon::prelude::*;
 
-use super::bodies::{Bodies, cross, dot, spin_cross};
+use super::bodies::{Bodies, axes_of_spin, cross, dot, spin_cross};
 use super::flat::Face;
 use super::law::{Binder, Bond, Bonding, End, Slip, reduced_mass};
 use super::pairs::{Finder, Near, TOUCHING};
@@ -62,6 +62,7 @@ impl Account {
         Self { overlap: n[0], force: n[1], work: n[2], slid: n[3], power: n[4], wound: n[5] }
     }
 
+    #[inline(always)]
     fn accept(&mut self, overlap: f64, force: f64) {
         self.work += 0.5 * (self.force + force) * (overlap - self.overlap);
         (self.overlap, self.force) = (overlap, force);
@@ -525,7 +526,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                     sums.force[b][k] += force[k];
                 }
                 if TURNING {
-                    for k in 0..3 {
+                    for k in axes_of_spin::<D>() {
                         sums.torque[a][k] += ends[a].radius * twist[k];
                         sums.torque[b][k] += ends[b].radius * twist[k];
                     }
@@ -592,7 +593,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                         }
                     }
                     if TURNING {
-                        for k in 0..3 {
+                        for k in axes_of_spin::<D>() {
                             torque[k] += ends[i].radius * reaction.twist[k];
                         }
                     }
@@ -654,7 +655,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 sums.force[i][k] += force[k];
             }
             if slips {
-                for k in 0..3 {
+                for k in axes_of_spin::<D>() {
                     sums.torque[i][k] += radius * twist[k];
                 }
             }
@@ -784,8 +785,11 @@ fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
         return None;
     }
     let distance = dot(&between, &between).sqrt();
-    let overlap = excess / (reach + distance);
-    let inverse = 1.0 / distance;
+    // One quotient for both: overlap = (S² − |Δ|²)/(S + |Δ|), and 1/|Δ| for the normal.
+    let sum = reach + distance;
+    let quotient = 1.0 / (sum * distance);
+    let overlap = excess * (quotient * distance);
+    let inverse = quotient * sum;
     let normal = between.map(|x| x * inverse);
     let mut approach = [0.0; D];
     for k in 0..D {

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::bodies::{Bodies, dot};
+use super::bodies::{Bodies, axes_of_spin, dot};
 use super::contacts::{Contacts, Sums, Trial};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
@@ -278,7 +278,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         }
         if self.turning {
             for i in 0..spin.len() {
-                for k in 0..3 {
+                for k in axes_of_spin::<D>() {
                     self.trial_spin[i][k] = spin[i][k] + h * spin_rate[i][k];
                 }
             }
@@ -376,7 +376,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         if self.turning {
             let torque = &self.sums.torque;
             for i in 0..spin.len() {
-                for k in 0..3 {
+                for k in axes_of_spin::<D>() {
                     let rate = torque[i][k] * inverse_inertia[i];
                     spin[i][k] += 0.5 * h * (spin_rate[i][k] + rate);
                     spin_rate[i][k] = rate;
