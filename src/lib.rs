@@ -26,5 +26,7 @@ pub mod score;
 pub mod outcome;
 pub mod design;
 pub mod evaluate;
+pub mod setup;
+pub mod trial;
 pub mod study;
 pub mod report;

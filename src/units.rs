@@ -27,6 +27,14 @@ pub enum Dimension {
     Energy,
     /// N/m inside; `MN/m` in most files.
     Stiffness,
+    /// kg/s inside: force over speed at the end of a bar.
+    Impedance,
+    /// m/s² inside.
+    Acceleration,
+    /// 1/s inside.
+    Rate,
+    /// rad/s inside.
+    Spin,
     /// A fraction inside; `%` in most files.
     Fraction,
 }
@@ -58,6 +66,10 @@ impl Dimension {
             Self::Mass => &[("kg", 1.0), ("g", 1e-3), ("mg", 1e-6)],
             Self::Energy => &[("J", 1.0), ("mJ", 1e-3), ("kJ", 1e3), ("uJ", 1e-6)],
             Self::Stiffness => &[("MN/m", 1e6), ("N/m", 1.0), ("kN/m", 1e3), ("GN/m", 1e9)],
+            Self::Impedance => &[("kg/s", 1.0), ("N s/m", 1.0), ("t/s", 1e3)],
+            Self::Acceleration => &[("m/s2", 1.0), ("m/s^2", 1.0), ("m/s²", 1.0), ("mm/s2", 1e-3)],
+            Self::Rate => &[("1/s", 1.0), ("1/ms", 1e3), ("1/us", 1e6)],
+            Self::Spin => &[("rad/s", 1.0), ("deg/s", std::f64::consts::PI / 180.0)],
             Self::Fraction => &[("%", 1e-2)],
         }
     }
@@ -75,6 +87,10 @@ impl Dimension {
             Self::Mass => "2.3 kg",
             Self::Energy => "0.3 J",
             Self::Stiffness => "20 MN/m",
+            Self::Impedance => "11000 kg/s",
+            Self::Acceleration => "9.81 m/s2",
+            Self::Rate => "100 1/s",
+            Self::Spin => "50 rad/s",
             Self::Fraction => "0.1 %",
         }
     }

@@ -7,6 +7,7 @@ use granulens::design::{Design, DesignError};
 use granulens::evaluate::{EvaluatorError, Overrides, PlanError};
 use granulens::layout::LayoutFileError;
 use granulens::lens::LensError;
+use granulens::setup::SetupError;
 use granulens::study::StudyError;
 use serde_json::{Map, Value, json};
 
@@ -222,6 +223,16 @@ impl From<StudyError> for Failure {
     }
 }
 
+impl From<SetupError> for Failure {
+    fn from(error: SetupError) -> Self {
+        match error {
+            SetupError::File(error) => error.into(),
+            SetupError::Lens { design, error } => Self::of_lens(&design, &error),
+            SetupError::Plan { design, error } => Self::of_plan(&design, &Overrides::default(), &error),
+        }
+    }
+}
+
 impl From<granulens::material::UnknownMaterial> for Failure {
     fn from(error: granulens::material::UnknownMaterial) -> Self {
         Self::input(error.to_string())
@@ -230,6 +241,12 @@ impl From<granulens::material::UnknownMaterial> for Failure {
 
 impl From<granulens::dem::OverlapAtRest> for Failure {
     fn from(error: granulens::dem::OverlapAtRest) -> Self {
+        Self::input(error.to_string())
+    }
+}
+
+impl From<granulens::report::TrialReportError> for Failure {
+    fn from(error: granulens::report::TrialReportError) -> Self {
         Self::input(error.to_string())
     }
 }

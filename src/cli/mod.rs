@@ -13,6 +13,7 @@ mod failure;
 mod folder;
 mod materials;
 mod run;
+mod simulate;
 mod speed;
 mod surface;
 mod study;
@@ -61,7 +62,8 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: run and study a folder, design, trace, contact and surface what they make, the others their JSON object
+    /// Where to write: run, simulate and study a folder, design, trace, contact and surface what they make, the others their
+    /// JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
 }
@@ -72,6 +74,7 @@ enum Command {
     Run(run::Run),
     Design(design::Propose),
     Trace(trace::Trace),
+    Simulate(simulate::Simulate),
     Check(check::Check),
     Compare(compare::Compare),
     Materials(materials::Materials),
@@ -99,6 +102,7 @@ pub fn main() -> ExitCode {
         Command::Run(command) => command.run(common),
         Command::Design(command) => command.run(common),
         Command::Trace(command) => command.run(common),
+        Command::Simulate(command) => command.run(common),
         Command::Check(command) => command.run(common),
         Command::Compare(command) => command.run(common),
         Command::Materials(command) => command.run(common),

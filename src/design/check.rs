@@ -30,7 +30,13 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
     let root = document::parse(source)?;
     let top = Scope::root(source);
     // The format is read first: another one may have other keys.
-    let FormatOnly { format } = document::read(source, &root)?;
+    let Opening { format, kind } = document::read(source, &root)?;
+    if let Some(kind) = top.optional("kind", &kind) {
+        return Err(kind.fail(
+            "says that this is no lens design",
+            "A rig is run with granulens simulate; a design file has no kind.",
+        ));
+    }
     let format = top.required("format", &format)?;
     if format.whole(0..=u32::MAX)? != FORMAT {
         return Err(format.fail(
@@ -103,8 +109,9 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
 }
 
 #[derive(serde::Deserialize)]
-struct FormatOnly {
+struct Opening {
     format: Written,
+    kind: Written,
 }
 
 struct Crystal {

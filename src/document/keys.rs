@@ -18,7 +18,6 @@ use super::error::{DocumentError, Source, did_you_mean, nearest};
 pub(crate) type Written = Option<Spanned<toml::Value>>;
 /// A section (or inline table) and where its header stands, if it was written.
 pub(crate) type Section<T> = Option<Spanned<Keys<T>>>;
-#[allow(dead_code, reason = "rig files, which come next, repeat sections")]
 /// Sections that may be repeated, `[[pattern]]`, in the order of the file.
 pub(crate) type Sections<T> = Option<Vec<Spanned<Keys<T>>>>;
 
@@ -58,9 +57,15 @@ pub(crate) fn example(examples: &[&str], key: &str) -> Option<String> {
         Some(threshold) => threshold.to_owned(),
         None => pattern,
     };
-    let line = examples.iter().chain(super::own::EXAMPLES).find(|line| line.split(" = ").next() == Some(&pattern))?;
     let section = pattern.rfind('.').map_or(0, |dot| dot + 1);
-    Some(line[section..].to_owned())
+    // Keys that several sections share are listed once.
+    let shared = format!("*.{}", &pattern[section..]);
+    let lines = || examples.iter().chain(super::own::EXAMPLES);
+    let listed = |key: &str| lines().find(|line| line.split(" = ").next() == Some(key));
+    match listed(&pattern) {
+        Some(line) => Some(line[section..].to_owned()),
+        None => listed(&shared).map(|line| line[2..].to_owned()),
+    }
 }
 
 /// The keys of a section: reads only from a table, where a derived reader would also take a list.

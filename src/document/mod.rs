@@ -17,7 +17,7 @@ mod value;
 pub use error::DocumentError;
 
 pub(crate) use error::Source;
-pub(crate) use keys::{Section, Written, example, read, section};
+pub(crate) use keys::{Section, Sections, Written, example, read, section};
 pub(crate) use own::{OwnMaterials, chosen, materials};
 pub(crate) use syntax::{parse, place};
 pub(crate) use text::text;

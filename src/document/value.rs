@@ -58,7 +58,6 @@ impl<'a> Scope<'a> {
         Some((Self::new(self.source, self.path(key), section.span()), &section.get_ref().0))
     }
 
-    #[allow(dead_code, reason = "rig files, which come next, repeat sections")]
     /// Repeated sections below this one, each with its number.
     pub fn sections<T>(&self, key: &str, sections: &'a Sections<T>) -> Vec<(Scope<'a>, &'a T)> {
         let named = |(k, section): (usize, &'a toml::Spanned<super::keys::Keys<T>>)| {
@@ -235,6 +234,37 @@ impl<'a> Entry<'a> {
         let item =
             |value| Entry { source: self.source, key: self.key.clone(), place: self.place.clone(), value, item: true };
         Ok(items.iter().map(item).collect())
+    }
+
+    /// The items of a list; a value that is no list counts as a list of it alone.
+    pub fn one_or_more(&self) -> Vec<Entry<'a>> {
+        let item =
+            |value, item| Entry { source: self.source, key: self.key.clone(), place: self.place.clone(), value, item };
+        match self.value {
+            Value::Array(values) => values.iter().map(|value| item(value, true)).collect(),
+            value => vec![item(value, self.item)],
+        }
+    }
+
+    /// Whether it is a list.
+    pub fn is_list(&self) -> bool {
+        self.value.is_array()
+    }
+
+    /// true or false.
+    pub fn yes(&self) -> Result<bool, DocumentError> {
+        self.value.as_bool().ok_or_else(|| self.wrong("must be true or false"))
+    }
+
+    /// A complaint with how the key is written.
+    pub fn refuse(&self, rule: &str) -> DocumentError {
+        self.wrong(rule)
+    }
+
+    /// A path, taken from the folder of the file.
+    pub fn path(&self) -> Result<std::path::PathBuf, DocumentError> {
+        let named = self.text()?;
+        Ok(self.source.path.parent().unwrap_or(std::path::Path::new("")).join(named))
     }
 
     /// The two items of a list `[first, last]`.

@@ -1,6 +1,6 @@
 //! One design to one outcome: proposes the lens, lays its baselines, simulates all of them alike, and scores them.
 //!
-//! - `plan`: step and window, chosen once for all arrangements
+//! - `plan`: step and window, chosen once for all arrangements; `stiffest`: what bounds the step
 //! - `compare`: the lens and its baselines, in parallel
 //! - `traced`: what rays and first arrivals say, without a simulation
 //! - `batch`: many layouts at once, in vector lanes, for those who search
@@ -8,12 +8,15 @@
 mod batch;
 mod compare;
 mod plan;
+mod stiffest;
 mod traced;
 
 pub use batch::{Evaluator, EvaluatorError, Marks, common_plan};
 pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use plan::{Overrides, Plan, PlanError};
 pub use traced::{trace_arrivals, trace_lens};
+
+pub(crate) use stiffest::{Stiffest, divisor, overshoot};
 
 use std::sync::atomic::AtomicBool;
 

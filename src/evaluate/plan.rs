@@ -1,10 +1,11 @@
 //! How a design is simulated: step and window, one for all of its arrangements, each with its reason.
 
-use crate::contact::{AnyLaw, Constants, LawKind, NormalLaw, Pair};
-use crate::dem::{ForcePulse, Integrator, stable_step};
-use crate::design::{Accuracy, Design};
+use super::stiffest::{Stiffest, TENTH_PERCENT, divisor, overshoot};
+use crate::contact::{AnyLaw, NormalLaw, Pair};
+use crate::dem::Integrator;
+use crate::design::Design;
 use crate::material::Material;
-use crate::units::Dimension::{Force, Fraction, Time};
+use crate::units::Dimension::{Fraction, Time};
 use crate::wave::{self, Dimension};
 
 /// What the command line may set in place of the design file.
@@ -79,53 +80,6 @@ impl PlanError {
     }
 }
 
-/// The stability limit over the step at which F and P of the lens problem are within 0.1 % of the converged ones: 1e-7 s
-/// of the 1.38e-6 s that its steel on brass allows, with Verlet as with Runge-Kutta.
-const TENTH_PERCENT: f64 = 13.7;
-
-/// The same for 1 %: 4e-7 s with Verlet, 5e-7 s with Runge-Kutta.
-fn one_percent(integrator: Integrator) -> f64 {
-    match integrator {
-        Integrator::Verlet => 3.44,
-        Integrator::Rk4 => 2.75,
-    }
-}
-
-/// Greatest contact force in the sheet over the force that a struck sphere hands to each of its two contacts, as
-/// measured on lens, host and lens material under 10.5 and 26 kN: 1.11 to 1.26 for plastic laws; up to 3.7 for elastic ones,
-/// whose stiffness grows with the cube root of the force only.
-fn overshoot(law: LawKind) -> f64 {
-    match law {
-        LawKind::Hertz | LawKind::HertzThesis => 3.75,
-        LawKind::Thesis | LawKind::ThesisStatic | LawKind::Consistent | LawKind::Linear | LawKind::LinearStatic => 1.2,
-    }
-}
-
-/// The contact that limits the step.
-struct Stiffest {
-    names: String,
-    stiffness: f64,
-    force: f64,
-    limit: f64,
-}
-
-fn stiffest(materials: &[Material], diameter: f64, law: LawKind, constants: Constants, pulse: ForcePulse) -> Stiffest {
-    let force = overshoot(law) * wave::contact_force(pulse.force);
-    let mut found = Stiffest { names: String::new(), stiffness: 0.0, force, limit: f64::INFINITY };
-    for (k, a) in materials.iter().enumerate() {
-        for b in &materials[k..] {
-            let pair = Pair::new([a, b], [0.5 * diameter; 2], constants);
-            let stiffness = AnyLaw::new(law, &pair).stiffness_max(force);
-            let lighter = a.sphere_mass(diameter).min(b.sphere_mass(diameter));
-            let limit = stable_step::<2>(stiffness, lighter);
-            if limit < found.limit {
-                found = Stiffest { names: format!("{} on {}", a.name, b.name), stiffness, force, limit };
-            }
-        }
-    }
-    found
-}
-
 impl Plan {
     /// Chooses what is not given. `materials` are all that occur in any arrangement.
     ///
@@ -136,20 +90,20 @@ impl Plan {
     pub fn new(design: &Design, overrides: Overrides, materials: &[Material]) -> Result<Self, PlanError> {
         let integrator = overrides.integrator.unwrap_or(design.integrator);
         let diameter = design.lattice.diameter();
-        let stiffest = stiffest(materials, diameter, design.law, design.constants, design.impact);
-        let divisor = match design.accuracy {
-            Accuracy::TenthPercent => TENTH_PERCENT,
-            Accuracy::OnePercent => one_percent(integrator),
-        };
+        let force = overshoot(design.law) * wave::contact_force(design.impact.force);
+        let stiffest = Stiffest::find::<2>(
+            materials,
+            |_| diameter,
+            force,
+            |a, b| {
+                let pair = Pair::new([&materials[a], &materials[b]], [0.5 * diameter; 2], design.constants);
+                AnyLaw::new(design.law, &pair).stiffness_max(force)
+            },
+        );
+        let divisor = divisor(design.accuracy, integrator);
         let accurate = stiffest.limit / divisor;
         let class = Fraction.show(design.accuracy.fraction());
-        let limit = format!(
-            "stability limit {} (stiffest contact {}: {:.2e} N/m when unloading from {})",
-            Time.show(stiffest.limit),
-            stiffest.names,
-            stiffest.stiffness,
-            Force.show(stiffest.force)
-        );
+        let limit = stiffest.words();
         let mut warnings = Vec::new();
         let pulse = design.impact.duration;
         let (step, step_reason) = match overrides.step.or(design.step) {

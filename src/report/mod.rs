@@ -12,6 +12,7 @@
 //! - `contact_curve`: a contact law as a picture
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `surface`: a design surface as a picture; `labels`: places for its labels
+//! - `trial`: one simulated rig, from the records in its folder
 
 mod claims;
 mod colour;
@@ -29,6 +30,7 @@ mod surface;
 mod svg;
 mod table;
 mod trace;
+mod trial;
 
 pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;
@@ -36,3 +38,4 @@ pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures
 pub use surface::{surface, surface_csv};
 pub use table::table;
 pub use trace::trace;
+pub use trial::{TrialReportError, draw_trial};

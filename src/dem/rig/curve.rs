@@ -82,6 +82,14 @@ impl Curve {
         Ok(Self::Table(Table { times, values, integrals }))
     }
 
+    /// Its greatest value, without the sign.
+    pub fn peak(&self) -> f64 {
+        match self {
+            Self::Square { peak, .. } | Self::HalfSine { peak, .. } | Self::Triangle { peak, .. } => peak.abs(),
+            Self::Table(table) => table.values.iter().fold(0.0, |most, value| value.abs().max(most)),
+        }
+    }
+
     /// When it ends (s).
     pub fn end(&self) -> f64 {
         match self {

@@ -1,0 +1,146 @@
+//! `granulens simulate`: one rig or lens, run to records and pictures.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use granulens::report;
+use granulens::setup::{Bench, Setup};
+use granulens::trial::{self, Ending, Keeping, Summary, TrialError};
+use granulens::units::Dimension::{Force, Time};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::Common;
+use super::console::{emit, emit_json, interrupt, note};
+use super::failure::Failure;
+
+/// Simulate a rig file or the lens of a design, with records, checkpoints and pictures
+///
+/// The folder, simulations/NAME unless --out names another, fills as the run goes: samples over time as CSV, a checkpoint now and
+/// then, tables and pictures at the end. A run that was killed or interrupted goes on with --resume to the same bytes.
+#[derive(clap::Args)]
+pub struct Simulate {
+    /// Rig file or design file, such as designs/drop-tower-brass.toml
+    file: PathBuf,
+    /// Go on with the run in the folder, where it was left
+    #[arg(long)]
+    resume: bool,
+    /// Time between checkpoints, such as "5 s"; zero keeps one at every sample
+    #[arg(long, value_name = "TIME", default_value = "60 s", value_parser = interval)]
+    checkpoint_every: f64,
+}
+
+fn interval(text: &str) -> Result<f64, String> {
+    let time = Time.parse(text).map_err(|error| error.to_string())?;
+    if (0.0..1e9).contains(&time) { Ok(time) } else { Err("must not be negative".to_owned()) }
+}
+
+impl Simulate {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        match Setup::read(&self.file)? {
+            Setup::One(bench) => self.bench(&bench, common),
+            Setup::Two(bench) => self.bench(&bench, common),
+            Setup::Three(bench) => self.bench(&bench, common),
+        }
+    }
+
+    fn bench<const D: usize>(&self, bench: &Bench<D>, common: &Common) -> Result<(), Failure> {
+        let folder = common.out.clone().unwrap_or_else(|| Path::new("simulations").join(&bench.name));
+        let keeping = Keeping { resume: self.resume, every: Duration::from_secs_f64(self.checkpoint_every) };
+        note(
+            common,
+            &format!("{} spheres; step {}: {}", bench.sites.len(), Time.show(bench.plan.step), bench.plan.step_reason),
+        );
+        bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(bench.plan.steps()) };
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {elapsed} ({eta} left)") {
+            bar.set_style(style);
+        }
+        let result = trial::run(bench, &folder, keeping, interrupt(), |done, _| bar.set_position(done));
+        bar.finish_and_clear();
+        let (summary, ending) = result.map_err(|error| failure(bench, &error))?;
+        if let Ending::Interrupted { time } = ending {
+            return Err(Failure::Interrupted(format!(
+                "at {}; go on with granulens simulate {} --resume{}",
+                Time.show(time),
+                self.file.display(),
+                common.out.as_ref().map_or(String::new(), |out| format!(" --out {}", out.display()))
+            )));
+        }
+        let pictures = report::draw_trial(&folder)?;
+        if common.json {
+            emit_json(&summary);
+        } else {
+            emit(&table(&summary));
+        }
+        note(common, &format!("records: {}", folder.display()));
+        if !pictures.is_empty() {
+            note(common, &format!("pictures: {}", folder.join("report.html").display()));
+        }
+        match summary.stop {
+            Some(stop) => Err(Failure::Guard(vec![stop])),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A rig that cannot be is blamed on its file; the rest on the folder.
+fn failure<const D: usize>(bench: &Bench<D>, error: &TrialError) -> Failure {
+    match error {
+        TrialError::Rig(rig) => {
+            let message = format!("{}: {rig}", bench.path.display());
+            Failure::input_with_help(message, error.help())
+        }
+        _ => Failure::input_with_help(error.to_string(), error.help()),
+    }
+}
+
+/// The run in words and numbers.
+fn table(summary: &Summary) -> String {
+    let mut text = format!(
+        "{}: {} spheres in {} layers, {} in {} steps of {}\n\n",
+        summary.name,
+        summary.spheres,
+        summary.layers,
+        Time.show(summary.time_s),
+        summary.steps,
+        Time.show(summary.step_s)
+    );
+    let ledger = &summary.energies;
+    text += "| energy | J |\n|---|---|\n";
+    for (name, value) in [
+        ("put in", ledger.work_in),
+        ("kinetic", ledger.kinetic),
+        ("stored in contacts", ledger.stored),
+        ("stored in tangential springs", ledger.wound),
+        ("potential", ledger.potential),
+        ("dissipated in contacts", ledger.dissipated),
+        ("friction", ledger.friction),
+        ("into bars, drag", ledger.absorbed),
+        ("left over", ledger.left()),
+    ] {
+        // What did not take part is not listed; put in and left over always are.
+        if value != 0.0 || name == "put in" || name == "left over" {
+            let _ = writeln!(text, "| {name} | {value:.4e} |");
+        }
+    }
+    if let Some(residual) = summary.residual {
+        let _ =
+            writeln!(text, "\nThe ledger closes to {residual:.1e}. Greatest speed {:.4} m/s.", summary.max_speed_m_s);
+    }
+    let felt: Vec<_> = summary.flats.iter().filter(|flat| flat.peak_force_n > 0.0).collect();
+    if !felt.is_empty() {
+        text += "\n| flat | greatest force | at | velocity at the end (m/s) |\n|---|---|---|---|\n";
+        for flat in felt {
+            let _ = writeln!(
+                text,
+                "| {} | {} | {} | {:.4} |",
+                flat.name,
+                Force.show(flat.peak_force_n),
+                Time.show(flat.peak_time_s),
+                flat.velocity_m_s
+            );
+        }
+    }
+    text
+}

@@ -1,0 +1,94 @@
+//! Lines over time, with axes and a legend.
+
+use super::super::colour::round_up;
+use super::super::digits::significant;
+use super::super::svg::{Anchor, Svg};
+
+/// One line of a chart.
+pub struct Line {
+    /// What the legend says.
+    pub name: String,
+    /// Stroke colour.
+    pub colour: String,
+    /// Whether it is drawn dashed.
+    pub dashed: bool,
+    /// Points in the units of the axes.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A chart of lines.
+pub struct Chart {
+    /// What stands above.
+    pub title: String,
+    /// Names of the axes with their units.
+    pub labels: [String; 2],
+    /// The lines, first ones below.
+    pub lines: Vec<Line>,
+}
+
+/// Room for the lines (px), and around them: left, top, right (legend), bottom.
+const ROOM: [f64; 2] = [640.0, 340.0];
+const MARGIN: [f64; 4] = [78.0, 40.0, 190.0, 52.0];
+
+/// Colours after Okabe & Ito (2008), chosen to differ for every kind of colour vision.
+pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#008f68", "#a0528a", "#b98a00", "#444444", "#3fa7d6"];
+
+/// Round values from `low` to `high`, some `count` of them.
+pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let step = round_up((high - low) / count as f64);
+    let slack = 1e-9 * step;
+    let first = ((low - slack) / step).ceil() as i64;
+    let last = ((high + slack) / step).floor() as i64;
+    (first..=last).map(|k| k as f64 * step).collect()
+}
+
+impl Chart {
+    /// As the text of an SVG file.
+    pub fn svg(&self) -> String {
+        let [left, top, right, bottom] = MARGIN;
+        let mut svg = Svg::new(left + ROOM[0] + right, top + ROOM[1] + bottom, &self.title);
+        svg.text([left, 22.0], 14.0, Anchor::Start, r#"font-weight="bold""#, &self.title);
+        let finite = || self.lines.iter().flat_map(|line| &line.points).filter(|p| p.iter().all(|x| x.is_finite()));
+        let extent = |k: usize| finite().map(|p| p[k]).fold([0.0_f64, 0.0], |[a, b], x| [a.min(x), b.max(x)]);
+        let [x, mut y] = [extent(0), extent(1)];
+        if y[1] - y[0] <= 0.0 {
+            y[1] = 1.0;
+        }
+        let room = 0.05 * (y[1] - y[0]);
+        y = [if y[0] < 0.0 { y[0] - room } else { 0.0 }, y[1] + room];
+        let width = if x[1] > x[0] { x[1] - x[0] } else { 1.0 };
+        let place =
+            |p: &[f64; 2]| [left + (p[0] - x[0]) / width * ROOM[0], top + (y[1] - p[1]) / (y[1] - y[0]) * ROOM[1]];
+        for tick in ticks(y[0], y[1], 6) {
+            let at = place(&[x[0], tick])[1];
+            let stroke = if tick == 0.0 { "#999" } else { "#e2e2e2" };
+            svg.line([left, at], [left + ROOM[0], at], &format!(r#"stroke="{stroke}""#));
+            svg.text([left - 8.0, at + 4.0], 11.0, Anchor::End, "", &significant(tick, 2));
+        }
+        for tick in ticks(x[0], x[0] + width, 8) {
+            let at = place(&[tick, y[0]])[0];
+            svg.line([at, top + ROOM[1]], [at, top + ROOM[1] + 5.0], r##"stroke="#555""##);
+            svg.text([at, top + ROOM[1] + 19.0], 11.0, Anchor::Middle, "", &significant(tick, 3));
+        }
+        svg.rectangle([left, top], ROOM, r##"fill="none" stroke="#555""##);
+        svg.text([left + ROOM[0] / 2.0, top + ROOM[1] + 40.0], 12.0, Anchor::Middle, "", &self.labels[0]);
+        svg.text_upwards([18.0, top + ROOM[1] / 2.0], 12.0, "", &self.labels[1]);
+        for line in &self.lines {
+            let points: Vec<[f64; 2]> =
+                line.points.iter().filter(|p| p.iter().all(|x| x.is_finite())).map(place).collect();
+            svg.polyline(&points, &style(line));
+        }
+        for (k, line) in self.lines.iter().enumerate() {
+            let at = top + 12.0 + 20.0 * k as f64;
+            let from = left + ROOM[0] + 14.0;
+            svg.line([from, at], [from + 26.0, at], &style(line));
+            svg.text([from + 33.0, at + 4.0], 12.0, Anchor::Start, "", &line.name);
+        }
+        svg.finish()
+    }
+}
+
+fn style(line: &Line) -> String {
+    let dash = if line.dashed { r#" stroke-dasharray="6 4""# } else { "" };
+    format!(r#"stroke="{}" stroke-width="1.7" stroke-linejoin="round"{dash}"#, line.colour)
+}

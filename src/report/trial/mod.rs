@@ -1,0 +1,250 @@
+//! Pictures of one simulated rig, from the records in its folder; nothing here simulates.
+//!
+//! - `chart`: lines over time; `maps`: the wave over depth and time, arrivals
+
+mod chart;
+mod maps;
+
+use std::path::Path;
+
+use super::svg::escape;
+use crate::trial::{SUMMARY, Series, Summary};
+use crate::units::Dimension::{Length, Speed};
+use chart::{COLOURS, Chart, Line};
+
+/// Points of a line, at most.
+const POINTS: usize = 2000;
+
+/// Lines of one chart, at most.
+const LINES: usize = 8;
+
+/// A record that cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum TrialReportError {
+    /// A record that cannot be read.
+    #[error(transparent)]
+    Series(#[from] crate::trial::SeriesError),
+    /// The summary or table of spheres cannot be read, or a picture not written.
+    #[error("{path}: {reason}")]
+    File {
+        /// Which.
+        path: String,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// One line of the table of spheres.
+struct Sphere {
+    layer: u32,
+    centre: Vec<f64>,
+    diameter: f64,
+    first_material: bool,
+}
+
+/// First arrivals by one threshold (s), NaN where there was none.
+struct Times {
+    dimension: usize,
+    values: Vec<f64>,
+}
+
+/// Draws what the record of a finished run asks for, into its folder, with a page that holds all of it. Gives the names of the
+/// pictures.
+///
+/// # Errors
+/// A file that cannot be read or written.
+pub fn draw_trial(folder: &Path) -> Result<Vec<String>, TrialReportError> {
+    let fail =
+        |name: &str, reason: String| TrialReportError::File { path: folder.join(name).display().to_string(), reason };
+    let text = std::fs::read_to_string(folder.join(SUMMARY)).map_err(|error| fail(SUMMARY, error.to_string()))?;
+    let summary: Summary = serde_json::from_str(&text).map_err(|error| fail(SUMMARY, error.to_string()))?;
+    let mut pictures: Vec<(String, String)> = Vec::new();
+    for picture in &summary.pictures {
+        match picture.as_str() {
+            "x-t" => {
+                let record = Series::read(&folder.join("layers.csv"), POINTS)?;
+                let (times, layers) = record.columns.split_first().unwrap_or((&EMPTY, &[]));
+                if !layers.is_empty() {
+                    let title = format!("{}: mean velocity of each layer", summary.name);
+                    pictures.push(("x-t.svg".to_owned(), maps::x_t(&title, times, layers)));
+                }
+            }
+            "velocities" if folder.join("spheres.csv").exists() => {
+                let record = Series::read(&folder.join("spheres.csv"), POINTS * summary.recorded.len())?;
+                if !record.column("vz_m_s").is_empty() {
+                    pictures.push(("velocities.svg".to_owned(), velocities(&summary, &record).svg()));
+                }
+            }
+            "flats" if folder.join("flats.csv").exists() => {
+                let record = Series::read(&folder.join("flats.csv"), POINTS)?;
+                pictures.push(("flats.svg".to_owned(), flats(&summary, &record).svg()));
+            }
+            "energies" => {
+                let record = Series::read(&folder.join("energies.csv"), POINTS)?;
+                pictures.push(("energies.svg".to_owned(), energies(&summary, &record).svg()));
+            }
+            "arrivals" if summary.dimension > 1 => {
+                let name = "spheres-final.csv";
+                let text = std::fs::read_to_string(folder.join(name)).map_err(|error| fail(name, error.to_string()))?;
+                for (k, column) in summary.arrivals.iter().enumerate() {
+                    let (spheres, times) = table(&text, summary.dimension, column)
+                        .ok_or_else(|| fail(name, format!("is no table of spheres with the column {column}")))?;
+                    let title = format!("{}: arrival of the wave", summary.name);
+                    let file = if k == 0 { "arrivals.svg".to_owned() } else { format!("arrivals-{}.svg", k + 1) };
+                    pictures.push((file, maps::arrivals(&title, &threshold(column), &times, &spheres)));
+                }
+            }
+            _ => {}
+        }
+    }
+    for (name, svg) in &pictures {
+        write(folder, name, svg)?;
+    }
+    if !pictures.is_empty() {
+        write(folder, "report.html", &page(&summary, &pictures))?;
+    }
+    Ok(pictures.into_iter().map(|(name, _)| name).collect())
+}
+
+static EMPTY: Vec<f64> = Vec::new();
+
+fn write(folder: &Path, name: &str, text: &str) -> Result<(), TrialReportError> {
+    let path = folder.join(name);
+    std::fs::write(&path, text)
+        .map_err(|error| TrialReportError::File { path: path.display().to_string(), reason: error.to_string() })
+}
+
+/// Points over microseconds.
+fn over_time(times: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
+    times.iter().zip(values).map(|(t, v)| [t * 1e6, *v]).collect()
+}
+
+/// A few of the recorded spheres, evenly chosen, the first and the last among them.
+fn velocities(summary: &Summary, record: &Series) -> Chart {
+    let count = summary.recorded.len();
+    let chosen: Vec<usize> =
+        if count <= LINES { (0..count).collect() } else { (0..LINES).map(|k| k * (count - 1) / (LINES - 1)).collect() };
+    let (times, spheres, speeds) = (record.column("time_s"), record.column("sphere"), record.column("vz_m_s"));
+    let lines = chosen.iter().enumerate().map(|(k, &which)| {
+        let recorded = summary.recorded[which];
+        let rows: Vec<usize> = (0..spheres.len()).filter(|&row| spheres[row] == recorded.sphere as f64).collect();
+        let name = if summary.dimension == 1 {
+            format!("sphere {}", recorded.layer)
+        } else {
+            format!("layer {}, column {}", recorded.layer, recorded.column)
+        };
+        Line {
+            name,
+            colour: COLOURS[k % COLOURS.len()].to_owned(),
+            dashed: k >= COLOURS.len(),
+            points: rows.iter().map(|&row| [times[row] * 1e6, speeds[row]]).collect(),
+        }
+    });
+    Chart {
+        title: format!("{}: velocity along the wave", summary.name),
+        labels: ["time [µs]".to_owned(), "velocity [m/s]".to_owned()],
+        lines: lines.collect(),
+    }
+}
+
+fn flats(summary: &Summary, record: &Series) -> Chart {
+    let time = record.column("time_s");
+    let lines = summary.flats.iter().take(LINES).enumerate().map(|(k, flat)| Line {
+        name: flat.name.clone(),
+        colour: COLOURS[k % COLOURS.len()].to_owned(),
+        dashed: k >= COLOURS.len(),
+        points: over_time(time, record.column(&format!("{}_force_N", flat.name)))
+            .into_iter()
+            .map(|[t, force]| [t, force * 1e-3])
+            .collect(),
+    });
+    Chart {
+        title: format!("{}: forces that press on flats", summary.name),
+        labels: ["time [µs]".to_owned(), "force [kN]".to_owned()],
+        lines: lines.collect(),
+    }
+}
+
+fn energies(summary: &Summary, record: &Series) -> Chart {
+    let time = record.column("time_s");
+    let known = [
+        ("put in", "work_in_J"),
+        ("kinetic", "kinetic_J"),
+        ("stored in contacts", "stored_J"),
+        ("dissipated in contacts", "dissipated_J"),
+        ("friction", "friction_J"),
+        ("into bars, drag", "absorbed_J"),
+        ("potential", "potential_J"),
+    ];
+    let lines = known.iter().zip(COLOURS).filter_map(|((name, column), colour)| {
+        let points = over_time(time, record.column(column));
+        let used = points.iter().any(|p| p[1] != 0.0);
+        used.then(|| Line { name: (*name).to_owned(), colour: colour.to_owned(), dashed: *name == "put in", points })
+    });
+    Chart {
+        title: format!("{}: where the energy is and went", summary.name),
+        labels: ["time [µs]".to_owned(), "energy [J]".to_owned()],
+        lines: lines.collect(),
+    }
+}
+
+/// Reads the table of spheres with one column of arrivals.
+fn table(text: &str, dimension: usize, column: &str) -> Option<(Vec<Sphere>, Times)> {
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next()?.split(',').collect();
+    let at = |name: &str| names.iter().position(|known| *known == name);
+    let (layer, diameter, material, arrival) = (at("layer")?, at("diameter_m")?, at("material")?, at(column)?);
+    let axes = [&["z_m"][..], &["x_m", "z_m"], &["x_m", "y_m", "z_m"]][dimension - 1];
+    let axes: Vec<usize> = axes.iter().map(|axis| at(axis)).collect::<Option<_>>()?;
+    let mut spheres = Vec::new();
+    let mut values = Vec::new();
+    let mut first = None;
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |k: usize| cells.get(k).and_then(|cell| cell.parse::<f64>().ok());
+        let name = *cells.get(material)?;
+        let first_material = *first.get_or_insert(name) == name;
+        spheres.push(Sphere {
+            layer: number(layer)? as u32,
+            centre: axes.iter().map(|&k| number(k)).collect::<Option<_>>()?,
+            diameter: number(diameter)?,
+            first_material,
+        });
+        values.push(number(arrival).unwrap_or(f64::NAN));
+    }
+    Some((spheres, Times { dimension, values }))
+}
+
+/// A column's threshold in words.
+fn threshold(column: &str) -> String {
+    let text = column.strip_prefix("arrival_").and_then(|rest| rest.strip_suffix("_s")).unwrap_or(column);
+    let number = |ending: &str| text.strip_suffix(ending).and_then(|number| number.parse::<f64>().ok());
+    if let Some(part) = number("_of_own") {
+        format!("{} % of the sphere's greatest speed", part * 100.0)
+    } else if let Some(part) = number("_of_first") {
+        format!("{} % of the first sphere's greatest speed", part * 100.0)
+    } else if let Some(speed) = number("_m_s") {
+        format!("speed of {}", Speed.show(speed))
+    } else {
+        number("_m").map_or(text.to_owned(), |distance| format!("moved by {}", Length.show(distance)))
+    }
+}
+
+/// All pictures on one page that needs no network.
+fn page(summary: &Summary, pictures: &[(String, String)]) -> String {
+    let name = escape(&summary.name);
+    let stop = summary.stop.as_ref().map_or(String::new(), |stop| format!("<p><b>Stopped:</b> {}</p>\n", escape(stop)));
+    let residual =
+        summary.residual.map_or(String::new(), |residual| format!(" The energy ledger closes to {residual:.1e}."));
+    let figures: String = pictures.iter().map(|(_, svg)| format!("<figure>{svg}</figure>\n")).collect();
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n<style>body {{ \
+         font-family: Helvetica, Arial, sans-serif; max-width: 62rem; margin: 2rem auto; }} figure {{ margin: 2rem 0; }} \
+         svg {{ max-width: 100%; height: auto; }}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{} spheres in {} layers; {} of \
+         {} simulated.{residual}</p>\n{stop}{figures}</body>\n</html>\n",
+        summary.spheres,
+        summary.layers,
+        crate::units::Dimension::Time.show(summary.time_s),
+        crate::units::Dimension::Time.show(summary.window_s),
+    )
+}

@@ -1,0 +1,84 @@
+//! A lens design as a rig: the proposed lens under its impact.
+
+use super::{Bench, RunPlan, Setup, SphereSite, record};
+use crate::contact::LawKind;
+use crate::dem::Mirror;
+use crate::dem::rig::{Body, Curve, Law, LawBook, Load, LoadKind, Rig};
+use crate::design::Design;
+use crate::document::DocumentError;
+use crate::evaluate::{Overrides, Plan, PlanError};
+use crate::lens::{LensError, propose};
+
+/// A file that cannot be set up.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// What is wrong with the file.
+    #[error(transparent)]
+    File(#[from] DocumentError),
+    /// The lens of a design cannot be.
+    #[error("{}: {error}", .design.path.display())]
+    Lens {
+        /// The design.
+        design: Box<Design>,
+        /// Why.
+        error: Box<LensError>,
+    },
+    /// The step or window of a design cannot be.
+    #[error("{}: {error}", .design.path.display())]
+    Plan {
+        /// The design.
+        design: Box<Design>,
+        /// Why.
+        error: PlanError,
+    },
+}
+
+/// A design without a lens is set up as its host alone.
+pub(super) fn setup(design: &Design) -> Result<Setup, SetupError> {
+    let lattice = &design.lattice;
+    let layout = match &design.lens {
+        Some(request) => {
+            let lens = propose(lattice, &design.host, request, &design.target, design.constants);
+            let lens =
+                lens.map_err(|error| SetupError::Lens { design: Box::new(design.clone()), error: Box::new(error) })?;
+            lens.layout()
+        }
+        None => crate::layout::Layout::new(*lattice, vec![design.host.clone()], |_| 0),
+    };
+    let plan = Plan::new(design, Overrides::default(), &layout.palette)
+        .map_err(|error| SetupError::Plan { design: Box::new(design.clone()), error })?;
+    let mut rig = Rig::new(layout.sample(), laws(design.law, design.constants));
+    rig.mirrors = vec![
+        Mirror { axis: 0, position: 0.0, inward: 1.0 },
+        Mirror { axis: 0, position: lattice.half_width(), inward: -1.0 },
+    ];
+    let sites = lattice.sites();
+    let struck = (0..sites.len()).filter(|&i| sites[i].row == 1).map(Body::Sphere).collect();
+    rig.loads.push(Load {
+        bodies: struck,
+        direction: [0.0, 1.0],
+        kind: LoadKind::Force,
+        curve: Curve::Square { peak: design.impact.force, start: 0.0, duration: design.impact.duration },
+    });
+    let mut warnings = plan.warnings;
+    if plan.integrator != crate::dem::Integrator::Verlet {
+        warnings.push("rigs are always advanced with verlet; run.integrator is not used here".to_owned());
+    }
+    let plan = RunPlan { step: plan.step, step_reason: plan.step_reason, window: plan.window, warnings };
+    let record = record::default::<2>(plan.steps(), sites.len(), 0);
+    Ok(Setup::Two(Bench {
+        name: design.name.clone(),
+        path: design.path.clone(),
+        text: design.text.clone(),
+        rig,
+        sites: sites.iter().map(|site| SphereSite { layer: site.row, column: site.column }).collect(),
+        layers: lattice.rows(),
+        diameter: lattice.diameter(),
+        plan,
+        record,
+    }))
+}
+
+fn laws(kind: LawKind, constants: crate::contact::Constants) -> LawBook {
+    LawBook::Materials { law: Law::Named(kind), constants, pairs: Vec::new(), friction: None }
+}

@@ -1,0 +1,142 @@
+//! From the rig file as written to the checked setup.
+
+use std::path::Path;
+
+use super::acts::Stage;
+use super::file::{EXAMPLES, RigFile};
+use super::{Bench, Setup, SphereSite, crystal, laws, place, plan, record};
+use crate::dem::rig::Rig;
+use crate::document::{self, DocumentError, Scope, Source, Written, is_plain_name};
+use crate::lattice::Cell;
+use crate::material::Material;
+
+/// The format that is read.
+const FORMAT: u32 = 1;
+
+#[derive(serde::Deserialize)]
+struct Opening {
+    format: Written,
+    kind: Written,
+}
+
+/// Whether a text says that it is a rig; what is no TOML is none.
+pub(super) fn is_rig(path: &Path, text: &str) -> bool {
+    let source = Source { path, text, examples: EXAMPLES };
+    let opening = document::parse(source).and_then(|root| document::read::<Opening>(source, &root));
+    opening.is_ok_and(|opening| opening.kind.is_some())
+}
+
+pub(super) fn setup(path: &Path, text: &str) -> Result<Setup, DocumentError> {
+    let source = Source { path, text, examples: EXAMPLES };
+    let root = document::parse(source)?;
+    let top = Scope::root(source);
+    let Opening { format, kind } = document::read(source, &root)?;
+    top.required("kind", &kind)?.choice("kind of file", &[("rig", ())])?;
+    let format = top.required("format", &format)?;
+    if format.whole(0..=u32::MAX)? != FORMAT {
+        let help = "This version of granulens reads format 1; a file of a later format needs a later version.";
+        return Err(format.fail("must be 1", help));
+    }
+    let file: RigFile = document::read(source, &root)?;
+    let name = top.required("name", &file.name)?;
+    if !is_plain_name(name.text()?) {
+        return Err(name.fail(
+            "must be 1 to 100 letters (a to z), digits, - and _",
+            "It names the output folder. Write it like name = \"drop-tower\".",
+        ));
+    }
+    let own = match top.section("materials", &file.materials) {
+        Some((_, sections)) => document::materials(source, sections)?,
+        None => Vec::new(),
+    };
+    let help = "Add the section [crystal] with packing, diameter, layers and material.";
+    let (scope, crystal) = top.required_section("crystal", &file.crystal, help)?;
+    let packing = scope.required("packing", &crystal.packing)?;
+    let reading = Reading { path, text, name: name.text()?, top: &top, file: &file, own: &own };
+    #[derive(Clone, Copy)]
+    enum Any {
+        One(Cell<1>),
+        Two(Cell<2>),
+        Three(Cell<3>),
+    }
+    let chains = Cell::<1>::ALL.iter().map(|&cell| (cell.name(), Any::One(cell)));
+    let sheets = Cell::<2>::ALL.iter().map(|&cell| (cell.name(), Any::Two(cell)));
+    let solids = Cell::<3>::ALL.iter().map(|&cell| (cell.name(), Any::Three(cell)));
+    let known: Vec<(&str, Any)> = chains.chain(sheets).chain(solids).collect();
+    Ok(match packing.choice("packing", &known)? {
+        Any::One(cell) => Setup::One(reading.bench(cell)?),
+        Any::Two(cell) => Setup::Two(reading.bench(cell)?),
+        Any::Three(cell) => Setup::Three(reading.bench(cell)?),
+    })
+}
+
+/// A file whose dimension is known.
+struct Reading<'a> {
+    path: &'a Path,
+    text: &'a str,
+    name: &'a str,
+    top: &'a Scope<'a>,
+    file: &'a RigFile,
+    own: &'a [Material],
+}
+
+impl Reading<'_> {
+    fn bench<const D: usize>(&self, cell: Cell<D>) -> Result<Bench<D>, DocumentError> {
+        let Self { top, file, own, .. } = *self;
+        let section = top.required_section("crystal", &file.crystal, "")?;
+        let patterns = top.sections("pattern", &file.pattern);
+        let built = crystal::build(cell, &section, &patterns, &top.sections("edit", &file.edit), own)?;
+        let laws = laws::laws(top, (&file.law, &file.pair, &file.friction), built.build.palette(), own)?;
+        let (sample, sites) = built.build.sample();
+        let crystal = built.build.crystal();
+        let mut stage = Stage { rig: Rig::new(sample, laws), crystal, sites };
+        for (meant, axes) in &built.held {
+            for i in stage.spheres(meant) {
+                stage.rig.held[i] = std::array::from_fn(|k| stage.rig.held[i][k] || axes[k]);
+            }
+        }
+        // Flats that are named come before walls, which take the names of sides.
+        for (scope, section) in top.sections("flat", &file.flat) {
+            stage.flat(&scope, section)?;
+        }
+        if let Some((scope, section)) = top.section("sides", &file.sides) {
+            stage.sides(&scope, section)?;
+        }
+        for (scope, section) in top.sections("bar", &file.bar) {
+            stage.bar(&scope, section, own)?;
+        }
+        for (scope, section) in top.sections("load", &file.load) {
+            stage.load(&scope, section)?;
+        }
+        for (scope, section) in top.sections("moving", &file.moving) {
+            stage.moving(&scope, section)?;
+        }
+        if let Some((scope, section)) = top.section("gravity", &file.gravity) {
+            let entry = scope.required("acceleration", &section.acceleration)?;
+            stage.rig.gravity = place::along_wave(&entry, crate::units::Dimension::Acceleration)?;
+        }
+        let help = "Add the section [run] with window, like window = \"400 us\".";
+        let (scope, section) = top.required_section("run", &file.run, help)?;
+        let plan = plan::plan(&mut stage.rig, crystal.diameter(), &scope, section)?;
+        let mut record = record::default::<D>(plan.steps(), stage.sites.len(), stage.rig.flats.len());
+        if let Some((scope, section)) = top.section("record", &file.record) {
+            let numbers = (plan.step, crystal.diameter(), crystal.layers());
+            record = record::read(&scope, section, record, numbers, |meant| stage.spheres(meant))?;
+        }
+        let site = |&site: &usize| {
+            let site = &crystal.sites()[site];
+            SphereSite { layer: site.layer, column: site.column }
+        };
+        Ok(Bench {
+            name: self.name.to_owned(),
+            path: self.path.to_owned(),
+            text: self.text.to_owned(),
+            sites: stage.sites.iter().map(site).collect(),
+            layers: crystal.layers(),
+            diameter: crystal.diameter(),
+            rig: stage.rig,
+            plan,
+            record,
+        })
+    }
+}

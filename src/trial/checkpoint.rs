@@ -1,0 +1,74 @@
+//! Where a run stands: the state of its rig and how long its streams were, in one file with a checksum.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::streams::Streams;
+use super::{TrialError, write};
+use crate::dem::rig::Simulation;
+use crate::setup::Bench;
+
+/// First line of the file; the number is that of the format.
+const OPENING: &[u8] = b"granulens trial checkpoint 1\n";
+
+/// What is kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Checkpoint {
+    /// Checksum of the rig file's text.
+    text: u32,
+    /// Lengths of the streams in bytes, by name.
+    pub lengths: BTreeMap<String, u64>,
+    /// The rig's own checkpoint.
+    pub state: Vec<u8>,
+}
+
+impl Checkpoint {
+    /// Of a run that has just been sampled, or is between samples. Streams are written out first.
+    pub fn of<const D: usize>(
+        bench: &Bench<D>,
+        simulation: &Simulation<D>,
+        streams: &mut Streams,
+    ) -> Result<Self, TrialError> {
+        streams.flush()?;
+        let text = crc32fast::hash(bench.text.as_bytes());
+        Ok(Self { text, lengths: streams.lengths(), state: simulation.checkpoint() })
+    }
+
+    /// Puts it in its place at once: the one before stays until this one is whole.
+    pub fn write(&self, path: &Path) -> Result<(), TrialError> {
+        let body = postcard::to_stdvec(self).map_err(|error| Self::refused(path, &error.to_string()))?;
+        let mut bytes = OPENING.to_vec();
+        bytes.extend(crc32fast::hash(&body).to_le_bytes());
+        bytes.extend(body);
+        write(path, &bytes)
+    }
+
+    /// Reads one, of the same rig file.
+    pub fn read<const D: usize>(path: &Path, bench: &Bench<D>) -> Result<Self, TrialError> {
+        let bytes = std::fs::read(path).map_err(|error| TrialError::File { path: path.to_owned(), error })?;
+        let damaged = || Self::refused(path, "the checkpoint is damaged");
+        let Some(rest) = bytes.strip_prefix(OPENING) else {
+            let ours = bytes.starts_with(b"granulens trial checkpoint");
+            let reason = if ours { "the checkpoint is of another version" } else { "this is no checkpoint" };
+            return Err(Self::refused(path, reason));
+        };
+        let (sum, body) = rest.split_first_chunk::<4>().ok_or_else(damaged)?;
+        if crc32fast::hash(body) != u32::from_le_bytes(*sum) {
+            return Err(damaged());
+        }
+        let checkpoint: Self = postcard::from_bytes(body).map_err(|_| damaged())?;
+        if checkpoint.text != crc32fast::hash(bench.text.as_bytes()) {
+            return Err(Self::refused(
+                path,
+                "the file of the rig has changed since; what was begun cannot be gone on with",
+            ));
+        }
+        Ok(checkpoint)
+    }
+
+    fn refused(path: &Path, reason: &str) -> TrialError {
+        TrialError::Checkpoint { path: path.to_owned(), reason: reason.to_owned() }
+    }
+}

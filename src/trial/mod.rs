@@ -1,0 +1,250 @@
+//! One rig from its file to records on disk: written as the run goes, taken up where it was left.
+//!
+//! In: a [`Bench`]. Out: a folder with the samples over time as CSV, tables of what each sphere and contact felt, and a
+//! [`Summary`]. Memory does not grow with the length of the run. A checkpoint is written now and then; a run that was killed at
+//! any moment goes on from it, its files cut back to where it stood, and ends with the same bytes.
+//!
+//! - `streams`: samples over time; `tables`: what is written at the end; `series`: files read back, a column at a time
+//! - `checkpoint`: state and lengths of the streams in one file
+//! - `summary`: what a run came to
+
+mod checkpoint;
+mod series;
+mod streams;
+mod summary;
+mod tables;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+pub use series::{Series, SeriesError};
+pub use summary::{FlatSummary, Recorded, Summary};
+
+use crate::dem::rig::{RigError, RigStop, Simulation};
+use crate::setup::Bench;
+use checkpoint::Checkpoint;
+use streams::Streams;
+
+/// The file by which a folder of a trial is recognised.
+pub const SUMMARY: &str = "trial.json";
+/// The text of the rig file.
+pub const RIG: &str = "rig.toml";
+/// Where a run stands.
+const CHECKPOINT: &str = "checkpoint";
+
+/// Most steps between two looks at the clock. Chunks end at multiples of it, so that a run that is taken up looks at its
+/// guards after the same steps.
+const CHUNK: u64 = 4096;
+
+/// A run that could not begin, go on or be written.
+#[derive(Debug, thiserror::Error)]
+pub enum TrialError {
+    /// The rig cannot be set in motion.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// The folder holds something else.
+    #[error("{0} exists and holds no trial; it is left alone")]
+    Foreign(PathBuf),
+    /// The folder holds an unfinished run.
+    #[error("{0} holds a run that is not finished")]
+    Unfinished(PathBuf),
+    /// There is nothing to take up.
+    #[error("{0} holds no run that could be taken up")]
+    Nothing(PathBuf),
+    /// The run there is finished.
+    #[error("the run in {0} is finished")]
+    Finished(PathBuf),
+    /// A checkpoint that cannot be used.
+    #[error("{path}: {reason}")]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A file cannot be written or read.
+    #[error("{path}: {error}")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// A record that cannot be read back.
+    #[error(transparent)]
+    Series(#[from] SeriesError),
+}
+
+impl TrialError {
+    /// What to try.
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::Rig(RigError::Overlap { .. }) => {
+                "Move or shrink one of them, or write run.squeezed = true if they are meant to."
+            }
+            Self::Rig(RigError::Step { .. }) => "Leave run.step out to have it chosen.",
+            Self::Rig(RigError::Period { .. }) => "Widen the crystal: more cells along that axis.",
+            Self::Rig(_) => "Change the rig file.",
+            Self::Foreign(_) | Self::File { .. } => "Choose another place with --out.",
+            Self::Unfinished(_) => "Go on with --resume, or choose another place with --out.",
+            Self::Nothing(_) => "Leave out --resume to begin.",
+            Self::Finished(_) => "Leave out --resume to run it anew.",
+            Self::Checkpoint { .. } | Self::Series(_) => "Begin anew in another folder, with --out.",
+        }
+    }
+}
+
+/// How a run is kept.
+#[derive(Clone, Copy, Debug)]
+pub struct Keeping {
+    /// Whether to take up what the folder holds.
+    pub resume: bool,
+    /// Time between checkpoints.
+    pub every: Duration,
+}
+
+/// Why a run came to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// The window is over.
+    Complete,
+    /// A guard stopped it; what was computed is kept.
+    Stopped(RigStop),
+    /// The caller asked for it; it can be taken up.
+    Interrupted {
+        /// Time reached (s).
+        time: f64,
+    },
+}
+
+/// Runs a bench in a folder; `progress` is told now and then how many of how many steps are done.
+///
+/// # Errors
+/// See [`TrialError`]. A guard or an interruption is no error but an [`Ending`].
+pub fn run<const D: usize>(
+    bench: &Bench<D>,
+    folder: &Path,
+    keeping: Keeping,
+    interrupt: &AtomicBool,
+    mut progress: impl FnMut(u64, u64),
+) -> Result<(Summary, Ending), TrialError> {
+    let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step)?.watching(bench.record.arrivals.clone());
+    let path = folder.join(CHECKPOINT);
+    let mut streams = if keeping.resume {
+        let checkpoint = taken_up(bench, folder, &path)?;
+        let damaged = |reason: String| TrialError::Checkpoint { path: path.clone(), reason };
+        simulation.take_up(&checkpoint.state).map_err(|error| damaged(error.to_string()))?;
+        Streams::take_up(folder, bench, &checkpoint.lengths)?
+    } else {
+        begin(bench, folder)?;
+        let mut streams = Streams::begin(folder, bench)?;
+        streams.sample(&simulation)?;
+        Checkpoint::of(bench, &simulation, &mut streams)?.write(&path)?;
+        streams
+    };
+
+    let (total, every) = (bench.plan.steps(), bench.record.every);
+    let mut kept = Instant::now();
+    let mut ending = Ending::Complete;
+    while simulation.steps() < total {
+        let done = simulation.steps();
+        let sample = (done / every + 1) * every;
+        let until = sample.min((done / CHUNK + 1) * CHUNK).min(total);
+        match simulation.advance(until - done, interrupt) {
+            Ok(()) => {}
+            Err(RigStop::Interrupted { time }) => {
+                Checkpoint::of(bench, &simulation, &mut streams)?.write(&path)?;
+                ending = Ending::Interrupted { time };
+                break;
+            }
+            Err(stop) => {
+                ending = Ending::Stopped(stop);
+                break;
+            }
+        }
+        // The end of the window is a sample too.
+        if simulation.steps() == sample || simulation.steps() == total {
+            streams.sample(&simulation)?;
+        }
+        if kept.elapsed() >= keeping.every {
+            Checkpoint::of(bench, &simulation, &mut streams)?.write(&path)?;
+            kept = Instant::now();
+        }
+        progress(simulation.steps(), total);
+    }
+    streams.flush()?;
+    let complete = !matches!(ending, Ending::Interrupted { .. });
+    if complete {
+        tables::write_all(folder, bench, &simulation)?;
+    }
+    let summary = Summary::new(bench, &simulation, &ending, folder)?;
+    write(&folder.join(SUMMARY), summary.json().as_bytes())?;
+    if complete {
+        fs::remove_file(&path).map_err(|error| TrialError::File { path, error })?;
+    }
+    Ok((summary, ending))
+}
+
+/// Makes the folder of a new run. What stands there is replaced only where it is a trial that came to its end.
+fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialError> {
+    let at = |error| TrialError::File { path: folder.to_owned(), error };
+    if folder.exists() {
+        let empty = fs::read_dir(folder).map_err(at)?.next().is_none();
+        if !empty && !folder.join(SUMMARY).exists() {
+            return Err(TrialError::Foreign(folder.to_owned()));
+        }
+        if folder.join(CHECKPOINT).exists() {
+            return Err(TrialError::Unfinished(folder.to_owned()));
+        }
+        // Only what a trial writes is removed.
+        for entry in fs::read_dir(folder).map_err(at)? {
+            let path = entry.map_err(at)?.path();
+            if path.extension().is_some_and(|ending| ending == "csv" || ending == "svg" || ending == "html") {
+                fs::remove_file(&path).map_err(at)?;
+            }
+        }
+    }
+    fs::create_dir_all(folder).map_err(at)?;
+    write(&folder.join(RIG), bench.text.as_bytes())?;
+    write(&folder.join(SUMMARY), Summary::beginning(bench).json().as_bytes())
+}
+
+/// The checkpoint of the run in a folder, if it is one of this bench.
+fn taken_up<const D: usize>(bench: &Bench<D>, folder: &Path, path: &Path) -> Result<Checkpoint, TrialError> {
+    if !folder.join(SUMMARY).exists() {
+        return Err(TrialError::Nothing(folder.to_owned()));
+    }
+    if !path.exists() {
+        return Err(TrialError::Finished(folder.to_owned()));
+    }
+    Checkpoint::read(path, bench)
+}
+
+/// Writes a file by way of one beside it, so that it is there as a whole or not at all, also after a power cut.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), TrialError> {
+    let attempt = || -> io::Result<()> {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let mut temporary = tempfile::NamedTempFile::new_in(folder)?;
+        io::Write::write_all(&mut temporary, bytes)?;
+        temporary.as_file().sync_all()?;
+        readable(temporary.path())?;
+        temporary.persist(path)?;
+        Ok(())
+    };
+    attempt().map_err(|error| TrialError::File { path: path.to_owned(), error })
+}
+
+/// Temporary files are private; results are not.
+#[cfg(unix)]
+fn readable(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    fs::set_permissions(path, fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable(_: &Path) -> io::Result<()> {
+    Ok(())
+}

@@ -1,0 +1,279 @@
+//! Samples over time, written as the run goes.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::TrialError;
+use crate::dem::rig::{Body, Rig, Simulation};
+use crate::setup::{Bench, Quantity, RecordPlan};
+
+/// Names of the axes in `D` dimensions.
+pub(super) const fn axes<const D: usize>() -> &'static [&'static str] {
+    match D {
+        1 => &["z"],
+        2 => &["x", "z"],
+        _ => &["x", "y", "z"],
+    }
+}
+
+/// All files of one run that grow.
+pub(super) struct Streams {
+    energies: Stream,
+    layers: Stream,
+    flats: Option<Stream>,
+    bars: Option<Stream>,
+    spheres: Option<Stream>,
+    contacts: Option<Stream>,
+    record: RecordPlan,
+    /// Layer and column of each sphere.
+    places: Vec<[u32; 2]>,
+    /// Spheres in each layer.
+    in_layer: Vec<f64>,
+    row: String,
+}
+
+impl Streams {
+    /// Creates the files, each with its header.
+    pub fn begin<const D: usize>(folder: &Path, bench: &Bench<D>) -> Result<Self, TrialError> {
+        let mut streams = Self::open(bench, |name, header| Stream::create(folder.join(name), header))?;
+        streams.flush()?;
+        Ok(streams)
+    }
+
+    /// Opens the files where they were left, and cuts off what came later.
+    pub fn take_up<const D: usize>(
+        folder: &Path,
+        bench: &Bench<D>,
+        lengths: &BTreeMap<String, u64>,
+    ) -> Result<Self, TrialError> {
+        Self::open(bench, |name, _| Stream::take_up(folder.join(name), lengths.get(name).copied().unwrap_or(0)))
+    }
+
+    fn open<const D: usize>(
+        bench: &Bench<D>,
+        mut stream: impl FnMut(&str, &str) -> Result<Stream, TrialError>,
+    ) -> Result<Self, TrialError> {
+        let (rig, record) = (&bench.rig, &bench.record);
+        let along = |stem: &str, unit: &str| -> String {
+            axes::<D>().iter().fold(String::new(), |text, axis| format!("{text},{stem}{axis}_{unit}"))
+        };
+        let energies =
+            "time_s,work_in_J,kinetic_J,stored_J,wound_J,potential_J,dissipated_J,friction_J,absorbed_J,residual";
+        let layers = (1..=bench.layers).fold("time_s".to_owned(), |text, layer| format!("{text},layer_{layer}_m_s"));
+        let flats = rig.flats.iter().fold("time_s".to_owned(), |text, flat| {
+            let name = &flat.name;
+            format!("{text},{name}_moved_m,{name}_velocity_m_s,{name}_force_N")
+        });
+        let bars = (1..=rig.bars.len())
+            .fold("time_s".to_owned(), |text, k| format!("{text},bar_{k}_velocity_m_s,bar_{k}_force_N"));
+        let quantities = record.quantities.iter().fold(String::new(), |text, quantity| {
+            text + &match quantity {
+                Quantity::Position => along("", "m"),
+                Quantity::Displacement => along("u", "m"),
+                Quantity::Velocity => along("v", "m_s"),
+                Quantity::Spin => ",wx_rad_s,wy_rad_s,wz_rad_s".to_owned(),
+                Quantity::Force => along("F", "N"),
+            }
+        });
+        let spheres = format!("time_s,sphere,layer,column{quantities}");
+        let contacts = format!("time_s,{}", contact_header::<D>());
+        let mut when = |wanted: bool, name: &str, header: &str| wanted.then(|| stream(name, header)).transpose();
+        let flats = when(!rig.flats.is_empty(), "flats.csv", &flats)?;
+        let bars = when(!rig.bars.is_empty(), "bars.csv", &bars)?;
+        let spheres = when(!record.spheres.is_empty(), "spheres.csv", &spheres)?;
+        let contacts = when(record.contacts, "contacts.csv", &contacts)?;
+        let mut in_layer = vec![0.0; bench.layers as usize];
+        bench.sites.iter().for_each(|site| in_layer[site.layer as usize - 1] += 1.0);
+        Ok(Self {
+            energies: stream("energies.csv", energies)?,
+            layers: stream("layers.csv", &layers)?,
+            flats,
+            bars,
+            spheres,
+            contacts,
+            record: record.clone(),
+            places: bench.sites.iter().map(|site| [site.layer, site.column]).collect(),
+            in_layer,
+            row: String::new(),
+        })
+    }
+
+    /// Writes one sample of everything.
+    pub fn sample<const D: usize>(&mut self, simulation: &Simulation<D>) -> Result<(), TrialError> {
+        let (view, rig, time) = (simulation.view(), simulation.rig(), simulation.time());
+        let row = &mut self.row;
+        let ledger = simulation.ledger();
+        let energies = [
+            ledger.work_in,
+            ledger.kinetic,
+            ledger.stored,
+            ledger.wound,
+            ledger.potential,
+            ledger.dissipated,
+            ledger.friction,
+            ledger.absorbed,
+            ledger.residual().unwrap_or(0.0),
+        ];
+        self.energies.row(row, time, energies)?;
+
+        let mut sums = vec![0.0; self.in_layer.len()];
+        for (i, [layer, _]) in self.places.iter().enumerate() {
+            sums[*layer as usize - 1] += view.velocity(i)[D - 1];
+        }
+        // A layer of vacancies only has no velocity.
+        let means = sums.iter().zip(&self.in_layer).map(|(sum, count)| sum / count.max(1.0));
+        self.layers.row(row, time, means)?;
+
+        if let Some(flats) = &mut self.flats {
+            let values = rig.flats.iter().enumerate().flat_map(|(k, flat)| {
+                let state = view.flat(k);
+                let along = |v: &[f64; D]| (0..D).map(|k| v[k] * flat.normal[k]).sum::<f64>();
+                // What presses on the flat counts as positive.
+                [along(&state.moved), along(&state.velocity), -along(&state.force)]
+            });
+            flats.row(row, time, values)?;
+        }
+        if let Some(bars) = &mut self.bars {
+            let values = rig.bars.iter().flat_map(|bar| {
+                let velocity = match bar.body {
+                    Body::Sphere(i) => view.velocity(i)[bar.axis],
+                    Body::Flat(k) => view.flat(k).velocity[bar.axis],
+                };
+                let incident = bar.incident.as_ref().map_or(0.0, |curve| curve.value(time));
+                [velocity, 2.0 * incident - bar.impedance * velocity]
+            });
+            bars.row(row, time, values)?;
+        }
+        if let Some(spheres) = &mut self.spheres {
+            for &i in &self.record.spheres {
+                row.clear();
+                let [layer, column] = self.places[i];
+                let _ = write!(row, "{time:?},{},{layer},{column}", i + 1);
+                for quantity in &self.record.quantities {
+                    match quantity {
+                        Quantity::Position => append(row, view.position(i)),
+                        Quantity::Displacement => append(row, view.displacement(i)),
+                        Quantity::Velocity => append(row, view.velocity(i)),
+                        Quantity::Spin => append(row, view.spin(i)),
+                        Quantity::Force => append(row, view.net_force(i)),
+                    }
+                }
+                spheres.line(row)?;
+            }
+        }
+        if let Some(contacts) = &mut self.contacts {
+            for touching in view.contacts() {
+                row.clear();
+                let _ = write!(row, "{time:?},");
+                contact_row(row, rig, &touching);
+                contacts.line(row)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn all(&mut self) -> impl Iterator<Item = &mut Stream> {
+        let some = [&mut self.flats, &mut self.bars, &mut self.spheres, &mut self.contacts];
+        [&mut self.energies, &mut self.layers].into_iter().chain(some.into_iter().flatten())
+    }
+
+    /// Hands everything to the disk.
+    pub fn flush(&mut self) -> Result<(), TrialError> {
+        self.all().try_for_each(Stream::flush)
+    }
+
+    /// How long each file is, in bytes, by name.
+    pub fn lengths(&mut self) -> BTreeMap<String, u64> {
+        let name = |path: &Path| path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+        self.all().map(|stream| (name(&stream.path), stream.length)).collect()
+    }
+}
+
+/// Columns of a table of contacts.
+pub(super) fn contact_header<const D: usize>() -> String {
+    let normal = axes::<D>().iter().fold(String::new(), |text, axis| format!("{text},n{axis}"));
+    format!("a,b{normal},overlap_m,force_N,tangential_N,overlap_max_m,force_max_N,stored_J,dissipated_J")
+}
+
+/// One contact: spheres by their number, flats by their name.
+pub(super) fn contact_row<const D: usize>(row: &mut String, rig: &Rig<D>, touching: &crate::dem::rig::Touching<D>) {
+    let [a, b] = touching.bodies.map(|body| match body {
+        Body::Sphere(i) => (i + 1).to_string(),
+        Body::Flat(k) => rig.flats[k].name.clone(),
+    });
+    let _ = write!(row, "{a},{b}");
+    append(row, touching.normal);
+    append(
+        row,
+        [
+            touching.overlap,
+            touching.force,
+            touching.tangential,
+            touching.overlap_max,
+            touching.force_max,
+            touching.stored,
+            touching.dissipated,
+        ],
+    );
+}
+
+/// Numbers behind commas, as short as they can be read back exactly.
+pub(super) fn append(row: &mut String, values: impl IntoIterator<Item = f64>) {
+    for value in values {
+        let _ = write!(row, ",{value:?}");
+    }
+}
+
+/// One file that grows.
+struct Stream {
+    path: PathBuf,
+    file: BufWriter<File>,
+    length: u64,
+}
+
+impl Stream {
+    fn create(path: PathBuf, header: &str) -> Result<Self, TrialError> {
+        let file = File::create(&path).map_err(|error| TrialError::File { path: path.clone(), error })?;
+        let mut stream = Self { path, file: BufWriter::new(file), length: 0 };
+        stream.line(header)?;
+        Ok(stream)
+    }
+
+    fn take_up(path: PathBuf, length: u64) -> Result<Self, TrialError> {
+        let attempt = || -> io::Result<File> {
+            let mut file = OpenOptions::new().write(true).open(&path)?;
+            if file.metadata()?.len() < length {
+                return Err(io::Error::other("is shorter than when the checkpoint was written"));
+            }
+            file.set_len(length)?;
+            io::Seek::seek(&mut file, io::SeekFrom::Start(length))?;
+            Ok(file)
+        };
+        match attempt() {
+            Ok(file) => Ok(Self { path, file: BufWriter::new(file), length }),
+            Err(error) => Err(TrialError::File { path, error }),
+        }
+    }
+
+    fn line(&mut self, text: &str) -> Result<(), TrialError> {
+        let written = self.file.write_all(text.as_bytes()).and_then(|()| self.file.write_all(b"\n"));
+        self.length += text.len() as u64 + 1;
+        written.map_err(|error| TrialError::File { path: self.path.clone(), error })
+    }
+
+    /// A time and values.
+    fn row(&mut self, row: &mut String, time: f64, values: impl IntoIterator<Item = f64>) -> Result<(), TrialError> {
+        row.clear();
+        let _ = write!(row, "{time:?}");
+        append(row, values);
+        self.line(row)
+    }
+
+    fn flush(&mut self) -> Result<(), TrialError> {
+        let flushed = self.file.flush().and_then(|()| self.file.get_ref().sync_data());
+        flushed.map_err(|error| TrialError::File { path: self.path.clone(), error })
+    }
+}

@@ -1,0 +1,172 @@
+//! What a run came to.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::tables::threshold_name;
+use super::{Ending, TrialError, series};
+use crate::dem::rig::{EnergyLedger, Simulation};
+use crate::setup::Bench;
+
+/// The format of `trial.json`.
+const FORMAT: u32 = 1;
+
+/// A run in numbers; everything else is in the files beside it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// 1
+    pub format: u32,
+    /// Name of the rig.
+    pub name: String,
+    /// Version of the program.
+    pub version: String,
+    /// 1, 2 or 3
+    pub dimension: usize,
+    /// Number of spheres.
+    pub spheres: usize,
+    /// Number of layers.
+    pub layers: u32,
+    /// Distance of neighbouring sites (m).
+    pub diameter_m: f64,
+    /// The step (s).
+    pub step_s: f64,
+    /// Why this step.
+    pub step_reason: String,
+    /// The window (s).
+    pub window_s: f64,
+    /// Steps between two samples.
+    pub every: u64,
+    /// Time reached (s).
+    pub time_s: f64,
+    /// Steps done.
+    pub steps: u64,
+    /// Whether the run came to its end, by the window or by a guard.
+    pub finished: bool,
+    /// The guard that stopped it, in words.
+    pub stop: Option<String>,
+    /// What a reader should know before trusting the numbers.
+    pub warnings: Vec<String>,
+    /// Where the energy is and went (J).
+    pub energies: EnergyLedger,
+    /// What the ledger does not account for, relative.
+    pub residual: Option<f64>,
+    /// Greatest speed of any sphere (m/s).
+    pub max_speed_m_s: f64,
+    /// Flats with what they felt.
+    pub flats: Vec<FlatSummary>,
+    /// Spheres with a series over time.
+    pub recorded: Vec<Recorded>,
+    /// Columns of first arrivals in `spheres-final.csv`.
+    pub arrivals: Vec<String>,
+    /// What is drawn.
+    pub pictures: Vec<String>,
+}
+
+/// A flat in numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlatSummary {
+    /// Its name.
+    pub name: String,
+    /// Its mass (kg); none where it is infinite.
+    pub mass_kg: Option<f64>,
+    /// Greatest force that pressed on it, of the samples (N).
+    pub peak_force_n: f64,
+    /// When (s).
+    pub peak_time_s: f64,
+    /// Velocity along its normal at the end (m/s).
+    pub velocity_m_s: f64,
+}
+
+/// A sphere with a series over time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recorded {
+    /// From 1.
+    pub sphere: usize,
+    /// From 1.
+    pub layer: u32,
+    /// From 1.
+    pub column: u32,
+}
+
+impl Summary {
+    /// Of a run that has only begun.
+    pub(super) fn beginning<const D: usize>(bench: &Bench<D>) -> Self {
+        let recorded =
+            |&i: &usize| Recorded { sphere: i + 1, layer: bench.sites[i].layer, column: bench.sites[i].column };
+        Self {
+            format: FORMAT,
+            name: bench.name.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            dimension: D,
+            spheres: bench.sites.len(),
+            layers: bench.layers,
+            diameter_m: bench.diameter,
+            step_s: bench.plan.step,
+            step_reason: bench.plan.step_reason.clone(),
+            window_s: bench.plan.window,
+            every: bench.record.every,
+            time_s: 0.0,
+            steps: 0,
+            finished: false,
+            stop: None,
+            warnings: bench.plan.warnings.clone(),
+            energies: EnergyLedger::default(),
+            residual: None,
+            max_speed_m_s: 0.0,
+            flats: Vec::new(),
+            recorded: bench.record.spheres.iter().map(recorded).collect(),
+            arrivals: bench.record.arrivals.iter().map(|&a| format!("arrival_{}_s", threshold_name(a))).collect(),
+            pictures: bench.record.pictures.iter().map(|picture| picture.name().to_owned()).collect(),
+        }
+    }
+
+    pub(super) fn new<const D: usize>(
+        bench: &Bench<D>,
+        simulation: &Simulation<D>,
+        ending: &Ending,
+        folder: &Path,
+    ) -> Result<Self, TrialError> {
+        let ledger = simulation.ledger();
+        let mut flats = Vec::new();
+        if !bench.rig.flats.is_empty() {
+            // Of the samples, a line at a time: time, then three columns for each flat.
+            let mut peaks = vec![[f64::NEG_INFINITY, 0.0, 0.0]; bench.rig.flats.len()];
+            series::scan(&folder.join("flats.csv"), |values| {
+                for (peak, state) in peaks.iter_mut().zip(values[1..].chunks_exact(3)) {
+                    if state[2] > peak[0] {
+                        (peak[0], peak[1]) = (state[2], values[0]);
+                    }
+                    peak[2] = state[1];
+                }
+            })?;
+            flats.extend(bench.rig.flats.iter().zip(peaks).map(|(flat, [force, time, velocity])| FlatSummary {
+                name: flat.name.clone(),
+                mass_kg: Some(flat.mass).filter(|mass| mass.is_finite()),
+                peak_force_n: force,
+                peak_time_s: time,
+                velocity_m_s: velocity,
+            }));
+        }
+        Ok(Self {
+            time_s: simulation.time(),
+            steps: simulation.steps(),
+            finished: !matches!(ending, Ending::Interrupted { .. }),
+            stop: match ending {
+                Ending::Stopped(stop) => Some(stop.to_string()),
+                _ => None,
+            },
+            energies: ledger,
+            residual: ledger.residual(),
+            max_speed_m_s: simulation.greatest_speed().into_iter().fold(0.0, f64::max),
+            flats,
+            ..Self::beginning(bench)
+        })
+    }
+
+    /// As the text of `trial.json`.
+    pub fn json(&self) -> String {
+        // Its keys are text and what is not finite becomes null: this cannot fail.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}

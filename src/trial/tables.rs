@@ -1,0 +1,61 @@
+//! What each sphere and contact felt, written when the run is over.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::streams::{append, axes, contact_header, contact_row};
+use super::{TrialError, write};
+use crate::dem::rig::{Arrival, Simulation};
+use crate::setup::Bench;
+
+/// Writes `spheres-final.csv` and `contacts-final.csv`.
+pub(super) fn write_all<const D: usize>(
+    folder: &Path,
+    bench: &Bench<D>,
+    simulation: &Simulation<D>,
+) -> Result<(), TrialError> {
+    write(&folder.join("spheres-final.csv"), spheres(bench, simulation).as_bytes())?;
+    let mut contacts = contact_header::<D>() + "\n";
+    for touching in simulation.view().contacts() {
+        contact_row(&mut contacts, simulation.rig(), &touching);
+        contacts.push('\n');
+    }
+    write(&folder.join("contacts-final.csv"), contacts.as_bytes())
+}
+
+/// One line per sphere: where it lay, what it is, what it felt at most, when the wave came. Empty where it did not.
+fn spheres<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> String {
+    let rig = simulation.rig();
+    let arrivals: Vec<_> = (0..bench.record.arrivals.len()).map(|k| simulation.arrivals(k)).collect();
+    let [speed, force, dissipated] =
+        [simulation.greatest_speed(), simulation.greatest_force(), simulation.dissipated()];
+    let mut text = "sphere,layer,column".to_owned();
+    axes::<D>().iter().for_each(|axis| text += &format!(",{axis}_m"));
+    text += ",diameter_m,material,max_speed_m_s,max_kinetic_J,max_force_N,dissipated_J";
+    bench.record.arrivals.iter().for_each(|arrival| text += &format!(",arrival_{}_s", threshold_name(*arrival)));
+    text.push('\n');
+    for (i, (sphere, site)) in rig.sample.spheres.iter().zip(&bench.sites).enumerate() {
+        let _ = write!(text, "{},{},{}", i + 1, site.layer, site.column);
+        append(&mut text, sphere.centre);
+        let _ = write!(text, ",{:?},{}", 2.0 * sphere.radius, rig.sample.materials[sphere.material].name);
+        append(&mut text, [speed[i], 0.5 * rig.mass[i] * speed[i] * speed[i], force[i], dissipated[i]]);
+        for times in &arrivals {
+            match times[i] {
+                Some(time) => append(&mut text, [time]),
+                None => text.push(','),
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// A threshold as part of a column's name.
+pub(super) fn threshold_name(arrival: Arrival) -> String {
+    match arrival {
+        Arrival::OwnMaximum(part) => format!("{}_of_own", part),
+        Arrival::FirstSphere(part) => format!("{}_of_first", part),
+        Arrival::Speed(speed) => format!("{speed}_m_s"),
+        Arrival::Displacement(distance) => format!("{distance:?}_m"),
+    }
+}

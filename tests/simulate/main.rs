@@ -1,0 +1,76 @@
+//! Rig files from text to records.
+//!
+//! - `rigs`: the experiments in `designs/`, run and compared with closed forms and published statements
+//! - `resume`: runs that are killed, interrupted and taken up; checkpoints that cannot be used; guards
+//! - `sections`: what each section of a file does, by what moves
+//! - `refusals`: what a wrong rig file hears
+
+mod refusals;
+mod resume;
+mod rigs;
+mod sections;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use granulens::setup::{Bench, Setup};
+use granulens::trial::{self, Ending, Keeping, Series, Summary};
+
+/// A file of the repository.
+fn shipped(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// A run in a folder of its own.
+struct Ran {
+    folder: tempfile::TempDir,
+    summary: Summary,
+    ending: Ending,
+}
+
+impl Ran {
+    #[track_caller]
+    fn of<const D: usize>(bench: &Bench<D>) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let keeping = Keeping { resume: false, every: Duration::from_secs(3600) };
+        let (summary, ending) = trial::run(bench, folder.path(), keeping, &AtomicBool::new(false), |_, _| {}).unwrap();
+        Self { folder, summary, ending }
+    }
+
+    fn series(&self, name: &str) -> Series {
+        Series::read(&self.folder.path().join(name), usize::MAX).unwrap()
+    }
+
+    /// A column of the table of spheres; NaN where it holds no number.
+    fn spheres(&self, column: &str) -> Vec<f64> {
+        self.series("spheres-final.csv").column(column).to_vec()
+    }
+}
+
+#[track_caller]
+fn chain(text: &str) -> Bench<1> {
+    match Setup::parse("rig.toml", text) {
+        Ok(Setup::One(bench)) => bench,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[track_caller]
+fn sheet(text: &str) -> Bench<2> {
+    match Setup::parse("rig.toml", text) {
+        Ok(Setup::Two(bench)) => bench,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[track_caller]
+fn solid(text: &str) -> Bench<3> {
+    match Setup::parse("rig.toml", text) {
+        Ok(Setup::Three(bench)) => bench,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The opening lines of a rig file.
+const HEAD: &str = "format = 1\nkind = \"rig\"\nname = \"test\"\n";

@@ -1,0 +1,211 @@
+//! What each section does, by what moves.
+
+use granulens::material::find;
+
+use super::*;
+
+/// Two spheres of a chain that hit a third: velocities of equal elastic spheres are handed on (Hertz; to the step's accuracy).
+#[test]
+fn moving_spheres_hand_their_velocity_on() {
+    let bench = chain(&format!(
+        "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"10 mm\"\nlayers = 2\nmaterial = \"440c\"\n[law]\nkind = \"hertz\"\n\
+         [[moving]]\nlayers = 1\nvelocity = \"1 m/s\"\n[run]\nwindow = \"300 us\"\n[record]\nevery = \"1 us\"\n"
+    ));
+    let ran = Ran::of(&bench);
+    let series = ran.series("spheres.csv");
+    let last: Vec<f64> = series.column("vz_m_s").iter().rev().take(2).rev().copied().collect();
+    // 0.1 % is what the step is chosen for.
+    assert!(last[0].abs() < 1e-3 && (last[1] - 1.0).abs() < 1e-3, "{last:?}");
+    let steel = find("440c", &[]).unwrap();
+    let energy = 0.5 * steel.sphere_mass(0.01);
+    assert!((ran.summary.energies.work_in / energy - 1.0).abs() < 1e-12);
+}
+
+/// A force pulse on a free sphere gives it its impulse: peak times duration, 2/π or 1/2 of it by shape, along its direction.
+#[test]
+fn pulses_have_their_impulse() {
+    let speed = |pulse: &str| {
+        let bench = sheet(&format!(
+            "{HEAD}[crystal]\npacking = \"square\"\ndiameter = \"10 mm\"\nlayers = 1\nx = [\"0 D\", \"0 D\"]\nmaterial = \"440c\"\n\
+             [[load]]\nkind = \"force\"\nlayers = 1\ndirection = [3.0, 4.0]\n{pulse}\n\
+             [run]\nwindow = \"50 us\"\nstep = \"0.1 us\"\n"
+        ));
+        let ran = Ran::of(&bench);
+        let series = ran.series("spheres.csv");
+        let last = |name: &str| *series.column(name).last().unwrap();
+        [last("vx_m_s"), last("vz_m_s")]
+    };
+    let mass = find("440c", &[]).unwrap().sphere_mass(0.01);
+    let full = 1000.0 * 20e-6 / mass;
+    for (shape, part) in [("square", 1.0), ("half-sine", 2.0 / std::f64::consts::PI), ("triangle", 0.5)] {
+        let pulse = format!("pulse = \"{shape}\"\npeak = \"1 kN\"\nstart = \"5 us\"\nduration = \"20 us\"");
+        let [vx, vz] = speed(&pulse);
+        assert!((vx / (0.6 * part * full) - 1.0).abs() < 1e-9, "{shape} {vx}");
+        assert!((vz / (0.8 * part * full) - 1.0).abs() < 1e-9, "{shape} {vz}");
+    }
+}
+
+/// A wall is a mirror: a sphere that runs into a wall feels what two equal spheres feel that meet at twice its speed.
+#[test]
+fn a_wall_is_an_equal_sphere() {
+    let body = |layers: u32, extra: &str| {
+        format!(
+            "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"10 mm\"\nlayers = {layers}\nmaterial = \"440c\"\n{extra}\
+             [run]\nwindow = \"100 us\"\nstep = \"0.05 us\"\n"
+        )
+    };
+    let wall = "[sides]\nz = [\"free\", \"wall\"]\n[[moving]]\nlayers = 1\nvelocity = \"2 m/s\"\n";
+    let pair = "[[moving]]\nlayers = 1\nvelocity = \"2 m/s\"\n[[moving]]\nlayers = 2\nvelocity = \"-2 m/s\"\n";
+    let rebound = |text: &str| {
+        let series = Ran::of(&chain(text)).series("spheres.csv");
+        let rows = series.column("sphere").len();
+        (0..rows).filter(|&k| series.column("sphere")[k] == 1.0).map(|k| series.column("vz_m_s")[k]).collect::<Vec<_>>()
+    };
+    let (one, two) = (rebound(&body(1, wall)), rebound(&body(2, pair)));
+    assert!(one.last().unwrap() < &-0.1);
+    assert_eq!(one.len(), two.len());
+    for (a, b) in one.iter().zip(&two) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+}
+
+/// The half crystal between mirrors is the periodic one, here seen through a file: spheres of the first layer under equal forces
+/// but one that gets more.
+#[test]
+fn mirrors_are_the_periodic_crystal() {
+    let load = |force: &str, place: &str| {
+        format!("[[load]]\nkind = \"force\"\n{place}\npulse = \"square\"\npeak = \"{force}\"\nduration = \"10 us\"\n")
+    };
+    let text = |width: &str, sides: &str| {
+        format!(
+            "{HEAD}[crystal]\npacking = \"hexagonal\"\ndiameter = \"6 mm\"\nlayers = 8\n{width}\nmaterial = \"brass\"\n\
+             [sides]\nx = \"{sides}\"\n{}{}[run]\nwindow = \"60 us\"\nstep = \"0.1 us\"\n",
+            load("2 kN", "layers = 1"),
+            load("3 kN", "layers = 1\nx = [\"0 D\", \"0 D\"]"),
+        )
+    };
+    let half = Ran::of(&sheet(&text("x = [\"0 D\", \"3 D\"]", "mirror")));
+    let whole = Ran::of(&sheet(&text("cells = [6]", "periodic")));
+    let at = |ran: &Ran| {
+        let (x, layer, speed) = (ran.spheres("x_m"), ran.spheres("layer"), ran.spheres("max_speed_m_s"));
+        (0..x.len()).map(|i| ((x[i] / 3e-3).round() as i64, layer[i] as i64, speed[i])).collect::<Vec<_>>()
+    };
+    let (half, whole) = (at(&half), at(&whole));
+    let largest = whole.iter().map(|s| s.2).fold(0.0, f64::max);
+    for (x, layer, speed) in half {
+        let same = whole.iter().find(|s| s.0 == x && s.1 == layer).unwrap();
+        assert!((speed - same.2).abs() < 1e-9 * largest, "x {x}, layer {layer}: {speed} {}", same.2);
+    }
+}
+
+/// Held spheres stay, others do not; a fixed side holds its spheres.
+#[test]
+fn held_spheres_stay() {
+    let bench = sheet(&format!(
+        "{HEAD}[crystal]\npacking = \"square\"\ndiameter = \"6 mm\"\nlayers = 4\nx = [\"0 D\", \"2 D\"]\nmaterial = \"brass\"\n\
+         [sides]\nz = [\"free\", \"fixed\"]\n[[edit]]\nlayers = 2\ncolumns = 2\nhold = [\"x\", \"z\"]\n\
+         [[load]]\nkind = \"force\"\nlayers = 1\npulse = \"square\"\npeak = \"2 kN\"\nduration = \"10 us\"\n\
+         [run]\nwindow = \"60 us\"\n"
+    ));
+    let ran = Ran::of(&bench);
+    let speed = ran.spheres("max_speed_m_s");
+    for (site, speed) in bench.sites.iter().zip(&speed) {
+        let held = site.layer == 4 || (site.layer == 2 && site.column == 2);
+        // Behind the held sphere of a square sheet nothing is pushed.
+        let behind = site.layer == 3 && site.column == 2;
+        assert_eq!(*speed == 0.0, held || behind, "{site:?} {speed}");
+    }
+}
+
+/// A vacancy shields what lies behind it in a square sheet; a pair law and a table hold where they are named.
+#[test]
+fn vacancies_pairs_and_tables_hold() {
+    let folder = tempfile::tempdir().unwrap();
+    // A stiff straight spring of 1e8 N/m.
+    std::fs::write(folder.path().join("spring.csv"), "overlap_m,force_N\n0,0\n1e-4,1e4\n1e-3,1e5\n").unwrap();
+    let text = format!(
+        "{HEAD}[crystal]\npacking = \"square\"\ndiameter = \"6 mm\"\nlayers = 3\nx = [\"0 D\", \"2 D\"]\nmaterial = \"brass\"\n\
+         [[pattern]]\nkind = \"uniform\"\nmaterials = [\"440c\"]\nx = [\"2 D\", \"2 D\"]\n\
+         [[edit]]\nlayers = 2\ncolumns = 1\nremove = true\n[[pair]]\nmaterials = [\"440c\", \"440c\"]\ntable = \"spring.csv\"\n\
+         [[pair]]\nmaterials = [\"brass\", \"440c\"]\nkind = \"hertz\"\n\
+         [[load]]\nkind = \"force\"\nlayers = 1\npulse = \"square\"\npeak = \"2 kN\"\nduration = \"10 us\"\n\
+         [run]\nwindow = \"15 us\"\n[record]\nevery = \"0.2 us\"\ncontacts = true\n"
+    );
+    let Setup::Two(bench) = Setup::parse(folder.path().join("rig.toml"), &text).unwrap() else { panic!() };
+    assert_eq!(bench.sites.len(), 8);
+    let ran = Ran::of(&bench);
+    let speed = ran.spheres("max_speed_m_s");
+    let at = |layer: u32, column: u32| bench.sites.iter().position(|s| (s.layer, s.column) == (layer, column)).unwrap();
+    assert_eq!(speed[at(3, 1)], 0.0);
+    assert!(speed[at(3, 3)] > 0.1);
+    let contacts = ran.series("contacts.csv");
+    let steel = [at(1, 3), at(2, 3)].map(|i| (i + 1) as f64);
+    let mut seen = 0;
+    for k in 0..contacts.columns[0].len() {
+        if [contacts.column("a")[k], contacts.column("b")[k]] == steel {
+            let (overlap, force) = (contacts.column("overlap_m")[k], contacts.column("force_N")[k]);
+            assert!((force - 1e8 * overlap).abs() < 1e-9 * force, "{overlap} {force}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 20, "{seen}");
+}
+
+/// A flat of finite mass that falls freely: v = g t; and with a body of its own on a bar, the bar stops it exponentially:
+/// v = v₀ exp(−Z t/m).
+#[test]
+fn flats_fall_and_bars_brake() {
+    let text = |extra: &str| {
+        format!(
+            "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"10 mm\"\nlayers = 1\nmaterial = \"440c\"\n\
+             [[flat]]\nname = \"ram\"\npoint = [\"-1 m\"]\nnormal = [1.0]\nmass = \"2 kg\"\n{extra}\
+             [run]\nwindow = \"1 ms\"\nstep = \"1 us\"\n"
+        )
+    };
+    let last = |text: &str| {
+        let series = Ran::of(&chain(text)).series("flats.csv");
+        (*series.column("time_s").last().unwrap(), *series.column("ram_velocity_m_s").last().unwrap())
+    };
+    let (time, velocity) = last(&text("[gravity]\nacceleration = \"9.81 m/s2\"\n"));
+    assert!((velocity / (9.81 * time) - 1.0).abs() < 1e-12);
+    let (time, velocity) = last(&text("velocity = \"3 m/s\"\n[[bar]]\nflat = \"ram\"\nimpedance = \"4000 kg/s\"\n"));
+    // h Z/m = 2e-3 a step, of second order: (2e-3)²/12 over 1000 steps of it.
+    assert!((velocity / (3.0 * (-4000.0 * time / 2.0).exp()) - 1.0).abs() < 1e-6, "{velocity}");
+}
+
+/// Friction needs a spin: two spheres that graze turn.
+#[test]
+fn friction_turns_spheres() {
+    let text = |friction: &str| {
+        format!(
+            "{HEAD}[crystal]\npacking = \"square\"\ndiameter = \"6 mm\"\nlayers = 2\nx = [\"0 D\", \"0 D\"]\nmaterial = \"440c\"\n\
+             [[moving]]\nlayers = 1\nvelocity = [\"1 m/s\", \"2 m/s\"]\n{friction}\
+             [run]\nwindow = \"50 us\"\n[record]\nquantities = [\"spin\"]\n"
+        )
+    };
+    let spin = |friction: &str| {
+        Ran::of(&sheet(&text(friction))).series("spheres.csv").column("wy_rad_s").len()
+            + Ran::of(&sheet(&text(friction)))
+                .series("spheres.csv")
+                .column("wz_rad_s")
+                .iter()
+                .filter(|w| **w != 0.0)
+                .count()
+    };
+    let samples = spin("");
+    assert!(spin("[friction]\ncoefficient = 0.3\nspring = \"mindlin\"\n") > samples);
+}
+
+/// A crystal in space from a file, by outline.
+#[test]
+fn disks_and_hexagons_bound_layers() {
+    let count = |outline: &str| {
+        let bench = solid(&format!(
+            "{HEAD}[crystal]\npacking = \"fcc-111\"\ndiameter = \"6 mm\"\nlayers = 3\n{outline}\nmaterial = \"brass\"\n\
+             [run]\nwindow = \"1 us\"\n"
+        ));
+        (1..=3).map(|layer| bench.sites.iter().filter(|s| s.layer == layer).count()).collect::<Vec<_>>()
+    };
+    assert_eq!(count("hexagon = 5"), [19, 12, 12]);
+    assert_eq!(count("disk = \"2 D\""), [7, 3, 3]);
+}
