@@ -165,7 +165,7 @@ fn find(table: &DeTable, place: &Range<usize>, above: &str) -> Option<(String, b
                     DeValue::Table(inner) => find(inner, place, &numbered(&key, k)),
                     _ => None,
                 });
-                (inside, false)
+                (inside, items.iter().any(|item| matches!(item.get_ref(), DeValue::Table(_))))
             }
             _ => (None, false),
         };

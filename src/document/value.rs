@@ -261,10 +261,10 @@ impl<'a> Entry<'a> {
         self.wrong(rule)
     }
 
-    /// A path, taken from the folder of the file.
+    /// A file beside this one.
     pub fn path(&self) -> Result<std::path::PathBuf, DocumentError> {
-        let named = self.text()?;
-        Ok(self.source.path.parent().unwrap_or(std::path::Path::new("")).join(named))
+        let path = self.source.path.parent().unwrap_or(std::path::Path::new("")).join(self.text()?);
+        if path.is_file() { Ok(path) } else { Err(self.fail("is no file", "It is looked for beside this file.")) }
     }
 
     /// The two items of a list `[first, last]`.

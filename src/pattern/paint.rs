@@ -84,7 +84,7 @@ pub enum PatternError {
     #[error("needs a sheet or a crystal in space; a chain has no axis across the wave")]
     Chain,
     /// Stripes or mixes whose list has another length than that of the materials.
-    #[error("has {0} values for {1} materials")]
+    #[error("has {0} widths or fractions for {1} materials")]
     Count(usize, usize),
     /// Numbers that make no pattern.
     #[error("{0}")]

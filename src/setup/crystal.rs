@@ -241,7 +241,7 @@ fn paint<const D: usize>(
                 .map(|item| Ok(0.5 * item.positive(Dimension::Length)?))
                 .collect::<Result<_, DocumentError>>()?;
             if radii.len() != materials.len() {
-                return Err(entry.refuse(&format!("has {} values for {} materials", radii.len(), materials.len())));
+                return Err(entry.refuse(&format!("has {} diameters for {} materials", radii.len(), materials.len())));
             }
             Some(radii)
         }

@@ -156,6 +156,10 @@ pub fn run<const D: usize>(
         match simulation.advance(until - done, interrupt) {
             Ok(()) => {}
             Err(RigStop::Interrupted { time }) => {
+                // The request may have been seen just where a sample is due.
+                if simulation.steps() == sample || simulation.steps() == total {
+                    streams.sample(&simulation)?;
+                }
                 Checkpoint::of(bench, &simulation, &mut streams)?.write(&path)?;
                 ending = Ending::Interrupted { time };
                 break;

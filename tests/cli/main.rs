@@ -4,6 +4,7 @@
 //! - `check`: layouts under an impact, steps, guards and thresholds
 //! - `layouts`: what a wrong layout file hears
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
+//! - `simulate`: rigs
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption
 
@@ -13,6 +14,7 @@ mod jobs;
 mod laws;
 mod layouts;
 mod refusals;
+mod simulate;
 mod studies;
 mod surface;
 mod trace;

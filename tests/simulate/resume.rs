@@ -217,7 +217,7 @@ fn a_guard_keeps_what_was_computed() {
     };
     let words = stopped("velocity = \"10 m/s\"", "velocity = \"1000 m/s\"");
     assert!(words.contains("overlap by"), "{words}");
-    let words = stopped("window = \"120 us\"", "window = \"120 us\"\nleave = \"0.1 D\"");
+    let words = stopped("window = \"120 us\"", "window = \"120 us\"\nleave = \"0.05 D\"");
     assert!(words.contains("leaves the domain"), "{words}");
     // Stable at rest, not under load.
     let words = stopped("window = \"120 us\"", "window = \"120 us\"\nstep = \"4 us\"");

@@ -1,6 +1,7 @@
 //! The experiments of Burgoyne (2016) as files.
 
 use granulens::contact::{AnyLaw, LawKind, NormalLaw as _};
+use granulens::dem::rig::Curve;
 use granulens::design::Design;
 use granulens::evaluate::{Overrides, Plan, evaluate};
 use granulens::lens::propose;
@@ -180,9 +181,9 @@ fn speed<const D: usize>(bench: &Bench<D>, from: u32, to: u32) -> f64 {
     (z1 - z0) / (t1 - t0)
 }
 
-/// A chain under a step force of 2 F_p: V_sim/V is 0.89 there, as an implementation of its own gives it to two digits. Sheet
-/// and crystal are faster by 3/(2√2) and 2/√3 (eq. 5.1); since their waves decay, and the chain's does not, they come to it
-/// within some percents only: the bound on the deviation is the drop of V_sim/V from 2 F_p to 1 F_p, 5 %.
+/// A chain whose first sphere is pushed with 2 F_p for 100 us: an implementation of its own found V_sim/V = 0.89 between layers
+/// 10 and 40, given to two digits. Sheet and crystal are faster than the chain by 3/(2√2) and 2/√3 (eq. 5.1, published as
+/// indistinguishable in fig. 5.9): under a lasting force, by which no wave decays, within 2 %.
 #[test]
 fn waves_in_columns_have_the_published_speeds() {
     let Setup::One(chain) = read("column-1d.toml") else { panic!() };
@@ -190,10 +191,14 @@ fn waves_in_columns_have_the_published_speeds() {
     let sheet = two("column-2d.toml");
     let model = chain.rig.sample.materials[0].clone();
     let bound = wave::bound(wave::Dimension::One, [&model, &model], 6.35e-3, Default::default()).speed;
+    let mut short = chain.clone();
+    let Curve::Square { duration, .. } = &mut short.rig.loads[0].curve else { panic!() };
+    *duration = 100e-6;
+    let ratio = speed(&short, 10, 40) / bound;
+    assert!((ratio - 0.89).abs() < 0.005, "{ratio}");
     let speeds = [speed(&chain, 10, 30), speed(&sheet, 10, 30), speed(&solid, 10, 30)];
-    assert!((speeds[0] / bound - 0.89).abs() < 0.01, "{}", speeds[0] / bound);
     for (speed, factor) in speeds.iter().zip([1.0, 1.5 / 2_f64.sqrt(), 2.0 / 3_f64.sqrt()]) {
-        assert!((speed / speeds[0] / factor - 1.0).abs() < 0.05, "{speeds:?}");
+        assert!((speed / speeds[0] / factor - 1.0).abs() < 0.02, "{speeds:?}");
     }
 }
 
@@ -201,7 +206,8 @@ fn waves_in_columns_have_the_published_speeds() {
 /// less than what its first contact carries (fig. 4.8: by 49.6 % in steel 302 for the measured profile).
 #[test]
 fn the_bar_answers_with_its_impedance() {
-    let Setup::One(bench) = read("hopkinson-chain-50.toml") else { panic!() };
+    let Setup::One(mut bench) = read("hopkinson-chain-50.toml") else { panic!() };
+    bench.record.contacts = true;
     let bar = &bench.rig.bars[0];
     // A sqrt(E rho) of 19.05 mm maraging steel.
     let exact = std::f64::consts::PI / 4.0 * 0.01905_f64.powi(2) * (190e9 * 8000.0_f64).sqrt();
@@ -211,9 +217,9 @@ fn the_bar_answers_with_its_impedance() {
     let (velocity, force) = (bars.column("bar_1_velocity_m_s"), bars.column("bar_1_force_N"));
     assert!(velocity.iter().zip(force).all(|(v, f)| (f + exact * v).abs() < 1e-9 * exact));
     let out = force.iter().fold(0.0_f64, |most, f| most.max(-f));
-    let contacts = ran.series("contacts-final.csv");
-    let first = (0..contacts.columns[0].len()).find(|&k| contacts.column("a")[k] == 1.0).unwrap();
-    let into = contacts.column("force_max_N")[first];
+    let contacts = ran.series("contacts.csv");
+    let first = (0..contacts.columns[0].len()).filter(|&k| contacts.column("a")[k] == 1.0);
+    let into = first.map(|k| contacts.column("force_N")[k]).fold(0.0, f64::max);
     assert!(out > 0.05 * into && out < 0.9 * into, "{out} of {into}");
     // The driven sphere never exceeds what the table says.
     assert!(ran.spheres("max_speed_m_s")[0] <= 12.0 + 1e-9);
@@ -241,20 +247,29 @@ fn a_contact_in_the_bar_shows_its_force() {
     assert!(compared > 100);
 }
 
-/// Stripes turn the plastic wave: behind the first stripes the spheres move sideways, along the stripes, and where the contacts
-/// are elastic far less (section 5.3.1). Mean |v_x|/|v_z| of the fastest motion in the striped layers.
+/// Stripes turn the plastic wave more than the elastic one (section 5.3.1): mean direction of the greatest velocity, spheres 13
+/// to 16 layers deep, behind the first stripes. The direction is along the stripes' rise, towards +x; the stripes themselves lie 30
+/// degrees off the wave, and the wave does not reach that within the sample.
 #[test]
 fn stripes_turn_the_plastic_wave() {
     let text = std::fs::read_to_string(shipped("designs/striped-guide.toml")).unwrap();
-    let turned = |law: &str| {
-        let text = text.replace("layers = [8, 20]\ncolumns = 8\n", "layers = [14, 20]\n") + law;
-        let ran = Ran::of(&sheet(&text));
+    let degrees = |law: &str| {
+        let text = text.replace("layers = [8, 20]\ncolumns = 8\n", "layers = [13, 16]\n") + law;
+        let bench = sheet(&text);
+        let ran = Ran::of(&bench);
         let series = ran.series("spheres.csv");
-        let (vx, vz) = (series.column("vx_m_s"), series.column("vz_m_s"));
-        // Momentum across over momentum along, summed over spheres and time.
-        let [across, along] = [vx, vz].map(|v| v.iter().sum::<f64>());
-        across / along
+        let (sphere, vx, vz) = (series.column("sphere"), series.column("vx_m_s"), series.column("vz_m_s"));
+        let mut greatest = std::collections::BTreeMap::new();
+        for k in 0..sphere.len() {
+            let best = greatest.entry(sphere[k] as usize).or_insert([0.0, 0.0]);
+            if vx[k].hypot(vz[k]) > f64::hypot(best[0], best[1]) {
+                *best = [vx[k], vz[k]];
+            }
+        }
+        assert_eq!(greatest.len(), 60);
+        let [x, z] = greatest.values().fold([0.0, 0.0], |sum, v| [sum[0] + v[0], sum[1] + v[1]]);
+        f64::atan2(x, z).to_degrees()
     };
-    let (plastic, elastic) = (turned(""), turned("\n[law]\nkind = \"hertz\"\n"));
-    assert!(plastic.abs() > 0.2 && plastic.abs() > 1.5 * elastic.abs(), "{plastic} {elastic}");
+    let (plastic, elastic) = (degrees(""), degrees("\n[law]\nkind = \"hertz\"\n"));
+    assert!(plastic > 10.0 && plastic < 30.0 && plastic > 2.0 * elastic.abs(), "{plastic} {elastic}");
 }
