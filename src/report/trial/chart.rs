@@ -1,7 +1,7 @@
 //! Lines over time, with axes and a legend.
 
 use super::super::colour::round_up;
-use super::super::digits::significant;
+use super::super::digits::{short, significant};
 use super::super::svg::{Anchor, Svg};
 
 /// One line of a chart.
@@ -68,7 +68,7 @@ impl Chart {
         for tick in ticks(x[0], x[0] + width, 8) {
             let at = place(&[tick, y[0]])[0];
             svg.line([at, top + ROOM[1]], [at, top + ROOM[1] + 5.0], r##"stroke="#555""##);
-            svg.text([at, top + ROOM[1] + 19.0], 11.0, Anchor::Middle, "", &significant(tick, 3));
+            svg.text([at, top + ROOM[1] + 19.0], 11.0, Anchor::Middle, "", &short(tick));
         }
         svg.rectangle([left, top], ROOM, r##"fill="none" stroke="#555""##);
         svg.text([left + ROOM[0] / 2.0, top + ROOM[1] + 40.0], 12.0, Anchor::Middle, "", &self.labels[0]);

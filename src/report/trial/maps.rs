@@ -1,7 +1,7 @@
 //! The wave over depth and time, and when it arrives at each sphere.
 
 use super::super::colour::{LEVELS, MISSING, Scale, level};
-use super::super::digits::significant;
+use super::super::digits::short;
 use super::super::svg::{Anchor, Shapes, Svg};
 use super::chart::ticks;
 use super::{Sphere, Times};
@@ -46,7 +46,7 @@ pub fn x_t(title: &str, times: &[f64], layers: &[Vec<f64>]) -> String {
     for tick in ticks(0.0, end * 1e6, 8) {
         let at = left + tick / (end * 1e6) * ROOM[0];
         svg.line([at, top + ROOM[1]], [at, top + ROOM[1] + 5.0], r##"stroke="#555""##);
-        svg.text([at, top + ROOM[1] + 19.0], 11.0, Anchor::Middle, "", &significant(tick, 3));
+        svg.text([at, top + ROOM[1] + 19.0], 11.0, Anchor::Middle, "", &short(tick));
     }
     let step = ticks(0.0, layers.len() as f64, 10).get(1).map_or(1, |step| step.max(1.0) as usize);
     for layer in std::iter::once(1).chain((1..=layers.len() / step).map(|k| k * step).filter(|&k| k > 1)) {
