@@ -26,6 +26,11 @@ impl<'a> Scope<'a> {
         Self { source, name, place }
     }
 
+    /// The section's name, with its number where it may be repeated.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     fn path(&self, key: &str) -> String {
         if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) }
     }

@@ -12,6 +12,8 @@ use crate::units::Dimension;
 pub(super) struct Built<const D: usize> {
     pub build: Build<D>,
     pub held: Vec<(Selection<D>, [bool; D])>,
+    /// Stripes: their section, angle (rad) and the width (m) after which they repeat.
+    pub stripes: Vec<(String, f64, f64)>,
 }
 
 /// Lays the crystal, paints the patterns one over the other, and makes the edits.
@@ -40,8 +42,11 @@ pub(super) fn build<const D: usize>(
 
     let (diameter, layers) = (crystal.diameter(), crystal.layers());
     let mut build = Build::new(crystal, palette);
+    let mut stripes = Vec::new();
     for ((scope, file), materials) in patterns.iter().zip(&sequence) {
-        paint(&mut build, scope, file, materials)?;
+        if let Pattern::Stripes { angle, widths, .. } = paint(&mut build, scope, file, materials)? {
+            stripes.push((scope.name().to_owned(), angle, widths.iter().sum()));
+        }
     }
     if D == 1 {
         build.close_chain();
@@ -75,7 +80,7 @@ pub(super) fn build<const D: usize>(
     if build.sample().0.spheres.is_empty() {
         return Err(scope.fail("holds no sphere any more", "Remove fewer of them."));
     }
-    Ok(Built { build, held })
+    Ok(Built { build, held, stripes })
 }
 
 /// A material's place in the palette, where it is added if it is new.
@@ -154,7 +159,7 @@ fn paint<const D: usize>(
     scope: &Scope,
     file: &PatternFile,
     materials: &[usize],
-) -> Result<(), DocumentError> {
+) -> Result<Pattern, DocumentError> {
     let (diameter, layers) = (build.crystal().diameter(), build.crystal().layers());
     let length = |entry: &Entry| entry.length(diameter);
     let angle = || scope.required("angle", &file.angle)?.quantity(Dimension::Angle);
@@ -254,7 +259,7 @@ fn paint<const D: usize>(
     if painted == 0 {
         return Err(scope.fail("holds no sphere of the crystal", "Move or widen it."));
     }
-    Ok(())
+    Ok(pattern)
 }
 
 /// The kinds of pattern by name.

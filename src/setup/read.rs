@@ -117,7 +117,16 @@ impl Reading<'_> {
         }
         let help = "Add the section [run] with window, like window = \"400 us\".";
         let (scope, section) = top.required_section("run", &file.run, help)?;
-        let plan = plan::plan(&mut stage.rig, crystal.diameter(), &scope, section)?;
+        let mut plan = plan::plan(&mut stage.rig, crystal.diameter(), &scope, section)?;
+        for (name, angle, width) in &built.stripes {
+            let (across, along) = (stage.rig.periods[0].filter(|_| D > 1), stage.rig.periods[D - 1]);
+            // So many times the stripes repeat within the period.
+            let times = [across.map(|p| p * angle.sin() / width), along.map(|p| p * angle.cos() / width)];
+            if times.into_iter().flatten().any(|times| (times - times.round()).abs() > 1e-6) {
+                plan.warnings
+                    .push(format!("{name}: the stripes do not repeat with the period; there is a seam at the sides"));
+            }
+        }
         let mut record = record::default::<D>(plan.steps(), stage.sites.len(), stage.rig.flats.len());
         if let Some((scope, section)) = top.section("record", &file.record) {
             let numbers = (plan.step, crystal.diameter(), crystal.layers());

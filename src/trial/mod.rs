@@ -197,17 +197,16 @@ fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialErr
     let at = |error| TrialError::File { path: folder.to_owned(), error };
     if folder.exists() {
         let empty = fs::read_dir(folder).map_err(at)?.next().is_none();
-        if !empty && !folder.join(SUMMARY).exists() {
+        if !empty && finished(folder).is_none() {
             return Err(TrialError::Foreign(folder.to_owned()));
         }
         if folder.join(CHECKPOINT).exists() {
             return Err(TrialError::Unfinished(folder.to_owned()));
         }
-        // Only what a trial writes is removed.
         for entry in fs::read_dir(folder).map_err(at)? {
-            let path = entry.map_err(at)?.path();
-            if path.extension().is_some_and(|ending| ending == "csv" || ending == "svg" || ending == "html") {
-                fs::remove_file(&path).map_err(at)?;
+            let entry = entry.map_err(at)?;
+            if is_written(&entry.file_name().to_string_lossy()) {
+                fs::remove_file(entry.path()).map_err(at)?;
             }
         }
     }
@@ -216,13 +215,38 @@ fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialErr
     write(&folder.join(SUMMARY), Summary::beginning(bench).json().as_bytes())
 }
 
+/// Whether a trial writes files of this name, which the next one there may remove.
+fn is_written(name: &str) -> bool {
+    const RECORDS: [&str; 9] = [
+        "energies.csv",
+        "layers.csv",
+        "flats.csv",
+        "bars.csv",
+        "spheres.csv",
+        "contacts.csv",
+        "spheres-final.csv",
+        "contacts-final.csv",
+        "layers-final.csv",
+    ];
+    let picture = name.strip_suffix(".svg").is_some_and(|stem| {
+        crate::setup::Picture::ALL.iter().any(|(known, _)| *known == stem) || stem.starts_with("arrivals-")
+    });
+    picture || name == "report.html" || RECORDS.contains(&name)
+}
+
+/// Whether the trial in a folder came to its end; none if the folder holds no trial.
+fn finished(folder: &Path) -> Option<bool> {
+    let text = fs::read_to_string(folder.join(SUMMARY)).ok()?;
+    serde_json::from_str::<Summary>(&text).ok().map(|summary| summary.finished)
+}
+
 /// The checkpoint of the run in a folder, if it is one of this bench.
 fn taken_up<const D: usize>(bench: &Bench<D>, folder: &Path, path: &Path) -> Result<Checkpoint, TrialError> {
-    if !folder.join(SUMMARY).exists() {
-        return Err(TrialError::Nothing(folder.to_owned()));
-    }
-    if !path.exists() {
-        return Err(TrialError::Finished(folder.to_owned()));
+    match (path.exists(), finished(folder)) {
+        (true, Some(_)) => {}
+        (false, Some(true)) => return Err(TrialError::Finished(folder.to_owned())),
+        // Killed before its first checkpoint, it has not come far.
+        (false, Some(false)) | (_, None) => return Err(TrialError::Nothing(folder.to_owned())),
     }
     Checkpoint::read(path, bench)
 }

@@ -8,13 +8,14 @@ use super::{TrialError, write};
 use crate::dem::rig::{Arrival, Simulation};
 use crate::setup::Bench;
 
-/// Writes `spheres-final.csv` and `contacts-final.csv`.
+/// Writes `spheres-final.csv`, `layers-final.csv` and `contacts-final.csv`.
 pub(super) fn write_all<const D: usize>(
     folder: &Path,
     bench: &Bench<D>,
     simulation: &Simulation<D>,
 ) -> Result<(), TrialError> {
     write(&folder.join("spheres-final.csv"), spheres(bench, simulation).as_bytes())?;
+    write(&folder.join("layers-final.csv"), layers(bench, simulation).as_bytes())?;
     let mut contacts = contact_header::<D>() + "\n";
     for touching in simulation.view().contacts() {
         contact_row(&mut contacts, simulation.rig(), &touching);
@@ -43,6 +44,33 @@ fn spheres<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> Stri
             match times[i] {
                 Some(time) => append(&mut text, [time]),
                 None => text.push(','),
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// One line per layer: how many spheres it has, what they dissipated, the fastest of them, and the mean of the arrivals that
+/// there were.
+fn layers<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> String {
+    let arrivals: Vec<_> = (0..bench.record.arrivals.len()).map(|k| simulation.arrivals(k)).collect();
+    let (speed, dissipated) = (simulation.greatest_speed(), simulation.dissipated());
+    let mut text = "layer,spheres,dissipated_J,max_speed_m_s".to_owned();
+    bench.record.arrivals.iter().for_each(|arrival| text += &format!(",arrival_{}_s", threshold_name(*arrival)));
+    text.push('\n');
+    let mut members = vec![Vec::new(); bench.layers as usize];
+    bench.sites.iter().enumerate().for_each(|(i, site)| members[site.layer as usize - 1].push(i));
+    for (layer, members) in (1..).zip(members) {
+        let _ = write!(text, "{layer},{}", members.len());
+        let lost: f64 = members.iter().map(|&i| dissipated[i]).sum();
+        append(&mut text, [lost, members.iter().map(|&i| speed[i]).fold(0.0, f64::max)]);
+        for times in &arrivals {
+            let came: Vec<f64> = members.iter().filter_map(|&i| times[i]).collect();
+            if came.is_empty() {
+                text.push(',');
+            } else {
+                append(&mut text, [came.iter().sum::<f64>() / came.len() as f64]);
             }
         }
         text.push('\n');

@@ -20,13 +20,14 @@ velocity = "5 m/s"
 window = "100 us"
 "#;
 
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "arrivals.svg",
     "contacts-final.csv",
     "energies.csv",
     "energies.svg",
     "flats.csv",
     "flats.svg",
+    "layers-final.csv",
     "layers.csv",
     "report.html",
     "rig.toml",

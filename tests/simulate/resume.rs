@@ -196,11 +196,16 @@ fn what_stands_in_the_folder_is_not_lost() {
     std::fs::write(foreign.path().join("thesis.txt"), "mine").unwrap();
     assert!(matches!(refused(&bench, foreign.path(), false), TrialError::Foreign(_)));
     assert!(matches!(refused(&bench, foreign.path(), true), TrialError::Nothing(_)));
+    // A file of the same name by somebody else.
+    std::fs::write(foreign.path().join("trial.json"), "{\"verdict\": \"guilty\"}").unwrap();
+    assert!(matches!(refused(&bench, foreign.path(), false), TrialError::Foreign(_)));
     let ran = Ran::of(&bench);
     assert!(matches!(refused(&bench, ran.folder.path(), true), TrialError::Finished(_)));
-    // A finished one is replaced.
+    // A finished one is replaced, and what else lies there stays.
+    std::fs::write(ran.folder.path().join("measured.csv"), "mine").unwrap();
     let keeping = Keeping { resume: false, every: NEVER };
     trial::run(&bench, ran.folder.path(), keeping, &AtomicBool::new(false), |_, _| {}).unwrap();
+    assert!(ran.folder.path().join("measured.csv").exists());
 }
 
 /// A guard ends the run, keeps what was computed and says what, where and when.

@@ -209,3 +209,28 @@ fn disks_and_hexagons_bound_layers() {
     assert_eq!(count("hexagon = 5"), [19, 12, 12]);
     assert_eq!(count("disk = \"2 D\""), [7, 3, 3]);
 }
+
+/// Stripes that a periodic crystal cannot hold are warned about: one and two lines repeat in 15 spheres, two and two do not.
+#[test]
+fn a_seam_between_stripes_is_warned_about() {
+    let warnings = |second: &str| {
+        sheet(&format!(
+            "{HEAD}[crystal]\npacking = \"hexagonal\"\ndiameter = \"6 mm\"\nlayers = 9\ncells = [15]\nmaterial = \"brass\"\n\
+             [[pattern]]\nkind = \"stripes\"\nmaterials = [\"al\", \"brass\"]\nangle = \"60 deg\"\n\
+             widths = [\"{second} D\", \"1.7320508075688772 D\"]\n[sides]\nx = \"periodic\"\n[run]\nwindow = \"10 us\"\n"
+        ))
+        .plan
+        .warnings
+    };
+    assert_eq!(warnings("0.8660254037844386"), Vec::<String>::new());
+    assert!(warnings("1.7320508075688772").concat().contains("pattern[1]: the stripes do not repeat"));
+}
+
+/// What layers dissipate is the dissipation of the ledger, part by part.
+#[test]
+fn layers_share_the_dissipation() {
+    let text = std::fs::read_to_string(shipped("designs/striped-guide.toml")).unwrap();
+    let ran = Ran::of(&sheet(&text.replace("window = \"200 us\"", "window = \"60 us\"")));
+    let lost: f64 = ran.series("layers-final.csv").column("dissipated_J").iter().sum();
+    assert!((lost / ran.summary.energies.dissipated - 1.0).abs() < 1e-9, "{lost}");
+}
