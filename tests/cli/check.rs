@@ -65,7 +65,10 @@ fn the_lens_problem_takes_in_734_joules() {
 #[test]
 fn every_design_that_ships_is_checked_briefly() {
     let desk = Desk::new();
-    for name in super::names(std::path::Path::new(&shipped("designs"))) {
+    let folder = |folder: &str| super::names(std::path::Path::new(&shipped(&format!("designs/{folder}"))));
+    let gallery = folder("gallery").into_iter().map(|name| format!("gallery/{name}"));
+    assert_eq!(gallery.len(), granulens::lens::Family::ALL.len());
+    for name in folder("").into_iter().chain(gallery) {
         let Some(stem) = name.strip_suffix(".toml") else { continue };
         let design = shipped(&format!("designs/{name}"));
         desk.run(&["design", &design, "--out", "proposed.csv", "--quiet"]).ok();
