@@ -2,17 +2,20 @@
 //!
 //! - `plan`: step and window, chosen once for all arrangements; `stiffest`: what bounds the step
 //! - `compare`: the lens and its baselines, in parallel
+//! - `decay`: how waves decay in the uniform crystals of a design
 //! - `traced`: what rays and first arrivals say, without a simulation
 //! - `batch`: many layouts at once, in vector lanes, for those who search
 
 mod batch;
 mod compare;
+mod decay;
 mod plan;
 mod stiffest;
 mod traced;
 
 pub use batch::{Evaluator, EvaluatorError, Marks, common_plan};
 pub use compare::{Comparison, Progress, compare, proposal, stops};
+pub use decay::{calibrate, decay};
 pub use plan::{Overrides, Plan, PlanError};
 pub use traced::{trace_arrivals, trace_lens};
 

@@ -5,17 +5,20 @@
 //!
 //! - [`bound`]: the closed form, here; [`Validity`]: how far an impact may be trusted to follow it
 //! - [`Medium`]: what a crystal may be made of: one material, a dimer of two, engineered spheres
+//! - [`Decay`]: a wave that decays and slows down, by its amplitude
 //! - [`mixture_speed`]: the speed of a random mixture
 //! - [`Surface`]: the speed over two design variables, its contour lines, and the media as points on it
 //! - [`Interface`]: two media side by side; [`find_speed`], [`find_ratio`]: which of them give what is wanted
 
 mod contour;
+mod decay;
 mod interface;
 mod medium;
 mod mixture;
 mod surface;
 
 pub use contour::contour;
+pub use decay::{Decay, RowPassage};
 pub use interface::{Interface, find_ratio, find_speed, interfaces};
 pub use medium::{Kind, Medium, MediumError};
 pub use mixture::mixture_speed;

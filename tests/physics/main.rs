@@ -8,6 +8,7 @@ mod claims;
 mod collision;
 mod consistent;
 mod contact_law;
+mod decay;
 mod energy;
 mod lens;
 mod problem;
