@@ -7,11 +7,12 @@ use serde::Deserialize;
 use super::measure::{Loom, Over};
 use super::source::Source;
 use super::stage::{self, MOST_EVALUATIONS, Stage, StageFile, Work};
+use super::start::{self, Start};
 use super::{Objective, StudyError};
 use crate::dem::ForcePulse;
 use crate::design::Design;
 use crate::evaluate::{Overrides, Plan, PlanError, common_plan};
-use crate::layout::{self, Layout};
+use crate::layout::Layout;
 use crate::material::Material;
 use crate::search::{Choice, Dice, Method, Space, level_set};
 use crate::units::Dimension::{Force, Time};
@@ -75,17 +76,6 @@ impl Default for StartFile {
 
 fn one() -> u64 {
     1
-}
-
-/// Where a search begins.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Start {
-    /// The design's lens.
-    Lens,
-    /// A smooth random layout that follows from the seed.
-    Random,
-    /// A layout file.
-    File(PathBuf),
 }
 
 /// A checked study.
@@ -195,8 +185,8 @@ impl Study {
             return Err(source.fail("start", "start is an empty list; leave it out, or name one.".to_owned()));
         }
         let (mut starts, mut bases) = (Vec::new(), Vec::new());
-        for start in written {
-            let (start, base) = read_start(&source, start, &design, &mut palette, beside)?;
+        for written in written {
+            let (start, base) = start::read(&source, written, &design, &mut palette, beside)?;
             starts.push(start);
             bases.push(base);
         }
@@ -363,43 +353,4 @@ fn read_impacts(source: &Source<'_>, files: &[ImpactFile], design: &Design) -> R
         impacts.push(design.impact);
     }
     Ok(impacts)
-}
-
-fn read_start(
-    source: &Source<'_>,
-    start: &str,
-    design: &Design,
-    palette: &mut Vec<Material>,
-    beside: impl Fn(&Path) -> PathBuf,
-) -> Result<(Start, Vec<u8>), StudyError> {
-    match start {
-        "random" => Ok((Start::Random, vec![0; design.lattice.len()])),
-        "lens" => {
-            let Some(request) = &design.lens else {
-                let message = "start = \"lens\", but the design has no [lens]. Try start = \"random\".";
-                return Err(source.fail("start", message.to_owned()));
-            };
-            let lens = crate::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants)
-                .map_err(|error| {
-                source.fail("start", format!("start = \"lens\": {error} Try start = \"random\"."))
-            })?;
-            let laid = lens.layout();
-            let place = |m: &u8| {
-                let material = &laid.palette[usize::from(*m)];
-                palette.iter().position(|known| known == material).unwrap_or(0) as u8
-            };
-            let base = laid.materials.iter().map(place).collect();
-            Ok((Start::Lens, base))
-        }
-        name if name.ends_with(".csv") => {
-            let path = beside(Path::new(name));
-            let read = layout::read(&path, design.lattice, palette, &design.own_materials)?;
-            *palette = read.palette;
-            Ok((Start::File(path), read.materials))
-        }
-        _ => {
-            let message = format!("start = \"{start}\" must be \"lens\", \"random\" or a layout file, NAME.csv.");
-            Err(source.fail("start", message))
-        }
-    }
 }

@@ -5,7 +5,8 @@
 //! so to resume is to run it again with the journal in place of simulations, and the final state has the same bits.
 //!
 //! - `file`: the study file, as written, then as checked; `source`: its text, and complaints about it; `stage`: what is done
-//!   one after the other; `family`: the design's lens as real parameters
+//!   one after the other; `start`: where that begins; `family`: the
+//!   design's lens as real parameters
 //! - `measure`: what can be measured of a layout; `objective`: measures to one number, or to several that are traded
 //! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
 //! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with
@@ -23,11 +24,12 @@ mod run;
 mod rung;
 mod source;
 mod stage;
+mod start;
 mod state;
 
 pub use baselines::{BaselineScores, Spread};
 pub use entry::{Entry, Scored};
-pub use file::{Start, Study};
+pub use file::Study;
 pub use journal::{Journal, Loaded};
 pub use key::Key;
 pub use measure::{Fabric, Loom, Measure, Over};
@@ -35,6 +37,7 @@ pub use objective::{Aim, Objective, Wish};
 pub use run::{Watch, run};
 pub use rung::{Judged, Rung, Summary};
 pub use stage::{Stage, Work};
+pub use start::Start;
 pub use state::{Ended, Found, Front, Improvement, RungState, StageState, State};
 
 use std::path::PathBuf;

@@ -1,0 +1,83 @@
+//! What a wrong study file hears, and the repository's own.
+
+use std::path::Path;
+
+use granulens::study::Study;
+
+use crate::{Desk, STAGED, STUDY};
+
+#[test]
+fn wrong_study_files_hear_their_line() {
+    for (old, new, says) in [
+        ("format = 1", "format = 2", "study.toml:1: format = 2 must be 1"),
+        ("tiny.toml", "none.toml", "none.toml: no such file"),
+        ("brass-260", "bras-260", "study.toml:3: materials: unknown material \"bras-260\" (did you mean"),
+        ("rows = [3, 5]", "rows = [5, 3]", "study.toml:4: rows = [5, 3] must be"),
+        ("rows = [3, 5]", "rows = [3, 9]", "of rows 1 to 8"),
+        ("maximise", "minimize", "study.toml:5: objective.contrast: unknown field `minimize`"),
+        ("maximise = 1", "max = 9", "study.toml:5: objective asks for nothing"),
+        (
+            "maximise = 1",
+            "maximise = 1, minimise = 1",
+            "study.toml:5: objective.contrast: asks for none or for several",
+        ),
+        ("maximise = 1", "maximise = 0", "study.toml:5: objective.contrast: a weight of 0 must be positive"),
+        ("contrast", "colour", "study.toml:5: objective: unknown measure colour; known are contrast, focal-gain"),
+        ("0.8", "-0.8", "study.toml:5: objective.focal-gain: min = -0.8 must be positive"),
+        ("min = 0.8", "min = 2, max = 1", "study.toml:5: objective.focal-gain: min = 2 is above max = 1"),
+        ("budget = 600", "budget = 0", "study.toml:6: budget = 0 must be 1"),
+        ("budget = 600", "budget = -1", "study.toml:6: budget: invalid value: integer `-1`, expected a whole number"),
+        ("budget", "budged", "study.toml:6: unknown field `budged`"),
+        ("genetic+local", "magic", "study.toml:8: unknown method \"magic\"; known are genetic, local, local-swaps"),
+        ("random", "lens", "study.toml:9: start = \"lens\", but the design has no [lens]"),
+        ("random", "elsewhere", "study.toml:9: start = \"elsewhere\" must be"),
+        ("random", "none.csv", "none.csv"),
+        ("seed = 1", "step = \"1 m\"", "study.toml:7: step"),
+    ] {
+        assert!(STUDY.contains(old), "{old}");
+        let desk = Desk::new(&STUDY.replacen(old, new, 1));
+        let refusal = Study::read(&desk.path("study.toml"), None).unwrap_err().to_string();
+        assert!(refusal.contains(says), "{refusal}");
+    }
+    for (old, new, says) in [
+        ("force = \"12 kN\"", "force = \"12 mm\"", "study.toml:16: force"),
+        (
+            "force = \"12 kN\"\nduration = \"16 us\"",
+            "force = \"16 kN\"\nduration = \"20 us\"",
+            "study.toml:16: the impact is given twice",
+        ),
+        ("duration = \"16 us\"", "", "missing field `duration`"),
+        ("evaluations = 80\n", "", "study.toml:22: evaluations is missing"),
+        ("evaluations = 80", "evaluations = 0", "study.toml:24: evaluations = 0 must be 1"),
+        ("nsga2", "nsga3", "study.toml:23: unknown method \"nsga3\"; known are"),
+        ("nsga2", "lens-family", "study.toml:23: method = \"lens-family\" needs a design with a [lens]"),
+        ("level-set", "rescore", "study.toml:19: method = \"rescore\" has nothing"),
+        ("evaluations = 80", "evaluations = 80\nsample = 3", "study.toml:25: sample belongs"),
+        ("promote = 12", "evaluations = 12", "study.toml:28: a rescore evaluates promote and sample"),
+        ("seed = 1", "method = \"local\"", "study.toml:5: method stands above [[stage]]"),
+        ("[\"random\", \"random\"]", "[]", "study.toml:6: start is an empty list"),
+        ("\"mean\"", "\"median\"", "study.toml:7: over: unknown variant `median`"),
+        ("\"mean\"", "\"mean\"\ntime = \"0 s\"", "study.toml:8: time = \"0 s\" must be positive"),
+    ] {
+        assert!(STAGED.contains(old), "{old}");
+        let desk = Desk::new(&STAGED.replacen(old, new, 1));
+        let refusal = Study::read(&desk.path("study.toml"), None).unwrap_err().to_string();
+        assert!(refusal.contains(says), "{refusal}");
+    }
+}
+
+/// Each names layouts that are there, and begins where it says.
+#[test]
+fn the_studies_of_the_repository_are_sound() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let mut count = 0;
+    for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let study = Study::read(&path, None).unwrap();
+            assert_eq!(study.free.len(), 357, "{}", path.display());
+            assert_eq!(study.layout(&study.first()[0]).materials, study.bases[0]);
+            count += 1;
+        }
+    }
+    assert!(count > 0);
+}

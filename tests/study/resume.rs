@@ -1,0 +1,87 @@
+//! The same bits whatever ends a run, and on any number of threads.
+
+use std::sync::atomic::AtomicBool;
+
+use granulens::search::Dice;
+use granulens::study::{Ended, State, Watch, run};
+
+use crate::{Desk, STAGED, STUDY, with_threads};
+
+/// What a kill leaves is a beginning of the journal, of any length.
+#[test]
+fn a_study_killed_anywhere_comes_to_the_same_bits() {
+    for (text, evaluations) in [(STUDY, 600), (STAGED, 264)] {
+        let desk = Desk::new(text);
+        let (state, told) = desk.run().unwrap();
+        let journal = desk.journal();
+        assert_eq!((state.evaluations, state.ended, told.simulated), (evaluations as u64, Ended::Budget, evaluations));
+        assert!(told.warnings.is_empty());
+        let mut dice = Dice::new(1);
+        let mut cuts: Vec<usize> = (0..20).map(|_| dice.below(journal.len() as u64) as usize).collect();
+        // Nothing, within the first line, and the whole.
+        cuts.extend([0, 5, journal.len()]);
+        for cut in cuts {
+            desk.put(&journal[..cut]);
+            let kept = journal[..cut].iter().filter(|&&byte| byte == b'\n').count().saturating_sub(1);
+            let (again, told) = desk.run().unwrap();
+            assert_eq!(again, state, "cut at {cut}");
+            assert!(desk.journal() == journal, "cut at {cut}");
+            assert_eq!(told.simulated, evaluations - kept);
+            let torn = cut > 0 && journal[cut - 1] != b'\n';
+            assert_eq!(told.warnings.iter().filter(|w| w.contains("torn")).count(), usize::from(torn), "{cut}");
+        }
+    }
+}
+
+/// A run whose time is over goes on where it was, as one that is interrupted does.
+#[test]
+fn a_study_out_of_time_goes_on() {
+    let desk = Desk::new(STAGED);
+    let whole = desk.run().unwrap().0;
+    let desk = Desk::new(STAGED);
+    let mut hurried = desk.study();
+    hurried.time = Some(1e-9);
+    let state = run(&hurried, &desk.path("journal.jsonl"), &AtomicBool::new(false), &mut ()).unwrap();
+    assert_eq!((state.ended, state.evaluations), (Ended::Time, 0));
+    hurried.time = Some(1e6);
+    assert_eq!(run(&hurried, &desk.path("journal.jsonl"), &AtomicBool::new(false), &mut ()).unwrap(), whole);
+}
+
+/// Ctrl-C between any two batches, again and again.
+#[test]
+fn an_interrupted_study_goes_on_where_it_was() {
+    let desk = Desk::new(&STUDY.replace("600", "400"));
+    let (whole, _) = desk.run().unwrap();
+    let journal = desk.journal();
+    desk.put(b"");
+    struct Press<'a>(&'a AtomicBool, usize);
+    impl Watch for Press<'_> {
+        fn warning(&mut self, _: &str) {}
+        fn batch(&mut self, _: &State, simulated: usize) {
+            self.1 += simulated;
+            self.0.store(self.1 > 40, std::sync::atomic::Ordering::Relaxed);
+        }
+    }
+    for _ in 0..100 {
+        let interrupt = AtomicBool::new(false);
+        let state = run(&desk.study(), &desk.path("journal.jsonl"), &interrupt, &mut Press(&interrupt, 0)).unwrap();
+        if state.ended != Ended::Interrupted {
+            assert_eq!(state, whole);
+            assert!(desk.journal() == journal);
+            return;
+        }
+    }
+    panic!("it never ends");
+}
+
+#[test]
+fn one_and_two_threads_give_the_same_bits() {
+    for text in [STUDY, STAGED] {
+        let [one, two] = [1, 2].map(|threads| {
+            let desk = Desk::new(text);
+            let state = with_threads(threads, || desk.run().unwrap().0);
+            (state, desk.journal())
+        });
+        assert!(one == two);
+    }
+}

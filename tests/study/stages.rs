@@ -1,0 +1,58 @@
+//! Several impacts, several steps, one after the other.
+
+use std::sync::atomic::AtomicBool;
+
+use granulens::study::{Entry, Over, Study, Summary};
+
+use crate::{Desk, STAGED, evaluator};
+
+/// Under several impacts each is scored against uniform crystals under the same impact, as if it were the only one.
+#[test]
+fn several_impacts_are_scored_as_each_by_itself() {
+    let desk = Desk::new(STAGED);
+    let study = desk.study();
+    let layouts: Vec<Vec<u8>> = study.first().iter().map(|choice| study.layout(choice).materials).collect();
+    let never = AtomicBool::new(false);
+    let together = evaluator(&study).marks(&layouts, &never).unwrap();
+    for (k, impact) in study.impacts.iter().enumerate() {
+        let alone = Study { impacts: vec![*impact], ..study.clone() };
+        let marks = evaluator(&alone).marks(&layouts, &never).unwrap();
+        for (both, one) in together.iter().zip(&marks) {
+            assert_eq!((both.len(), one.len()), (2, 1));
+            assert_eq!(both[k], one[0]);
+        }
+    }
+    assert_ne!(together[0][0], together[0][1]);
+    // The mean of two, and the worse of two.
+    let entry = Entry::new(String::new(), String::new(), &together[0]);
+    let fabric = study.loom.fabric(&layouts[0]);
+    let contrast = |k: usize| together[0][k].contrast.unwrap();
+    assert_eq!(Summary::new(&study, &entry, fabric).contrast, Some((contrast(0) + contrast(1)) / 2.0));
+    let mut worst = study.clone();
+    worst.objective.over = Over::Worst;
+    assert_eq!(Summary::new(&worst, &entry, fabric).contrast, Some(contrast(0).min(contrast(1))));
+}
+
+/// A rung evaluates what was promoted to it, the best there is the study's, and steps agree about layouts.
+#[test]
+fn stages_promote_the_best_and_steps_are_compared() {
+    let desk = Desk::new(STAGED);
+    let (state, _) = desk.run().unwrap();
+    let done: Vec<(&str, u64)> = state.stages.iter().map(|stage| (stage.method.as_str(), stage.evaluations)).collect();
+    assert_eq!(done, [("level-set", 60), ("nsga2", 80), ("rescore", 24), ("anneal", 60), ("local-swaps", 40)]);
+    assert_eq!(state.evaluations, 264);
+    let [coarse, fine] = &state.rungs[..] else { panic!("{:?}", state.rungs) };
+    assert_eq!((coarse.evaluations, fine.evaluations, fine.rank_correlation), (140, 124, Some(1.0)));
+    // What was evaluated anew, and what the searches at the finer step came upon again.
+    assert!(coarse.shared >= 24);
+    // Twice the step moves scores by a percent or so, and layouts differ by much more.
+    assert!(coarse.rank_correlation.unwrap() > 0.8, "{coarse:?}");
+    // The best is one of the finest step, as simulated by itself.
+    let (study, best) = (desk.study(), state.best.unwrap());
+    let choice = best.entry.choice(study.free.len(), 2).unwrap();
+    let mut fine = study.clone();
+    fine.rungs.remove(0);
+    let marks = evaluator(&fine).marks(&[study.layout(&choice).materials], &AtomicBool::new(false)).unwrap();
+    assert_eq!(best.entry.impacts[0].contrast, marks[0][0].contrast);
+    assert_eq!(best.summary.fabric, study.loom.fabric(&study.layout(&choice).materials));
+}
