@@ -44,7 +44,7 @@ const EXIT_CODES: &str = "Exit codes:
   0    done
   1    a guard stopped a run
   2    usage or input
-  3    a threshold of the design file is not met (check --strict)
+  3    a threshold of the design file is not met (check --strict), or no layout keeps a study's limits
   130  interrupted; what was finished is kept";
 
 /// Options of every subcommand.
