@@ -100,8 +100,8 @@ impl LensRequest {
 ///
 /// All first rows, last rows and radii are tried that the request's limits allow and that leave the lens in front of the
 /// region; what the request fixes stays fixed. Of lenses whose fractions differ by less than
-/// 10⁻⁶ the one of fewest spheres is taken. If first row, last row and radius are all given, nothing is sought and a small
-/// fraction is no error.
+/// 10⁻⁶ the one of fewest spheres is taken. If first row, last row and radius (of families that have one) are all given,
+/// nothing is sought and a small fraction is no error.
 ///
 /// # Errors
 /// [`LensError::Unreachable`] if no such lens does better than straight rays do; the others if the request contradicts
@@ -121,6 +121,8 @@ pub fn propose(
     let needs_radius = request.family.radius().is_some();
     let shape = match (request.apex_row, request.back_row, request.radius) {
         (Some(apex_row), Some(back_row), Some(radius)) if needs_radius => Some(Shape { apex_row, back_row, radius }),
+        // With its rows given, only the side of a prism's edge is open.
+        (Some(_), Some(_), _) if !needs_radius => problem.best(Grid::fine(request.family)).map(|best| best.shape),
         _ => problem
             .best(Grid::fine(request.family))
             .filter(|best| problem.gains(best) && problem.may_gain())

@@ -322,6 +322,14 @@ fn zones_turn_rays_as_the_whole_lens_does() {
     assert!(same > 100, "{same}");
 }
 
+/// A prism between given rows is taken as it is, however little it does.
+#[test]
+fn a_prism_of_given_rows_is_not_sought() {
+    let given = LensRequest { apex_row: Some(5), back_row: Some(6), ..of(Family::Prism) };
+    let lens = solve(&given, &target([8, 8], [6.0, 7.0])).unwrap();
+    assert_eq!((lens.apex_row, lens.back_row, lens.radius), (5, 6, None));
+}
+
 /// What gathers does not if it is not slower, and says so; what spreads does.
 #[test]
 fn a_faster_lens_of_any_family_is_refused_or_spreads() {

@@ -77,12 +77,12 @@ fn first_arrivals(svg: &mut Svg, crystal: &Crystal, front: &Front) {
     svg.path(pieces.data(), &format!(r#"fill="none" {FIRST}"#));
 }
 
-/// The time of each front at the right rim, as far as there is room.
+/// The time of each first arrival at the right rim, as far as there is room.
 fn times(svg: &mut Svg, crystal: &Crystal, traced: &Traced) {
     let right = crystal.corner()[0] + crystal.size()[0] + 5.0;
     let mut last = f64::NEG_INFINITY;
-    let fronts = if traced.wavefronts.is_empty() { &traced.isochrones } else { &traced.wavefronts };
-    for front in fronts {
+    // First arrivals reach the rim, which rays may leave; their times are the same.
+    for front in &traced.isochrones {
         let at_rim = front.lines.iter().flatten().filter(|p| p[0] > 0.97 * traced.half_width).map(|p| p[1]);
         let Some(depth) = at_rim.max_by(f64::total_cmp) else { continue };
         let y = crystal.place([0.0, depth])[1];
