@@ -38,7 +38,7 @@ pub enum EvaluatorError {
     /// Layouts that do not go together, or spheres that overlap at rest.
     #[error(transparent)]
     Batch(#[from] BatchError),
-    /// A guard stopped a uniform crystal, to which all others are compared.
+    /// A guard stopped a uniform crystal, to which others are compared.
     #[error("the crystal of {material} alone, to which layouts are compared, cannot be simulated: {stop}")]
     Baseline {
         /// Its material.
@@ -59,8 +59,9 @@ pub struct Evaluator<'a> {
     impacts: Vec<Impact>,
     palette: Vec<Material>,
     width: Width,
-    /// For each impact F of the crystal of host alone, P of that of lens material alone (J).
+    /// For each impact F of the crystal of host alone, P of that of lens material alone (J); the latter 0 where there is none.
     uniform: Vec<[f64; 2]>,
+    no_protection: Option<EvaluatorError>,
 }
 
 /// Step and window that serve all impacts: the shortest step and the longest window that any of them asks for.
@@ -112,23 +113,34 @@ impl<'a> Evaluator<'a> {
         let struck = |&pulse: &ForcePulse| Impact { pulse, ..impact(design, &plan) };
         let impacts: Vec<Impact> = pulses.iter().map(struck).collect();
         let uniform = vec![[1.0; 2]; impacts.len()];
-        let mut evaluator = Self { design, plan, impacts, palette, width: Width::widest(), uniform };
+        let width = Width::widest();
+        let mut evaluator = Self { design, plan, impacts, palette, width, uniform, no_protection: None };
         let lens = usize::from(evaluator.palette.len() > 1);
         let layouts = [0, lens].map(|material| vec![material as u8; design.lattice.len()]);
         let marks = evaluator.marks(&layouts, interrupt)?;
         for (marks, k) in marks.iter().zip([0, lens]) {
-            match marks.iter().find_map(|marks| marks.stop.as_ref()) {
-                Some(Stop::Interrupted { .. }) => return Err(EvaluatorError::Interrupted),
-                Some(stop) => {
-                    let (material, stop) = (evaluator.palette[k].name.clone(), stop.clone());
-                    return Err(EvaluatorError::Baseline { material, stop });
-                }
-                None => {}
+            let Some(stop) = marks.iter().find_map(|marks| marks.stop.as_ref()) else { continue };
+            if matches!(stop, Stop::Interrupted { .. }) {
+                return Err(EvaluatorError::Interrupted);
             }
+            let (material, stop) = (evaluator.palette[k].name.clone(), stop.clone());
+            let error = EvaluatorError::Baseline { material, stop };
+            // Without its host a layout cannot be judged; without lens material alone it has no Q.
+            if k == 0 {
+                return Err(error);
+            }
+            evaluator.no_protection = Some(error);
         }
+        let protected = |marks: &Marks| if marks.stop.is_none() { marks.protected_mean } else { 0.0 };
         evaluator.uniform =
-            marks[0].iter().zip(&marks[1]).map(|(host, lens)| [host.focal_mean, lens.protected_mean]).collect();
+            marks[0].iter().zip(&marks[1]).map(|(host, lens)| [host.focal_mean, protected(lens)]).collect();
         Ok(evaluator)
+    }
+
+    /// Why there is no Q under one of the impacts, if so: a guard stopped the crystal of lens material alone, as it does where
+    /// that is too soft for the impact on its first row.
+    pub fn no_protection(&self) -> Option<&EvaluatorError> {
+        self.no_protection.as_ref()
     }
 
     /// Step and window.

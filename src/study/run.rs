@@ -9,7 +9,7 @@ use super::entry::pack;
 use super::rung::{Judged, Rung, Summary, order};
 use super::stage::{Stage, Work};
 use super::state::{self, Ended, Found, RungState, StageState, State};
-use super::{Entry, Improvement, Journal, Key, Study, StudyError, baselines};
+use super::{Entry, Improvement, Journal, Key, Measure, Study, StudyError, baselines};
 use crate::dem::Stop;
 use crate::evaluate::Evaluator;
 use crate::search::{Choice, Dice, Loss, Proof, Rounds, Search as _};
@@ -44,9 +44,18 @@ pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut im
             Evaluator::new(&study.design, &study.impacts, study.palette.clone(), study.overrides(rung), interrupt)
         })
         .collect::<Result<Vec<_>, _>>()?;
+    let missing = evaluators.iter().find_map(Evaluator::no_protection);
+    if let Some(missing) =
+        missing.filter(|_| study.objective.wishes.iter().any(|wish| wish.measure == Measure::Protection))
+    {
+        return Err(missing.clone().into());
+    }
     let keys: Vec<Key> = evaluators.iter().map(|evaluator| Key::new(study, evaluator.plan())).collect();
     let (journal, loaded) = Journal::open(journal)?;
     loaded.warnings.iter().for_each(|warning| watch.warning(warning));
+    if let Some(missing) = missing {
+        watch.warning(&format!("there is no Q under every impact: {missing}"));
+    }
     let cache: Vec<HashMap<Choice, &Entry>> =
         keys.iter().map(|key| key.own(study, &loaded.entries).into_iter().collect()).collect();
     let used: HashSet<&str> = cache.iter().flat_map(HashMap::values).map(|entry| entry.key.as_str()).collect();

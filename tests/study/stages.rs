@@ -56,3 +56,22 @@ fn stages_promote_the_best_and_steps_are_compared() {
     assert_eq!(best.entry.impacts[0].contrast, marks[0][0].contrast);
     assert_eq!(best.summary.fabric, study.loom.fabric(&study.layout(&choice).materials));
 }
+
+/// Under an impact that is too strong for brass on the first row there is no Q: a study that does not ask for it goes on and
+/// says so, one that does is refused.
+#[test]
+fn an_impact_too_strong_for_the_lens_material_leaves_no_protection() {
+    let strong = STAGED.replace("12 kN", "60 kN");
+    let desk = Desk::new(&strong);
+    let (state, told) = desk.run().unwrap();
+    assert!(
+        told.warnings.iter().any(|warning| warning.contains("no Q") && warning.contains("brass-260")),
+        "{:?}",
+        told.warnings
+    );
+    let best = state.best.unwrap().summary;
+    assert!(best.contrast.is_some() && best.focal_gain.is_some() && best.protection.is_none());
+    let desk = Desk::new(&strong.replace("[objective]", "[objective]\nprotection = { max = 2 }"));
+    let refusal = desk.run().map(|_| ()).unwrap_err().to_string();
+    assert!(refusal.contains("brass-260 alone"), "{refusal}");
+}
