@@ -117,6 +117,8 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
                 copied = true;
                 for (name, mut bytes) in contents(killed.path()) {
                     if name.ends_with(".csv") {
+                        // More than the rest of the run will write over.
+                        bytes.extend(b"0.1,2,3,4\n".repeat(200_000));
                         bytes.extend(b"0.1,2,half a li");
                     }
                     std::fs::write(copy.path().join(name), bytes).unwrap();
