@@ -136,7 +136,9 @@ fn every_design_that_ships_is_sound() {
     let mut names = Vec::new();
     for file in std::fs::read_dir(folder).unwrap() {
         let path = file.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "toml") {
+        // Rig files lie there too; `tests/simulate` runs them.
+        let is_design = || !std::fs::read_to_string(&path).unwrap().contains("kind = \"rig\"");
+        if path.extension().is_some_and(|extension| extension == "toml") && is_design() {
             names.push(Design::read(&path).unwrap_or_else(|error| panic!("{error} {}", error.help)).name);
         }
     }
