@@ -29,4 +29,6 @@ pub mod evaluate;
 pub mod setup;
 pub mod trial;
 pub mod study;
+pub mod export;
 pub mod report;
+pub mod reproduce;

@@ -55,19 +55,23 @@ pub fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// A bar on stderr that counts finished arrangements; hidden where stderr is no terminal.
-pub struct Bar(ProgressBar);
+/// A bar on stderr that counts what is finished; hidden where stderr is no terminal.
+pub struct Count(ProgressBar);
 
-impl Bar {
-    pub fn new(common: &Common, length: usize) -> Self {
+impl Count {
+    pub fn new(common: &Common, length: usize, what: &str) -> Self {
         let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(length as u64) };
-        if let Ok(style) =
-            ProgressStyle::with_template("{bar:30} {pos}/{len} arrangements, {elapsed} ({eta} left) {msg}")
-        {
+        let template = format!("{{bar:30}} {{pos}}/{{len}} {what}, {{elapsed}} ({{eta}} left) {{msg}}");
+        if let Ok(style) = ProgressStyle::with_template(&template) {
             bar.set_style(style);
         }
         bar.tick();
         Self(bar)
+    }
+
+    pub fn finished(&self, name: &str) {
+        self.0.set_message(name.to_owned());
+        self.0.inc(1);
     }
 
     pub fn done(self) {
@@ -75,9 +79,21 @@ impl Bar {
     }
 }
 
+/// Counts finished arrangements.
+pub struct Bar(Count);
+
+impl Bar {
+    pub fn new(common: &Common, length: usize) -> Self {
+        Self(Count::new(common, length, "arrangements"))
+    }
+
+    pub fn done(self) {
+        self.0.done();
+    }
+}
+
 impl Progress for Bar {
     fn finished(&self, name: &str) {
-        self.0.set_message(name.to_owned());
-        self.0.inc(1);
+        self.0.finished(name);
     }
 }

@@ -19,6 +19,8 @@ pub enum Failure {
     Input(Box<Input>),
     /// A guard stopped one or more runs: 1.
     Guard(Vec<String>),
+    /// Rows of `reproduce` that do not come to their expected verdicts: 1.
+    Deviation(Vec<String>),
     /// Thresholds of the design file that are not met: 3.
     Threshold(Vec<String>),
     /// Ctrl-C: 130.
@@ -136,6 +138,7 @@ impl Failure {
     pub fn print(self, json: bool) -> ExitCode {
         let (kind, code) = match &self {
             Self::Guard(_) => ("guard", 1),
+            Self::Deviation(_) => ("deviation", 1),
             Self::Input(_) => ("input", 2),
             Self::Threshold(_) => ("threshold", 3),
             Self::Interrupted(_) => ("interrupted", 130),
@@ -152,7 +155,7 @@ impl Failure {
                     error.insert("message".to_owned(), json!(message));
                     error.insert("help".to_owned(), json!(help));
                 }
-                Self::Guard(messages) | Self::Threshold(messages) => {
+                Self::Guard(messages) | Self::Deviation(messages) | Self::Threshold(messages) => {
                     error.insert("message".to_owned(), json!(messages.join("; ")));
                 }
                 Self::Interrupted(message) => {
@@ -172,6 +175,7 @@ impl Failure {
                     }
                 },
                 Self::Guard(messages) => messages.iter().for_each(|line| say(&format!("failed: {line}"))),
+                Self::Deviation(rows) => rows.iter().for_each(|line| say(&format!("deviates: {line}"))),
                 Self::Threshold(missed) => missed.iter().for_each(|line| say(&format!("threshold not met: {line}"))),
                 Self::Interrupted(message) => say(&format!("interrupted: {message}")),
             }

@@ -9,9 +9,11 @@ mod compare;
 mod console;
 mod contact;
 mod design;
+mod export;
 mod failure;
 mod folder;
 mod materials;
+mod reproduce;
 mod run;
 mod simulate;
 mod speed;
@@ -42,7 +44,7 @@ struct Cli {
 
 const EXIT_CODES: &str = "Exit codes:
   0    done
-  1    a guard stopped a run
+  1    a guard stopped a run, or a row of reproduce deviates
   2    usage or input
   3    a threshold of the design file is not met (check --strict), or no layout keeps a study's limits
   130  interrupted; what was finished is kept";
@@ -82,6 +84,8 @@ enum Command {
     Speed(speed::Speed),
     Surface(Box<surface::Surface>),
     Study(study::Study),
+    Reproduce(reproduce::Reproduce),
+    Export(Box<export::Export>),
 }
 
 pub fn main() -> ExitCode {
@@ -110,6 +114,8 @@ pub fn main() -> ExitCode {
         Command::Speed(command) => command.run(common),
         Command::Surface(command) => command.run(common),
         Command::Study(command) => command.run(common),
+        Command::Reproduce(command) => command.run(common),
+        Command::Export(command) => command.run(common),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,63 @@
+//! Files for other tools: LAMMPS, OVITO, ParaView.
+//!
+//! In: a [`Rig`] or a running [`Simulation`](crate::dem::rig::Simulation). Out: text. Nothing here writes files.
+//!
+//! - here: the whole crystal of a layout, as a rig that repeats itself
+//! - `lammps`: data file, input deck and trajectory of a rig of Hertz contacts
+//! - `xyz`: frames in extended XYZ; `vtp`: spheres and contacts as VTK PolyData, and their collection over time
+
+mod lammps;
+mod vtp;
+mod xyz;
+
+pub use lammps::{Deck, DeckError, deck, dump_frame};
+pub use vtp::{collection, contacts, spheres};
+pub use xyz::frame;
+
+use crate::contact::{Constants, LawKind};
+use crate::dem::ForcePulse;
+use crate::dem::rig::{Body, Curve, Law, LawBook, Load, LoadKind, Rig};
+use crate::layout::Layout;
+use crate::sample::{Sample, Sphere};
+
+/// The whole crystal of a layout under a pulse on its first row: both halves, repeating itself across the wave after twice the
+/// half width. It moves as the half between its mirrors does, to rounding.
+///
+/// Spheres stand in the order of the layout's sites, each with its mirror image, if it has one, right behind it.
+pub fn whole_crystal(layout: &Layout, pulse: ForcePulse, law: LawKind, constants: Constants) -> Rig<2> {
+    let sheet = layout.lattice;
+    let (radius, half_width) = (0.5 * sheet.diameter(), sheet.half_width());
+    let mut spheres = Vec::new();
+    let mut struck = Vec::new();
+    for (site, &material) in sheet.sites().iter().zip(&layout.materials) {
+        // A site on a mirror line is its own image; on the far one the image lies a period away.
+        let on_mirror = site.x == 0.0 || (half_width - site.x).abs() < 1e-9 * radius;
+        for x in [site.x, -site.x].into_iter().take(if on_mirror { 1 } else { 2 }) {
+            if site.row == 1 {
+                struck.push(Body::Sphere(spheres.len()));
+            }
+            spheres.push(Sphere { centre: [x, site.z], radius, material: usize::from(material) });
+        }
+    }
+    let sample = Sample { materials: layout.palette.clone(), spheres };
+    let laws = LawBook::Materials { law: Law::Named(law), constants, pairs: Vec::new(), friction: None };
+    let mut rig = Rig::new(sample, laws);
+    rig.periods[0] = Some(2.0 * half_width);
+    let curve = Curve::Square { peak: pulse.force, start: 0.0, duration: pulse.duration };
+    rig.loads.push(Load { bodies: struck, direction: [0.0, 1.0], kind: LoadKind::Force, curve });
+    rig
+}
+
+/// Coordinates in space: a chain lies along y, a sheet in the x-y plane with its depth along y.
+fn in_space<const D: usize>(vector: [f64; D]) -> [f64; 3] {
+    match D {
+        1 => [0.0, vector[0], 0.0],
+        2 => [vector[0], vector[1], 0.0],
+        _ => [vector[0], vector[1], vector[2]],
+    }
+}
+
+/// The axis in space of one of the rig's.
+const fn axis_in_space<const D: usize>(axis: usize) -> usize {
+    if D == 1 { 1 } else { axis }
+}

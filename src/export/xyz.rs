@@ -1,0 +1,54 @@
+//! Extended XYZ, as OVITO and ASE read it.
+
+use std::fmt::Write as _;
+
+use super::{axis_in_space, in_space};
+use crate::dem::rig::Simulation;
+
+/// The present state as a frame; frames of a run stand one after another in a file. SI.
+///
+/// Columns: number, material, centre, velocity, radius, mass, net force of contacts, energy dissipated.
+pub fn frame<const D: usize>(simulation: &Simulation<D>) -> String {
+    let (rig, view) = (simulation.rig(), simulation.view());
+    let spheres = &rig.sample.spheres;
+    let radius = spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
+    let mut ends = [[-radius, radius]; 3];
+    for sphere in spheres {
+        let centre = in_space(sphere.centre);
+        for k in 0..3 {
+            ends[k] = [ends[k][0].min(centre[k] - radius), ends[k][1].max(centre[k] + radius)];
+        }
+    }
+    let mut repeats = ["F"; 3];
+    for (axis, period) in rig.periods.iter().enumerate() {
+        if let Some(period) = period {
+            let k = axis_in_space::<D>(axis);
+            let low = spheres.iter().map(|s| s.centre[axis]).fold(f64::INFINITY, f64::min);
+            (ends[k], repeats[k]) = ([low, low + period], "T");
+        }
+    }
+    let [a, b, c] = ends.map(|end| end[1] - end[0]);
+    let mut text = format!(
+        "{}\nLattice=\"{a:e} 0 0 0 {b:e} 0 0 0 {c:e}\" Origin=\"{:e} {:e} {:e}\" pbc=\"{}\" \
+         Properties=id:I:1:species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1:force:R:3:dissipated:R:1 Time={:e}\n",
+        spheres.len(),
+        ends[0][0],
+        ends[1][0],
+        ends[2][0],
+        repeats.join(" "),
+        view.time()
+    );
+    let dissipated = simulation.dissipated();
+    for (k, sphere) in spheres.iter().enumerate() {
+        // Words are separated by spaces; a material's name may hold one.
+        let species = rig.sample.materials[sphere.material].name.replace(char::is_whitespace, "_");
+        let _ = write!(text, "{} {species}", k + 1);
+        let numbers = [in_space(view.position(k)), in_space(view.velocity(k))].concat();
+        let force = in_space(view.net_force(k));
+        for number in numbers.iter().chain(&[sphere.radius, rig.mass[k]]).chain(&force).chain(&[dissipated[k]]) {
+            let _ = write!(text, " {number:e}");
+        }
+        text.push('\n');
+    }
+    text
+}
