@@ -257,10 +257,14 @@ pub fn rows() -> Vec<&'static Row> {
 
 /// The rows that `name` means: one by its whole name, or all of a chapter or section, as `4` or `5.3.2`.
 pub fn select(name: &str) -> Vec<&'static Row> {
-    let within = |row: &&'static Row| {
-        row.id == name || row.id.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '-']))
-    };
-    rows().into_iter().filter(within).collect()
+    let all = rows();
+    // A row's name may begin another's.
+    if let Some(row) = all.iter().find(|row| row.id == name) {
+        return vec![row];
+    }
+    let within = |row: &&'static Row| row.id.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '-']));
+    let numbered = name.starts_with(|c: char| c.is_ascii_digit()) && !name.contains('-');
+    all.into_iter().filter(|row| numbered && within(row)).collect()
 }
 
 impl Row {
