@@ -71,6 +71,10 @@ fn every_design_that_ships_is_checked_briefly() {
     for name in folder("").into_iter().chain(gallery) {
         let Some(stem) = name.strip_suffix(".toml") else { continue };
         let design = shipped(&format!("designs/{name}"));
+        // Rigs are no lens designs.
+        if std::fs::read_to_string(&design).unwrap().contains("kind = \"rig\"") {
+            continue;
+        }
         desk.run(&["design", &design, "--out", "proposed.csv", "--quiet"]).ok();
         let layout = shipped(&format!("designs/{stem}.csv"));
         let layouts = ["proposed.csv".to_owned(), layout];
