@@ -215,6 +215,19 @@ fn checkpoints() {
     });
 }
 
+/// Found by a longer run: two spheres as far from each other as whole numbers go, which their periods bring together again.
+#[test]
+fn spheres_gone_astray() {
+    let (period, step) = (2_f64.powi(-5), 2_f64.powi(-23));
+    let sphere = |z: f64| Sphere { centre: [0.0, z], radius: 3.175e-3, material: 0 };
+    let sample = Sample { materials: vec![find("440c", &[]).unwrap()], spheres: vec![sphere(0.0), sphere(6.35e-3)] };
+    let mut rig = Rig::new(sample, LawBook::named(LawKind::Hertz));
+    rig.periods[0] = Some(period);
+    // Powers of two: after a step both are some 10^31 whole periods away, one on each side.
+    (rig.velocity[0], rig.velocity[1]) = ([2_f64.powi(123), 0.0], [-2_f64.powi(123), 0.0]);
+    let _ = Simulation::new(rig, step).unwrap().advance(70, &AtomicBool::new(false));
+}
+
 /// Tables of numbers, from the bytes of a file: points are pairs of doubles.
 #[test]
 fn tabulated_curves() {

@@ -161,7 +161,8 @@ impl<const D: usize> Finder<D> {
                 if self.clustered[i].is_some() && self.clustered[i] == self.clustered[j] {
                     continue;
                 }
-                let image = std::array::from_fn(|k| (shift[k] - turns[j][k] + turns[i][k]) as i8);
+                // Spheres of a run gone astray may be any number of periods apart, until a guard stops it.
+                let image = std::array::from_fn(|k| shift[k].wrapping_sub(turns[j][k]).wrapping_add(turns[i][k]) as i8);
                 list.push(pair(rig, [i, j], image));
             }
             list[from..].sort_unstable_by_key(Near::key);
