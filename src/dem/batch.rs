@@ -4,6 +4,7 @@
 //! is taken if any design takes it. Recorded is what an optimiser asks for: each sphere's greatest kinetic energy. The
 //! bits are those of [`simulate`](super::simulate), whatever the width and whichever designs stand together.
 
+use std::any::Any;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::body::Grains;
@@ -47,6 +48,36 @@ pub enum BatchError {
 /// # Errors
 /// See [`BatchError`]. A run that a guard stops is no error: its brief says why.
 pub fn simulate_batch<const D: usize>(
+    samples: &[Sample<D>],
+    impact: &Impact,
+    width: Width,
+    interrupt: &AtomicBool,
+) -> Result<Vec<Brief>, BatchError> {
+    fn in_line(s: &Vec<Sample<1>>, i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+        side_by_side(s, i, w, stop)
+    }
+    fn in_plane(s: &Vec<Sample<2>>, i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+        side_by_side(s, i, w, stop)
+    }
+    fn in_space(s: &Vec<Sample<3>>, i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+        side_by_side(s, i, w, stop)
+    }
+    // Only what has a size can be told apart by its type: a vector of samples, copied in a millionth of the run's time.
+    let samples = samples.to_vec();
+    let dimension: &dyn Any = &samples;
+    if let Some(samples) = dimension.downcast_ref() {
+        in_line(samples, impact, width, interrupt)
+    } else if let Some(samples) = dimension.downcast_ref() {
+        in_plane(samples, impact, width, interrupt)
+    } else if let Some(samples) = dimension.downcast_ref() {
+        in_space(samples, impact, width, interrupt)
+    } else {
+        const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
+        unreachable!("one of the three")
+    }
+}
+
+fn side_by_side<const D: usize>(
     samples: &[Sample<D>],
     impact: &Impact,
     width: Width,

@@ -1,8 +1,8 @@
 //! One impact from start to end.
 
+use std::any::Any;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::Integrator;
 use super::body::Grains;
 use super::boundary::Mirror;
 use super::contacts::{Contacts, Laws, Sweep};
@@ -13,6 +13,7 @@ use super::neighbour::{OverlapAtRest, Touching, nearing_strangers};
 use super::record::{Felt, Observer};
 use super::step::{Drive, Stepper};
 use super::table::LawTable;
+use super::{Integrator, same};
 use crate::contact::{
     Consistent, Constants, ElastoPlastic, Hertz, HertzThesis, LawKind, LinearPlastic, NormalLaw, Pair,
 };
@@ -103,6 +104,34 @@ pub(super) const WATCH: u64 = 64;
 /// Spheres that overlap before the impact. A run that a guard stops is no error: its record says why and keeps what was
 /// computed so far.
 pub fn simulate<const D: usize>(
+    sample: &Sample<D>,
+    impact: &Impact,
+    interrupt: &AtomicBool,
+) -> Result<Record<D>, OverlapAtRest> {
+    fn in_line(sample: &Sample<1>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<1>, OverlapAtRest> {
+        choose(sample, impact, interrupt)
+    }
+    fn in_plane(sample: &Sample<2>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<2>, OverlapAtRest> {
+        choose(sample, impact, interrupt)
+    }
+    fn in_space(sample: &Sample<3>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<3>, OverlapAtRest> {
+        choose(sample, impact, interrupt)
+    }
+    let dimension: &dyn Any = sample;
+    if let Some(sample) = dimension.downcast_ref() {
+        same(in_line(sample, impact, interrupt))
+    } else if let Some(sample) = dimension.downcast_ref() {
+        same(in_plane(sample, impact, interrupt))
+    } else if let Some(sample) = dimension.downcast_ref() {
+        same(in_space(sample, impact, interrupt))
+    } else {
+        const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
+        unreachable!("one of the three")
+    }
+}
+
+/// Chooses the law.
+fn choose<const D: usize>(
     sample: &Sample<D>,
     impact: &Impact,
     interrupt: &AtomicBool,

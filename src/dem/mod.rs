@@ -38,10 +38,22 @@ pub use ledger::Ledger;
 pub use load::ForcePulse;
 pub use neighbour::OverlapAtRest;
 
+use std::any::Any;
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
+
+/// A value whose type is the same under two names, as that of a result in `D` dimensions once `D` is known.
+///
+/// What is generic in `D` is compiled anew in every crate that uses it, and the loops here take minutes to compile. So the
+/// public functions find out which `D` it is and call one that was compiled here.
+fn same<A: Any, B: Any>(value: A) -> B {
+    match (Box::new(value) as Box<dyn Any>).downcast() {
+        Ok(same) => *same,
+        Err(_) => unreachable!("the caller has compared the types"),
+    }
+}
 
 /// How positions and velocities are advanced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
