@@ -82,7 +82,7 @@ impl Check {
             step_s: plan.step,
             steps: record.steps,
             window_s: plan.window,
-            law: design.law.to_string(),
+            law: design.law_name(),
             constants: design.constants.to_string(),
             integrator: plan.integrator.to_string(),
             seconds,

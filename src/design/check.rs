@@ -34,7 +34,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
     if let Some(kind) = top.optional("kind", &kind) {
         return Err(kind.fail(
             "says that this is no lens design",
-            "A rig is run with granulens simulate; a design file has no kind.",
+            "A rig is run with granulens simulate, a bed with granulens impact; a design file has no kind.",
         ));
     }
     let format = top.required("format", &format)?;
@@ -94,6 +94,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         host: crystal.host,
         own_materials,
         law: crystal.law,
+        friction: crystal.friction,
         constants: crystal.constants,
         impact,
         target,
@@ -118,6 +119,7 @@ struct Crystal {
     lattice: HexagonalSheet,
     host: Material,
     law: LawKind,
+    friction: Option<f64>,
     constants: Constants,
 }
 
@@ -152,7 +154,17 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
         }
         None => Constants::default(),
     };
-    Ok(Crystal { lattice, host, law, constants })
+    let friction = match scope.optional("friction", &file.friction) {
+        Some(entry) => match entry.number()? {
+            0.0 => None,
+            mu if (0.0..=2.0).contains(&mu) => Some(mu),
+            _ => {
+                return Err(entry.fail("must lie from 0 to 2", "Steel on steel has 0.1 to 0.6; leave it out for none."));
+            }
+        },
+        None => None,
+    };
+    Ok(Crystal { lattice, host, law, friction, constants })
 }
 
 fn read_impact((scope, file): &(Scope, &ImpactFile)) -> Result<ForcePulse, DesignError> {

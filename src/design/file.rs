@@ -21,7 +21,7 @@ pub(super) struct DesignFile {
     pub materials: Section<OwnMaterials>,
 }
 
-section!(CrystalFile: Written { packing, diameter, rows, half_width, sides, host, law, constants });
+section!(CrystalFile: Written { packing, diameter, rows, half_width, sides, host, law, constants, friction });
 section!(ImpactFile: Written { kind, force, duration });
 section!(TargetFile: Section<RegionFile> { focus, protect });
 section!(RegionFile: Written { rows, x });
@@ -47,6 +47,7 @@ pub(super) const EXAMPLES: &[&str] = &[
     "crystal.host = \"stainless-440c\"",
     "crystal.law = \"thesis\"",
     "crystal.constants = \"code\"",
+    "crystal.friction = 0.2",
     "impact.kind = \"force-pulse\"",
     "impact.force = \"26 kN\"",
     "impact.duration = \"20 us\"",

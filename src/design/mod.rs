@@ -46,6 +46,8 @@ pub struct Design {
     pub law: LawKind,
     /// Set of fitted constants of the law.
     pub constants: Constants,
+    /// Coefficient of friction at every contact, with Mindlin's tangential spring; none, as in Burgoyne 2016, unless given.
+    pub friction: Option<f64>,
     /// What strikes the crystal.
     pub impact: ForcePulse,
     /// Where energy is wanted and where it is not. Both regions hold spheres and share none.
@@ -114,6 +116,14 @@ impl Design {
     /// The first thing that is wrong with it.
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self, DesignError> {
         check::design(path.as_ref(), text)
+    }
+
+    /// The contact law, with friction where there is some.
+    pub fn law_name(&self) -> String {
+        match self.friction {
+            Some(mu) => format!("{}, friction {mu}", self.law),
+            None => self.law.to_string(),
+        }
     }
 
     /// A complaint of those who know the physics about `key`, such as `run.step`: it points to where the key stands in the

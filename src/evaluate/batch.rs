@@ -46,6 +46,9 @@ pub enum EvaluatorError {
         /// Why.
         stop: Stop,
     },
+    /// The design has friction, which batches do not follow.
+    #[error("searches simulate without friction, and the design asks for {0}")]
+    Friction(f64),
     /// The request to stop came before anything was evaluated.
     #[error("interrupted before anything was evaluated")]
     Interrupted,
@@ -109,6 +112,9 @@ impl<'a> Evaluator<'a> {
         overrides: Overrides,
         interrupt: &AtomicBool,
     ) -> Result<Self, EvaluatorError> {
+        if let Some(coefficient) = design.friction {
+            return Err(EvaluatorError::Friction(coefficient));
+        }
         let plan = common_plan(design, pulses, overrides, &palette)?;
         let struck = |&pulse: &ForcePulse| Impact { pulse, ..impact(design, &plan) };
         let impacts: Vec<Impact> = pulses.iter().map(struck).collect();

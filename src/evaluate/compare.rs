@@ -5,8 +5,9 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use rayon::prelude::*;
 
+use super::EvaluateError;
 use super::{Doubts, Evaluation, Overrides, Plan, PlanError, evaluate, validity};
-use crate::dem::{OverlapAtRest, Stop};
+use crate::dem::Stop;
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
 use crate::lens::Lens;
@@ -118,7 +119,7 @@ pub fn compare(
     comparison: &Comparison<'_>,
     interrupt: &AtomicBool,
     progress: &impl Progress,
-) -> Result<Outcome, OverlapAtRest> {
+) -> Result<Outcome, EvaluateError> {
     let Comparison { design, plan, .. } = comparison;
     let begun = Instant::now();
     let started_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
@@ -143,7 +144,7 @@ pub fn compare(
             }
             Ok(complete.then_some(evaluation))
         })
-        .collect::<Result<_, OverlapAtRest>>()?;
+        .collect::<Result<_, EvaluateError>>()?;
 
     let mut warnings = plan.warnings.clone();
     let mut doubts = Doubts::default();
@@ -185,7 +186,7 @@ pub fn compare(
                 Force.show(design.impact.force),
                 Time.show(design.impact.duration)
             ),
-            law: design.law.to_string(),
+            law: design.law_name(),
             constants: design.constants.to_string(),
             integrator: plan.integrator.to_string(),
             step_s: plan.step,

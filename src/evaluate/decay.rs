@@ -2,8 +2,8 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::{Plan, evaluate};
-use crate::dem::{OverlapAtRest, Record};
+use super::{EvaluateError, Plan, evaluate};
+use crate::dem::Record;
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::material::Material;
@@ -13,13 +13,13 @@ use crate::wave::{Decay, Dimension, RowPassage, bound};
 /// wave says nothing of it, see [`Decay::fit`].
 ///
 /// # Errors
-/// Spheres that overlap at rest; no layout on a lattice has such.
+/// See [`EvaluateError`].
 pub fn calibrate(
     design: &Design,
     plan: &Plan,
     palette: &[Material],
     interrupt: &AtomicBool,
-) -> Result<Vec<Option<Decay>>, OverlapAtRest> {
+) -> Result<Vec<Option<Decay>>, EvaluateError> {
     palette
         .iter()
         .map(|material| {

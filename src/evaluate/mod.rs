@@ -24,6 +24,7 @@ pub(crate) use stiffest::{Stiffest, divisor, overshoot};
 use std::sync::atomic::AtomicBool;
 
 use crate::contact::{LawKind, Pair};
+use crate::dem::rig::{Friction, RigError, simulate_as_rig};
 use crate::dem::{ContactRecord, Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, Record, simulate};
 use crate::design::Design;
 use crate::layout::Layout;
@@ -49,17 +50,38 @@ impl Evaluation {
     }
 }
 
-/// Simulates and scores one arrangement of a design.
+/// An arrangement that cannot be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EvaluateError {
+    /// Spheres that overlap at rest; no layout on a lattice has such.
+    #[error(transparent)]
+    Overlap(#[from] OverlapAtRest),
+    /// The crystal cannot be simulated as a rig.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+}
+
+/// Simulates and scores one arrangement of a design: with the contacts of its lattice, which prove as the run goes that no
+/// others arise; where one could, or where friction acts, as a rig that finds its contacts as they come.
 ///
 /// # Errors
-/// Spheres that overlap at rest; no layout on a lattice has such.
+/// See [`EvaluateError`].
 pub fn evaluate(
     design: &Design,
     layout: &Layout,
     plan: &Plan,
     interrupt: &AtomicBool,
-) -> Result<Evaluation, OverlapAtRest> {
-    let record = simulate(&layout.sample(), &impact(design, plan), interrupt)?;
+) -> Result<Evaluation, EvaluateError> {
+    let (sample, impact) = (layout.sample(), impact(design, plan));
+    let friction = design.friction.map(Friction::mindlin);
+    let mut record = match friction {
+        Some(_) => simulate_as_rig(&sample, &impact, friction, interrupt)?,
+        None => simulate(&sample, &impact, interrupt)?,
+    };
+    if let Some(met) = record.missed_contact.filter(|_| record.stop.is_none()) {
+        record = simulate_as_rig(&sample, &impact, None, interrupt)?;
+        record.missed_contact = Some(met);
+    }
     let scores = Scores::new(&record, &layout.lattice, &design.target);
     let doubts = Doubts::of(&record, layout, design);
     Ok(Evaluation { scores, record, doubts })
@@ -96,7 +118,7 @@ pub fn validity(design: &Design, material: &crate::material::Material) -> Validi
 /// What limits the trust in one run's numbers, as measured on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Doubts {
-    /// Two spheres that do not touch at rest and may have met, and when (s).
+    /// Two spheres that do not touch at rest and may have met, and when (s); the run was then made with a search for contacts.
     missed_contact: Option<([usize; 2], f64)>,
     /// Greatest overlap (m), and over the diameter.
     overlap: [f64; 2],
@@ -142,8 +164,8 @@ impl Doubts {
         let mut words = Vec::new();
         if let Some(([a, b], time)) = self.missed_contact {
             words.push(format!(
-                "{whose}: spheres {} and {}, which do not touch at rest, may have met after {}; their contact is not \
-                 simulated",
+                "{whose}: spheres {} and {}, which do not touch at rest, may have met after {}; simulated again, \
+                 with contacts found as they arise",
                 a + 1,
                 b + 1,
                 Time.show(time)

@@ -1,9 +1,8 @@
 //! A lens design as a rig: the proposed lens under its impact.
 
 use super::{Bench, RunPlan, Setup, SphereSite, record};
-use crate::contact::LawKind;
 use crate::dem::Mirror;
-use crate::dem::rig::{Body, Curve, Law, LawBook, Load, LoadKind, Rig};
+use crate::dem::rig::{Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig};
 use crate::design::Design;
 use crate::document::DocumentError;
 use crate::evaluate::{Overrides, Plan, PlanError};
@@ -47,7 +46,7 @@ pub(super) fn setup(design: &Design) -> Result<Setup, SetupError> {
     };
     let plan = Plan::new(design, Overrides::default(), &layout.palette)
         .map_err(|error| SetupError::Plan { design: Box::new(design.clone()), error })?;
-    let mut rig = Rig::new(layout.sample(), laws(design.law, design.constants));
+    let mut rig = Rig::new(layout.sample(), laws(design));
     rig.mirrors = vec![
         Mirror { axis: 0, position: 0.0, inward: 1.0 },
         Mirror { axis: 0, position: lattice.half_width(), inward: -1.0 },
@@ -79,6 +78,7 @@ pub(super) fn setup(design: &Design) -> Result<Setup, SetupError> {
     }))
 }
 
-fn laws(kind: LawKind, constants: crate::contact::Constants) -> LawBook {
-    LawBook::Materials { law: Law::Named(kind), constants, pairs: Vec::new(), friction: None }
+fn laws(design: &Design) -> LawBook {
+    let friction = design.friction.map(Friction::mindlin);
+    LawBook::Materials { law: Law::Named(design.law), constants: design.constants, pairs: Vec::new(), friction }
 }

@@ -1,7 +1,9 @@
 //! Crystals as rigs: against the fixed-list simulator, the independent solutions, and symmetric and periodic equivalents.
 
 use granulens::contact::LawKind;
-use granulens::dem::rig::{Arrival, Body, Curve, Load, LoadKind, Rig, Simulation};
+use granulens::dem::rig::{
+    Arrival, Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig, Simulation, simulate_as_rig,
+};
 use granulens::dem::{ForcePulse, Impact, Integrator, Mirror, simulate};
 
 use crate::reference::{Table, difference};
@@ -32,12 +34,24 @@ fn a_crystal_moves_as_in_the_fixed_list_simulator() {
             pulse: ForcePulse { force: 26e3, duration: 20e-6 },
             struck: (0..6).collect(),
             moving: Vec::new(),
-            exit: Vec::new(),
+            exit: (66..72).collect(),
             integrator: Integrator::Verlet,
             step: 1e-7,
             window: 100e-6,
         };
         let record = simulate(&rig.sample, &impact, &GO).unwrap();
+        let again = simulate_as_rig(&rig.sample, &impact, None, &GO).unwrap();
+        assert!(difference(again.exit_momentum, record.exit_momentum, 0.0) < 1e-9);
+        for i in 0..rig.mass.len() {
+            for (a, b) in [
+                (again.max_kinetic[i], record.max_kinetic[i]),
+                (again.max_net_force[i], record.max_net_force[i]),
+                (again.max_contact_force[i], record.max_contact_force[i]),
+            ] {
+                assert!(difference(a, b, 1e-6) < 1e-8, "{law} sphere {i}: {a} {b}");
+            }
+        }
+        assert!(difference(again.ledger.estimate, record.ledger.estimate, 0.0) < 1e-10);
         let mut simulation = Simulation::new(rig, 1e-7).unwrap().watching(vec![Arrival::OwnMaximum(0.01)]);
         simulation.advance(1000, &GO).unwrap();
         let arrivals = simulation.arrivals(0);
@@ -66,8 +80,14 @@ fn mirrors_and_a_period_are_the_same_crystal() {
         let mirrored = [mirror - at[0], at[1]];
         [at, &mirrored].iter().any(|p| (p[0] - 2.0).abs() < 1e-9 && (p[1] - 2.0 * 0.75_f64.sqrt()).abs() < 1e-9)
     };
-    let build = |centres: &[[f64; 2]], columns: usize| {
+    let build = |centres: &[[f64; 2]], columns: usize, friction: Option<Friction>| {
         let mut rig = rig(centres, LawKind::Thesis);
+        rig.laws = LawBook::Materials {
+            law: Law::Named(LawKind::Thesis),
+            constants: Default::default(),
+            pairs: Vec::new(),
+            friction,
+        };
         push(&mut rig, (0..columns).collect(), 20e3, 20e-6);
         for (i, at) in centres.iter().enumerate() {
             if marked(at, 9.0) {
@@ -76,21 +96,29 @@ fn mirrors_and_a_period_are_the_same_crystal() {
         }
         rig
     };
-    let mut mirrored = build(&half, 5);
-    mirrored.mirrors = vec![
-        Mirror { axis: 0, position: 0.0, inward: 1.0 },
-        Mirror { axis: 0, position: 4.5 * DIAMETER, inward: -1.0 },
-    ];
-    let mut periodic = build(&whole, 9);
-    periodic.periods = [Some(9.0 * DIAMETER), None];
-    let (mirrored, periodic) = (run(mirrored, 1e-7, 700), run(periodic, 1e-7, 700));
-    for (i, at) in half.iter().enumerate() {
-        let j = whole.iter().position(|p| (p[0] - at[0]).abs() + (p[1] - at[1]).abs() < 1e-9).unwrap();
-        let (a, b) = (mirrored.view().velocity(i), periodic.view().velocity(j));
-        assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-9), "{at:?}: {a:?} {b:?}");
+    for friction in [None, Some(Friction::mindlin(0.3))] {
+        let mut mirrored = build(&half, 5, friction);
+        mirrored.mirrors = vec![
+            Mirror { axis: 0, position: 0.0, inward: 1.0 },
+            Mirror { axis: 0, position: 4.5 * DIAMETER, inward: -1.0 },
+        ];
+        let mut periodic = build(&whole, 9, friction);
+        periodic.periods = [Some(9.0 * DIAMETER), None];
+        let (mirrored, periodic) = (run(mirrored, 1e-7, 700), run(periodic, 1e-7, 700));
+        let mut spins = 0.0_f64;
+        for (i, at) in half.iter().enumerate() {
+            let j = whole.iter().position(|p| (p[0] - at[0]).abs() + (p[1] - at[1]).abs() < 1e-9).unwrap();
+            let (a, b) = (mirrored.view().velocity(i), periodic.view().velocity(j));
+            assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-9), "{friction:?}, {at:?}: {a:?} {b:?}");
+            let (a, b) = (mirrored.view().spin(i)[2], periodic.view().spin(j)[2]);
+            assert!((a - b).abs() < 1e-5, "{friction:?}, {at:?}: {a} {b}");
+            spins = spins.max(a.abs());
+        }
+        assert_eq!(spins > 1.0, friction.is_some(), "{spins}");
+        let (a, b) = (mirrored.ledger(), periodic.ledger());
+        assert!(difference(2.0 * a.dissipated, b.dissipated, 0.0) < 1e-10);
+        assert!(difference(2.0 * a.friction, b.friction, 1e-6) < 1e-9);
     }
-    let (a, b) = (mirrored.ledger(), periodic.ledger());
-    assert!(difference(2.0 * a.dissipated, b.dissipated, 0.0) < 1e-10);
 }
 
 /// A plane wave in 440c, 5 spheres a row and periodic, against the independent solution (Runge-Kutta at the same step). A

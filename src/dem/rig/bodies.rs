@@ -67,7 +67,8 @@ impl<const D: usize> Bodies<D> {
             spin_rate: vec![[0.0; 3]; count],
             inverse_inertia: (0..count)
                 .map(|i| {
-                    if clustered[i].is_some() || rig.held[i].iter().all(|&held| held) {
+                    // A mirror turns spins about axes in it around: in the plane a sphere on one does not spin.
+                    if weight[i] < 1.0 || clustered[i].is_some() || rig.held[i].iter().all(|&held| held) {
                         0.0
                     } else {
                         1.0 / (rig.inertia[i] * weight[i])

@@ -1,6 +1,5 @@
 //! A machine whatever its law, and its state to and from numbers.
 
-use super::Rig;
 use super::bodies::Bodies;
 use super::checkpoint::State;
 use super::cluster::ClusterState;
@@ -10,6 +9,8 @@ use super::ledger::EnergyLedger;
 use super::machine::Machine;
 use super::pairs::pair;
 use super::simulation::Touching;
+use super::{Body, Rig};
+use crate::dem::ContactRecord;
 
 /// A machine of any law.
 pub(super) trait Engine<const D: usize>: Send {
@@ -30,6 +31,8 @@ pub(super) trait Engine<const D: usize>: Send {
     fn forget_dropped(&mut self);
     /// What contacts have taken from each sphere (J).
     fn dissipated(&self) -> Vec<f64>;
+    /// Every contact of spheres and mirrors that ever closed.
+    fn contacts_ever(&self) -> Vec<ContactRecord>;
     fn save(&self) -> State;
     fn load(&mut self, rig: &Rig<D>, state: State) -> bool;
 }
@@ -111,6 +114,33 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
             sum[*sphere as usize] += kept.loss() / bodies.weight[*sphere as usize];
         }
         sum
+    }
+
+    fn contacts_ever(&self) -> Vec<ContactRecord> {
+        let contacts = &self.contacts;
+        let sphere = |body| match body {
+            Body::Sphere(i) => Some(i),
+            Body::Flat(_) => None,
+        };
+        let mut records = Vec::new();
+        for c in 0..contacts.len() {
+            let [Some(a), Some(b)] = contacts.bodies(c).map(sphere) else { continue };
+            let account = &contacts.account[c];
+            let [overlap_max, force_max] = L::greatest(&contacts.memory[c]).unwrap_or([account.overlap, account.force]);
+            if overlap_max > 0.0 {
+                let stored = contacts.normal_law(c).stored(account.overlap, &contacts.memory[c]);
+                let (weight, work) = (contacts.weight(c), account.work);
+                records.push(ContactRecord { spheres: [a, b], weight, overlap_max, force_max, work, stored });
+            }
+        }
+        for (([a, b], _), kept) in &contacts.kept_pairs {
+            if let Some([overlap_max, force_max]) = L::greatest(&kept.memory) {
+                let (spheres, weight, work) = ([*a as usize, *b as usize], kept.weight, kept.work);
+                records.push(ContactRecord { spheres, weight, overlap_max, force_max, work, stored: 0.0 });
+            }
+        }
+        records.sort_by_key(|record| record.spheres);
+        records
     }
 
     fn save(&self) -> State {

@@ -67,7 +67,11 @@ impl Felt {
             let speed = speed_squared.sqrt();
             let floor = (own * speed).min(of_first * first).min(fixed);
             self.rises[i].push(time, speed, is_maximum, floor);
-            self.force_squared[i] = dot(&sums.force[i], &sums.force[i]).max(self.force_squared[i]);
+            // Across a mirror that a sphere lies on its other half pushes back.
+            let mirrored = bodies.weight[i] < 1.0;
+            let felt = |k: usize| if mirrored && bodies.inverse_mass[i][k] == 0.0 { 0.0 } else { sums.force[i][k] };
+            let force: [f64; D] = std::array::from_fn(felt);
+            self.force_squared[i] = dot(&force, &force).max(self.force_squared[i]);
         }
         if self.moved_before.is_empty() {
             return;

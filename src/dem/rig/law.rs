@@ -274,6 +274,11 @@ impl Binder<Viscous> for ByDashpot {
 }
 
 impl Friction {
+    /// Coulomb's friction with the tangential spring of elastic spheres, undamped.
+    pub fn mindlin(coefficient: f64) -> Self {
+        Self { coefficient, spring: Spring::Mindlin, damping: 0.0 }
+    }
+
     fn slip(&self, mindlin: f64) -> Slip {
         Slip {
             coefficient: self.coefficient,

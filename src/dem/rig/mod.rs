@@ -11,6 +11,7 @@
 //! - `machine`: one velocity-Verlet step; `engine`: a machine whatever its law
 //! - `simulation`: from start to end, with guards
 //! - `felt`, `ledger`: what each sphere felt, and where the energy went, by mechanism
+//! - `impact`: an impact on a crystal as a rig, with friction
 //! - `checkpoint`: the state as bytes, and back
 //!
 //! Positions are displacements from where the spheres lay at the start, as everywhere in [`dem`](super).
@@ -23,6 +24,7 @@ mod curve;
 mod engine;
 mod felt;
 mod flat;
+mod impact;
 mod law;
 mod ledger;
 mod machine;
@@ -34,6 +36,7 @@ pub use cluster::{Cluster, ClusterState};
 pub use curve::{Curve, CurveError};
 pub use felt::Arrival;
 pub use flat::{Face, Flat};
+pub use impact::simulate_as_rig;
 pub use law::{Friction, Law, LawBook, Spring};
 pub use ledger::EnergyLedger;
 pub use simulation::{FlatState, RigError, RigStop, Simulation, Touching, View};

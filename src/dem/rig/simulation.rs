@@ -1,5 +1,6 @@
 //! A rig from start to end: steps, guards, what can be looked at on the way.
 
+use std::any::Any;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::checkpoint::{CheckpointError, State, digest};
@@ -12,7 +13,7 @@ use super::ledger::EnergyLedger;
 use super::machine::Machine;
 use super::pairs::{Finder, TOUCHING};
 use super::{Body, LawBook, LoadKind, Rig};
-use crate::dem::stable_step;
+use crate::dem::{ContactRecord, same, stable_step};
 
 /// A rig in motion.
 pub struct Simulation<const D: usize> {
@@ -73,6 +74,9 @@ pub enum RigError {
     /// A member of a cluster that does not exist, belongs to two, is held, moved or loaded by itself; or a cluster that makes no sense.
     #[error("cluster {0} cannot be simulated: {1}")]
     Cluster(usize, &'static str),
+    /// Friction in space between mirrors, on which spheres could spin about one axis only.
+    #[error("friction in space does not go with mirrors; simulate the whole crystal")]
+    MirroredFriction,
     /// A body is fixed to a bar and has its velocity prescribed.
     #[error("{0} is fixed to a bar, so that its velocity cannot be prescribed")]
     Bound(Body),
@@ -283,8 +287,22 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// See [`RigStop`]; the state is then that of the step at which the guard looked.
     pub fn advance(&mut self, steps: u64, interrupt: &AtomicBool) -> Result<(), RigStop> {
+        self.follow(steps, interrupt, |_| ())
+    }
+
+    /// As [`advance`](Self::advance), showing the state after every step.
+    ///
+    /// # Errors
+    /// See [`RigStop`].
+    pub fn follow(
+        &mut self,
+        steps: u64,
+        interrupt: &AtomicBool,
+        mut each: impl FnMut(&View<'_, D>),
+    ) -> Result<(), RigStop> {
         for _ in 0..steps {
             self.engine.advance(&self.rig);
+            each(&View { rig: &self.rig, engine: &*self.engine, step: self.step });
             if let Some(felt) = &mut self.felt {
                 let time = self.engine.count() as f64 * self.step;
                 felt.accepted(time, self.step, self.engine.bodies(), self.engine.sums());
@@ -325,6 +343,10 @@ impl<const D: usize> Simulation<D> {
     /// Where the energy is and went.
     pub fn ledger(&self) -> EnergyLedger {
         self.engine.ledger(&self.rig)
+    }
+    /// Every contact of spheres and mirrors that ever closed; those with flats are left out.
+    pub(super) fn contacts_ever(&self) -> Vec<ContactRecord> {
+        self.engine.contacts_ever()
     }
     /// What contacts have taken from each sphere (J): half of each to both, all of it at flats; of whole spheres also where
     /// they lie on a mirror.
@@ -433,7 +455,31 @@ fn lighter<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> f64 {
     mass(bodies[0]).min(mass(bodies[1]))
 }
 
+/// The engine for a rig's dimension and laws, compiled here for each dimension; see `dem::same`.
 fn engine<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
+    fn in_line(rig: &Rig<1>, step: f64) -> Box<dyn Engine<1>> {
+        choose(rig, step)
+    }
+    fn in_plane(rig: &Rig<2>, step: f64) -> Box<dyn Engine<2>> {
+        choose(rig, step)
+    }
+    fn in_space(rig: &Rig<3>, step: f64) -> Box<dyn Engine<3>> {
+        choose(rig, step)
+    }
+    let dimension: &dyn Any = rig;
+    if let Some(rig) = dimension.downcast_ref() {
+        same(in_line(rig, step))
+    } else if let Some(rig) = dimension.downcast_ref() {
+        same(in_plane(rig, step))
+    } else if let Some(rig) = dimension.downcast_ref() {
+        same(in_space(rig, step))
+    } else {
+        const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
+        unreachable!("one of the three")
+    }
+}
+
+fn choose<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
     match &rig.laws {
         LawBook::Materials { law, constants, pairs, friction } => {
             let binder = ByMaterial {
@@ -533,6 +579,9 @@ fn check<const D: usize>(rig: &Rig<D>, step: f64) -> Result<(), RigError> {
         if !rig.mirrors.is_empty() {
             return wrong("clusters do not go with mirrors");
         }
+    }
+    if D == 3 && rig.laws.has_friction() && !rig.mirrors.is_empty() {
+        return Err(RigError::MirroredFriction);
     }
     let least = Finder::new(rig).shortest_period();
     for period in rig.periods.into_iter().flatten() {

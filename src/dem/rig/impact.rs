@@ -1,0 +1,108 @@
+//! An impact on a crystal as a rig: where friction acts, or where spheres meet that did not touch at rest.
+
+use std::sync::atomic::AtomicBool;
+
+use super::{Arrival, Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation};
+use crate::dem::{Impact, Ledger, Record, Stop, steps_in};
+use crate::sample::Sample;
+
+/// Follows an impact as [`simulate`](crate::dem::simulate) does, with friction if asked for, and with contacts that come and
+/// go. Always by velocity Verlet. Losses by friction count as dissipated; the springs of friction as stored.
+///
+/// # Errors
+/// See [`RigError`]. A run that a guard stops is no error: its record says why.
+pub fn simulate_as_rig<const D: usize>(
+    sample: &Sample<D>,
+    impact: &Impact,
+    friction: Option<Friction>,
+    interrupt: &AtomicBool,
+) -> Result<Record<D>, RigError> {
+    let laws =
+        LawBook::Materials { law: Law::Named(impact.law), constants: impact.constants, pairs: Vec::new(), friction };
+    let mut rig = Rig::new(sample.clone(), laws);
+    rig.mirrors.clone_from(&impact.mirrors);
+    let mut direction = [0.0; D];
+    direction[D - 1] = 1.0;
+    let pulse = impact.pulse;
+    rig.loads = vec![Load {
+        bodies: impact.struck.iter().map(|&i| Body::Sphere(i)).collect(),
+        direction,
+        kind: LoadKind::Force,
+        curve: Curve::Square { peak: pulse.force, start: 0.0, duration: pulse.duration },
+    }];
+    for &(i, speed) in &impact.moving {
+        rig.velocity[i][D - 1] = speed;
+    }
+    let mass = rig.mass.clone();
+    let halves = |i: usize| {
+        let sphere = &sample.spheres[i];
+        let on = impact.mirrors.iter().filter(|mirror| mirror.carries(&sphere.centre, sphere.radius)).count();
+        0.5_f64.powi(on as i32)
+    };
+    let exit: Vec<(usize, f64)> = impact.exit.iter().map(|&i| (i, halves(i) * mass[i])).collect();
+    let mut simulation = Simulation::new(rig, impact.step)?.watching(vec![Arrival::OwnMaximum(0.01)]);
+    let (mut exit_momentum, mut exit_force) = (0.0_f64, 0.0_f64);
+    let stop = simulation
+        .follow(steps_in(impact.window, impact.step), interrupt, |view| {
+            let momentum: f64 = exit.iter().map(|&(i, mass)| mass * view.velocity(i)[D - 1]).sum();
+            let force: f64 = exit.iter().map(|&(i, _)| view.net_force(i)[D - 1]).sum();
+            exit_momentum = exit_momentum.max(momentum);
+            exit_force = exit_force.max(force);
+        })
+        .err();
+    let spheres = sample.spheres.len();
+    let contacts = simulation.contacts_ever();
+    let mut max_contact_force = vec![0.0_f64; spheres];
+    let mut estimate = 0.0;
+    for contact in &contacts {
+        estimate += contact.weight * 0.5 * contact.overlap_max * contact.force_max;
+        for i in contact.spheres {
+            max_contact_force[i] = max_contact_force[i].max(contact.force_max);
+        }
+    }
+    let energy = simulation.ledger();
+    let view = simulation.view();
+    Ok(Record {
+        max_kinetic: (0..spheres).zip(simulation.greatest_speed()).map(|(i, v)| 0.5 * mass[i] * v * v).collect(),
+        // The force on the simulated part is that part of the force on the whole.
+        max_net_force: (0..spheres).zip(simulation.greatest_force()).map(|(i, force)| force / halves(i)).collect(),
+        max_contact_force,
+        arrival: simulation.arrivals(0),
+        dissipated: simulation.dissipated(),
+        contacts,
+        ledger: Ledger {
+            work_in: energy.work_in,
+            kinetic: energy.kinetic,
+            stored: energy.stored + energy.wound,
+            dissipated: energy.dissipated + energy.friction + energy.absorbed,
+            estimate,
+        },
+        exit_momentum,
+        exit_force,
+        displacement: (0..spheres).map(|i| view.displacement(i)).collect(),
+        velocity: (0..spheres).map(|i| view.velocity(i)).collect(),
+        steps: simulation.steps(),
+        missed_contact: None,
+        stop: stop.map(translate),
+    })
+}
+
+/// A rig's guard in the words of an impact; on a crystal without flats every body is a sphere.
+fn translate(stop: RigStop) -> Stop {
+    let sphere = |body: Body| match body {
+        Body::Sphere(i) | Body::Flat(i) => i + 1,
+    };
+    match stop {
+        RigStop::Interrupted { time } => Stop::Interrupted { time_s: time },
+        RigStop::NotFinite { body, time } | RigStop::Escaped { body, time } => {
+            Stop::NotFinite { sphere: sphere(body), time_s: time }
+        }
+        RigStop::Overlap { bodies, ratio, time, .. } => {
+            Stop::Overlap { spheres: bodies.map(sphere), overlap_ratio: ratio, time_s: time }
+        }
+        RigStop::Step { step, limit, stiffness, bodies, time } => {
+            Stop::Step { step_s: step, limit_s: limit, stiffness, spheres: bodies.map(sphere), time_s: time }
+        }
+        RigStop::Residual { residual, .. } => Stop::Residual { residual },
+    }
+}
