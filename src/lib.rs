@@ -22,6 +22,7 @@ pub mod wave;
 pub mod ray;
 pub mod lens;
 pub mod dem;
+pub mod bed;
 pub mod score;
 pub mod outcome;
 pub mod design;

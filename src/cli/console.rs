@@ -97,3 +97,37 @@ impl Progress for Bar {
         self.0.finished(name);
     }
 }
+
+/// A bar on stderr that follows a quantity; hidden where stderr is no terminal.
+pub struct Steps(ProgressBar);
+
+impl Steps {
+    /// Up to a known end, in a unit.
+    pub fn new(common: &Common, end: f64, unit: &str) -> Self {
+        let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(end.ceil() as u64) };
+        if let Ok(style) = ProgressStyle::with_template(&format!(
+            "{{bar:30}} {{pos}}/{{len}} {unit}, {{elapsed}} ({{eta}} left) {{msg}}"
+        )) {
+            bar.set_style(style);
+        }
+        Self(bar)
+    }
+
+    /// To an end that is not known.
+    pub fn unbounded(common: &Common) -> Self {
+        let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        Self(bar)
+    }
+
+    pub fn at(&self, position: f64, message: &str) {
+        self.0.set_position(position as u64);
+        self.0.set_message(message.to_owned());
+    }
+
+    pub fn done(self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -223,6 +223,10 @@ impl From<StudyError> for Failure {
                 Self::input_with_help(format!("the study's {error}."), error.help())
             }
             StudyError::Evaluator(EvaluatorError::Batch(error)) => Self::input(error.to_string()),
+            StudyError::Evaluator(error @ EvaluatorError::Friction(_)) => Self::input_with_help(
+                error.to_string(),
+                "Take crystal.friction out of the design for the search, and check what it finds with friction.",
+            ),
         }
     }
 }
@@ -243,8 +247,8 @@ impl From<granulens::material::UnknownMaterial> for Failure {
     }
 }
 
-impl From<granulens::dem::OverlapAtRest> for Failure {
-    fn from(error: granulens::dem::OverlapAtRest) -> Self {
+impl From<granulens::evaluate::EvaluateError> for Failure {
+    fn from(error: granulens::evaluate::EvaluateError) -> Self {
         Self::input(error.to_string())
     }
 }

@@ -140,9 +140,16 @@ impl Folder {
     }
 }
 
-/// A folder with a manifest of ours, or an empty one. Others write files of that name too.
+/// The file by which a folder of an impact on a bed is recognised, and a key that is always in it.
+const IMPACT: (&str, &str) = ("impact.json", "final_depth_d");
+
+/// A folder with a manifest of ours, or with the numbers of an impact, or an empty one. Others write files of these names too.
 fn is_results(place: &Path) -> bool {
     let empty = || fs::read_dir(place).is_ok_and(|mut entries| entries.next().is_none());
     let manifest = || fs::read_to_string(place.join(MARK)).ok().map(|text| serde_json::from_str::<Manifest>(&text));
-    place.is_dir() && (matches!(manifest(), Some(Ok(_))) || empty())
+    let impact = || {
+        let text = fs::read_to_string(place.join(IMPACT.0)).unwrap_or_default();
+        serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|value| value.get(IMPACT.1).is_some())
+    };
+    place.is_dir() && (matches!(manifest(), Some(Ok(_))) || impact() || empty())
 }

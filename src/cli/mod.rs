@@ -4,6 +4,7 @@
 //! - `console`: output that survives a closed pipe, Ctrl-C, progress
 //! - `folder`: output folders that appear only when complete
 
+mod bench;
 mod check;
 mod compare;
 mod console;
@@ -12,6 +13,7 @@ mod design;
 mod export;
 mod failure;
 mod folder;
+mod impact;
 mod materials;
 mod reproduce;
 mod run;
@@ -86,6 +88,8 @@ enum Command {
     Study(study::Study),
     Reproduce(reproduce::Reproduce),
     Export(Box<export::Export>),
+    Impact(impact::Impact),
+    Bench(bench::Bench),
 }
 
 pub fn main() -> ExitCode {
@@ -116,6 +120,8 @@ pub fn main() -> ExitCode {
         Command::Study(command) => command.run(common),
         Command::Reproduce(command) => command.run(common),
         Command::Export(command) => command.run(common),
+        Command::Impact(command) => command.run(common),
+        Command::Bench(command) => command.run(common),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -141,6 +141,11 @@ impl<'a> Entry<'a> {
         self.value.as_str().ok_or_else(|| self.wrong("must be text in quotes"))
     }
 
+    /// `true` or `false`.
+    pub fn yes(&self) -> Result<bool, DocumentError> {
+        self.value.as_bool().ok_or_else(|| self.wrong("must be true or false"))
+    }
+
     /// A finite number without a unit.
     pub fn number(&self) -> Result<f64, DocumentError> {
         let number = match self.value {
@@ -254,11 +259,6 @@ impl<'a> Entry<'a> {
     /// Whether it is a list.
     pub fn is_list(&self) -> bool {
         self.value.is_array()
-    }
-
-    /// true or false.
-    pub fn yes(&self) -> Result<bool, DocumentError> {
-        self.value.as_bool().ok_or_else(|| self.wrong("must be true or false"))
     }
 
     /// A complaint with how the key is written.

@@ -12,8 +12,11 @@
 //! - `contact_curve`: a contact law as a picture
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `surface`: a design surface as a picture; `labels`: places for its labels
+//! - `chart`: lines over a quantity; `bed`: an impact on a granular bed
 //! - `trial`: one simulated rig, from the records in its folder
 
+mod bed;
+mod chart;
 mod claims;
 mod colour;
 mod contact_curve;
@@ -32,6 +35,7 @@ mod table;
 mod trace;
 mod trial;
 
+pub use bed::{BedPictures, draw_bed};
 pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, write, write_numbers};

@@ -4,12 +4,13 @@
 //! - `check`: layouts under an impact, steps, guards and thresholds
 //! - `layouts`: what a wrong layout file hears
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
-//! - `simulate`: rigs
+//! - `simulate`: rigs; `impact`: granular beds
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption
 
 mod check;
 mod folders;
+mod impact;
 mod jobs;
 mod laws;
 mod layouts;

@@ -272,3 +272,22 @@ fn mutations_are_many_and_repeat() {
     assert!(inputs.len() > 400, "{} of 500 differ", inputs.len());
     assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").is_dir());
 }
+
+#[test]
+fn bed_files_and_beds() {
+    let corpus = files("designs", "toml", 20_000);
+    withstands("bed", corpus, 400, |bytes| {
+        if let Ok(text) = std::str::from_utf8(bytes)
+            && let Err(error) = granulens::bed::BedFile::parse("designs/fuzz.toml", text)
+        {
+            let _ = (error.to_string(), format!("{:?}", miette::Report::new(error)));
+        }
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bed.csv");
+    let bed = b"# width 9.0 d, sides walls\nkind,x_d,y_d,diameter_d\ngrain,1.5,0.5,1.0\nwall,0.25,-0.25,0.5\n".to_vec();
+    withstands("settled bed", vec![bed], 400, |bytes| {
+        fs::write(&path, bytes).unwrap();
+        let _ = granulens::bed::read(&path).map_err(|error| error.to_string());
+    });
+}

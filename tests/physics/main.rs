@@ -14,5 +14,4 @@ mod lens;
 mod problem;
 mod reference;
 mod surface;
-mod symmetry;
 mod wave;

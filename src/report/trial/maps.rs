@@ -1,9 +1,9 @@
 //! The wave over depth and time, and when it arrives at each sphere.
 
+use super::super::chart::ticks;
 use super::super::colour::{LEVELS, MISSING, Scale, level};
 use super::super::digits::short;
 use super::super::svg::{Anchor, Shapes, Svg};
-use super::chart::ticks;
 use super::{Sphere, Times};
 
 /// Room for an x-t diagram (px), and around it: left, top, right (bar), bottom.

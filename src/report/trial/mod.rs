@@ -1,16 +1,15 @@
 //! Pictures of one simulated rig, from the records in its folder; nothing here simulates.
 //!
-//! - `chart`: lines over time; `maps`: the wave over depth and time, arrivals
+//! - `maps`: the wave over depth and time, arrivals
 
-mod chart;
 mod maps;
 
 use std::path::Path;
 
+use super::chart::{COLOURS, Chart, Line};
 use super::svg::escape;
 use crate::trial::{SUMMARY, Series, Summary};
 use crate::units::Dimension::{Length, Speed};
-use chart::{COLOURS, Chart, Line};
 
 /// Points of a line, at most.
 const POINTS: usize = 2000;

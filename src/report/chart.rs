@@ -1,8 +1,8 @@
 //! Lines over time, with axes and a legend.
 
-use super::super::colour::round_up;
-use super::super::digits::{short, significant};
-use super::super::svg::{Anchor, Svg};
+use super::colour::round_up;
+use super::digits::{short, significant};
+use super::svg::{Anchor, Svg};
 
 /// One line of a chart.
 pub struct Line {

@@ -1,0 +1,147 @@
+//! How a bed comes to rest.
+//!
+//! With kinetic friction a bed creeps for ever, so it settles without friction and with a little drag, which decides nothing
+//! about where the grains end: friction is restored for the impact.
+
+use std::sync::atomic::AtomicBool;
+
+use super::measure::surface;
+use super::{Bed, Disk, Grains, Pile};
+use crate::dem::rig::{RigError, RigStop, Simulation};
+
+/// A bed at rest, and how it came there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settled {
+    /// The bed.
+    pub bed: Bed,
+    /// How long it took (τ_c).
+    pub time: f64,
+    /// Grains taken away as they stood out of the surface.
+    pub smoothed: usize,
+}
+
+/// A bed that did not come to rest.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SettleError {
+    /// The rig cannot be set in motion.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// A guard stopped it, or the caller.
+    #[error(transparent)]
+    Stop(#[from] RigStop),
+    /// It still moves after a long time.
+    #[error("after {time:.0} tau_c the bed still has a kinetic energy of {kinetic:.1e} m g d, above {STILL:.0e}")]
+    Restless {
+        /// How long was waited (τ_c).
+        time: f64,
+        /// What was left (m g d).
+        kinetic: f64,
+    },
+}
+
+/// A bed is at rest when its kinetic energy is below this part of m g d (Kondic et al. 2012).
+const STILL: f64 = 1e-10;
+/// The step (τ_c): 1/50 of a collision.
+pub(super) const STEP: f64 = 0.02;
+/// Steps between two looks at the kinetic energy.
+const LOOK: u64 = 500;
+/// Longest wait (τ_c).
+const PATIENCE: f64 = 50_000.0;
+/// Drag per mass (1/τ_c): falling grains reach g/drag = 0.06 in the default bed.
+const DRAG: f64 = 0.02;
+/// Grains whose top stands out of the local surface by more than this (d) are taken away.
+const ROUGH: f64 = 0.5;
+
+/// Lets a pile settle, smooths its surface and lets it settle again. `progress` hears time (τ_c) and kinetic energy (m g d).
+///
+/// # Errors
+/// See [`SettleError`].
+pub fn settle(
+    pile: &Pile,
+    grains: &Grains,
+    interrupt: &AtomicBool,
+    mut progress: impl FnMut(f64, f64),
+) -> Result<Settled, SettleError> {
+    let (bed, velocities) = pile.lay();
+    let mut time = 0.0;
+    let mut bed = rest(bed, &velocities, grains, interrupt, &mut time, &mut progress)?;
+    let before = bed.grains.len();
+    let width = bed.width;
+    let local: Vec<f64> = (0..width.ceil() as usize).map(|k| surface(&bed, k as f64 + 0.5)).collect();
+    bed.grains.retain(|Disk { centre: [x, y], diameter }| {
+        let level = local[(x.rem_euclid(width) as usize).min(local.len() - 1)];
+        y + 0.5 * diameter < level + ROUGH
+    });
+    let smoothed = before - bed.grains.len();
+    if smoothed > 0 {
+        let still = vec![[0.0; 2]; bed.grains.len()];
+        bed = rest(bed, &still, grains, interrupt, &mut time, &mut progress)?;
+    }
+    Ok(Settled { bed, time, smoothed })
+}
+
+/// Follows a bed until it is at rest.
+fn rest(
+    bed: Bed,
+    velocities: &[[f64; 2]],
+    grains: &Grains,
+    interrupt: &AtomicBool,
+    time: &mut f64,
+    progress: &mut impl FnMut(f64, f64),
+) -> Result<Bed, SettleError> {
+    let mut rig = grains.rig(&bed, false);
+    rig.velocity[..velocities.len()].copy_from_slice(velocities);
+    rig.drag = DRAG;
+    let unit = grains.fall();
+    let begun = *time;
+    let mut simulation = Simulation::new(rig, STEP)?;
+    loop {
+        simulation.advance(LOOK, interrupt)?;
+        *time = begun + simulation.time();
+        let kinetic = simulation.ledger().kinetic / unit;
+        progress(*time, kinetic);
+        if kinetic < STILL {
+            break;
+        }
+        if *time > PATIENCE {
+            return Err(SettleError::Restless { time: *time, kinetic });
+        }
+    }
+    let view = simulation.view();
+    let grains = (bed.grains.iter().enumerate())
+        .map(|(i, disk)| {
+            let [x, y] = view.position(i);
+            Disk { centre: [if bed.periodic { x.rem_euclid(bed.width) } else { x }, y], ..*disk }
+        })
+        .collect();
+    Ok(Bed { grains, ..bed })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bed::{Packing, Sides, measure};
+
+    /// A small bed settles, and at rest every grain's weight is carried: the wall's force would be Σ m g, so the volume
+    /// fraction is that of a dense packing and nothing moves.
+    #[test]
+    fn a_small_bed_comes_to_rest() {
+        let go = AtomicBool::new(false);
+        let pile =
+            Pile { packing: Packing::Random, width: 20.0, height: 15.0, spread: 0.2, seed: 5, sides: Sides::Periodic };
+        let grains = Grains { stiffness: 400.0, ..Grains::default() };
+        let settled = settle(&pile, &grains, &go, |_, _| ()).unwrap();
+        assert!(settled.bed.grains.len() + settled.smoothed == 300 && settled.smoothed < 30);
+        let measures = measure(&settled.bed);
+        assert!((0.8..0.92).contains(&measures.volume_fraction), "{measures:?}");
+        assert!((3.5..5.0).contains(&measures.coordination), "{}", measures.coordination);
+        // Held up: the net force on every grain is a small part of its weight.
+        let rig = grains.rig(&settled.bed, false);
+        let simulation = Simulation::new(rig, STEP).unwrap();
+        for i in 0..settled.bed.grains.len() {
+            let [x, y] = simulation.view().net_force(i);
+            let weight = simulation.rig().mass[i] * grains.fall();
+            assert!(x.hypot(y - weight) < 1e-3 * weight, "grain {i}: {x} {y} {weight}");
+        }
+    }
+}

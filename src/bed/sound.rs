@@ -1,0 +1,72 @@
+//! How fast a push travels through a bed (Kondic et al. 2012, section II).
+
+use std::sync::atomic::AtomicBool;
+
+use super::measure::surface;
+use super::settle::STEP;
+use super::{Bed, Grains};
+use crate::dem::rig::{Body, Curve, Load, LoadKind, RigError, RigStop, Simulation};
+
+/// A bed in which no sound speed was found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SoundError {
+    /// The rig cannot be set in motion.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// A guard or the caller stopped it.
+    #[error(transparent)]
+    Stop(#[from] RigStop),
+    /// The push did not reach the bottom.
+    #[error("the push did not reach the bottom of the bed within {0:.0} tau_c")]
+    Unheard(f64),
+    /// There is no grain to push.
+    #[error("the bed has no grains")]
+    Empty,
+}
+
+/// The push, in weights of a mean grain: small against what the bed carries at the bottom.
+const PUSH: f64 = 10.0;
+/// A change of the force on the bottom counts as heard from this part of its greatest on.
+const HEARD: f64 = 0.05;
+
+/// Speed (d/τ_c) at which a push on the top grain in the middle reaches the bottom: the surface's height over the time from
+/// the push to the first 5 % of its greatest force on the bottom.
+///
+/// # Errors
+/// See [`SoundError`].
+pub fn sound_speed(bed: &Bed, grains: &Grains, interrupt: &AtomicBool) -> Result<f64, SoundError> {
+    let middle = 0.5 * bed.width;
+    let near = |x: f64| (x - middle).abs() < 1.0;
+    let top = (0..bed.grains.len())
+        .filter(|&i| near(bed.grains[i].centre[0]))
+        .max_by(|&a, &b| bed.grains[a].centre[1].total_cmp(&bed.grains[b].centre[1]))
+        .ok_or(SoundError::Empty)?;
+    let height = surface(bed, middle);
+    let push = PUSH * grains.fall();
+    let bottom = |pushed: bool| -> Result<Vec<f64>, SoundError> {
+        let mut rig = grains.rig(bed, true);
+        if pushed {
+            let curve = Curve::Square { peak: push, start: 0.0, duration: 1e9 };
+            let bodies = vec![Body::Sphere(top)];
+            rig.loads = vec![Load { bodies, direction: [0.0, -1.0], kind: LoadKind::Force, curve }];
+        }
+        let walls = bed.grains.len()..bed.grains.len() + bed.walls.len();
+        let mut simulation = Simulation::new(rig, STEP)?;
+        let mut forces = Vec::new();
+        // Slow beds carry sound at about one diameter a unit of time.
+        for _ in 0..(1.5 * height / (5.0 * STEP)) as usize {
+            simulation.advance(5, interrupt)?;
+            forces.push(walls.clone().map(|i| simulation.view().net_force(i)[1]).sum());
+        }
+        Ok(forces)
+    };
+    // Against the same bed left alone, so that its own creeping is not heard.
+    let (pushed, alone) = (bottom(true)?, bottom(false)?);
+    let change: Vec<f64> = pushed.iter().zip(&alone).map(|(a, b)| (a - b).abs()).collect();
+    let most = change.iter().copied().fold(0.0, f64::max);
+    let first = change.iter().position(|&c| c >= HEARD * most).filter(|_| most > 1e-3 * push);
+    match first {
+        Some(k) => Ok(height / ((k + 1) as f64 * 5.0 * STEP)),
+        None => Err(SoundError::Unheard(1.5 * height)),
+    }
+}

@@ -1,0 +1,295 @@
+//! `granulens impact`: an intruder strikes a granular bed.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use granulens::bed::{
+    Bed, BedFile, Course, Damping, Measures, Origin, SettleError, Settled, measure, read, settle, sound_speed, strike,
+    write,
+};
+use granulens::dem::rig::RigStop;
+use granulens::report::{BedPictures, draw_bed};
+use serde::Serialize;
+
+use super::Common;
+use super::console::{Steps, emit, emit_json, interrupt, note, pretty};
+use super::failure::Failure;
+use super::folder::Folder;
+
+/// Strike a granular bed with an intruder: depth, forces, energies
+///
+/// The bed is poured and settles first, or comes from a file; settled beds are kept in reports/beds and used again. The output
+/// folder, reports/NAME unless --out names another, appears when it is complete.
+#[derive(clap::Args)]
+pub struct Impact {
+    /// Bed file, such as designs/bed.toml
+    bed: PathBuf,
+    /// Speed of the intruder, in place of the file's
+    #[arg(long, value_name = "D_PER_TAU")]
+    speed: Option<f64>,
+    /// Let the bed settle anew, even if a settled one is kept
+    #[arg(long)]
+    fresh: bool,
+    /// Measure the speed of sound in the bed too
+    #[arg(long)]
+    sound: bool,
+}
+
+/// What --json prints; lengths in mean diameters, times in collision times, forces in m d/tau_c^2.
+#[derive(Serialize)]
+struct Numbers<'a> {
+    format: u32,
+    name: &'a str,
+    seed: Option<u64>,
+    speed: f64,
+    grains: usize,
+    volume_fraction: f64,
+    coordination: f64,
+    surface_d: f64,
+    true_restitution: f64,
+    sound_speed: Option<f64>,
+    final_depth_d: f64,
+    final_swing_d: f64,
+    max_depth_d: f64,
+    overshoot_d: f64,
+    peak_force: f64,
+    peak_force_time_tau_c: f64,
+    time_tau_c: f64,
+    work_in: f64,
+    lost_in_contacts: f64,
+    lost_by_friction: f64,
+    residual: Option<f64>,
+    seconds: f64,
+    settled_in_seconds: Option<f64>,
+    stop: Option<String>,
+}
+
+impl Impact {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let mut file = BedFile::read(&self.bed)?;
+        if let Some(speed) = self.speed {
+            if !(0.0..=10.0).contains(&speed) {
+                return Err(Failure::input(format!("--speed = {speed} must lie from 0 to 10")));
+            }
+            file.impact.intruder.speed = speed;
+        }
+        if let (Some(seed), Origin::Pile(pile)) = (common.seed, &mut file.origin) {
+            pile.seed = seed;
+        }
+        let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&file.name));
+        let folder = Folder::begin(&place)?;
+        let (bed, settled_in) = self.prepare(common, &file)?;
+        let measures = measure(&bed);
+        let grains = &file.impact.grains;
+        let heard = match self.sound {
+            true => Some(sound_speed(&bed, grains, interrupt()).map_err(|error| Failure::input(error.to_string()))?),
+            false => None,
+        };
+        let begun = Instant::now();
+        let bar = Steps::new(common, file.impact.window, "tau_c");
+        let course = strike(&bed, &file.impact, interrupt(), |moment| {
+            bar.at(moment.time, &format!("depth {:.2} d", moment.depth));
+        })
+        .map_err(|error| Failure::input(format!("{}: {error}", self.bed.display())))?;
+        bar.done();
+        let seconds = begun.elapsed().as_secs_f64();
+        let numbers = numbers(&file, &bed, &measures, &course, heard, [Some(seconds), settled_in]);
+        self.write(&file, &bed, &measures, &course, &numbers, folder)?;
+        if common.json {
+            emit_json(&numbers);
+        } else {
+            emit(&words(&numbers));
+        }
+        note(common, &format!("report: {}", place.join("impact.html").display()));
+        match course.stop {
+            Some(stop @ RigStop::Interrupted { .. }) => {
+                Err(Failure::Interrupted(format!("{}; what was followed is in {}", unit(&stop), place.display())))
+            }
+            Some(stop) => Err(Failure::Guard(vec![unit(&stop)])),
+            None => Ok(()),
+        }
+    }
+
+    /// The bed at rest: from its file, from an earlier run, or settled now, with the seconds that took.
+    fn prepare(&self, common: &Common, file: &BedFile) -> Result<(Bed, Option<f64>), Failure> {
+        let load = |path: &Path| read(path).map_err(|error| Failure::input(error.to_string()));
+        let pile = match &file.origin {
+            Origin::File(path) => return Ok((load(path)?, None)),
+            Origin::Pile(pile) => pile,
+        };
+        let grains = &file.impact.grains;
+        // Friction rests while a bed settles, so that beds with and without share their rest.
+        let rest = serde_json::json!({
+            "pile": pile,
+            "stiffness": grains.stiffness,
+            "gravity": grains.gravity,
+            "restitution": [grains.grains.restitution, grains.walls.restitution],
+            "exact": grains.damping == Damping::Exact,
+            "cut": grains.cut,
+        });
+        let key = crc32fast::hash(rest.to_string().as_bytes());
+        let path = Path::new("reports/beds").join(format!("bed-{key:08x}.csv"));
+        if path.exists() && !self.fresh {
+            note(common, &format!("bed: {} (settled before)", path.display()));
+            return Ok((load(&path)?, None));
+        }
+        note(common, "the bed settles; with 6000 grains that takes a minute or two, once");
+        let begun = Instant::now();
+        let bar = Steps::unbounded(common);
+        let settled = settle(pile, grains, interrupt(), |time, kinetic| {
+            bar.at(time, &format!("settling: {time:.0} tau_c, kinetic energy {kinetic:.1e} m g d"));
+        });
+        bar.done();
+        let Settled { bed, time, smoothed } = settled.map_err(|error| match error {
+            SettleError::Stop(RigStop::Interrupted { .. }) => {
+                Failure::Interrupted("the bed had not settled yet; nothing was written".to_owned())
+            }
+            SettleError::Stop(stop) => Failure::Guard(vec![unit(&stop)]),
+            error => Failure::input(format!("{}: {error}", self.bed.display())),
+        })?;
+        let seconds = begun.elapsed().as_secs_f64();
+        let notes =
+            format!("A bed at rest after {time:.0} tau_c; {smoothed} grains taken off its surface.\nMade from {rest}");
+        write(&path, &bed, &notes).map_err(|error| Failure::input(error.to_string()))?;
+        note(common, &format!("bed: {} (settled in {seconds:.0} s)", path.display()));
+        Ok((bed, Some(seconds)))
+    }
+
+    fn write(
+        &self,
+        file: &BedFile,
+        bed: &Bed,
+        measures: &Measures,
+        course: &Course,
+        numbers: &Numbers,
+        folder: Folder,
+    ) -> Result<(), Failure> {
+        let save = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).map_err(|error| Failure::write(&path, &error))
+        };
+        save("impact.json", &pretty(numbers))?;
+        save("bed.toml", &file.text)?;
+        save("impact.csv", &moments(course))?;
+        let mut correlation = "r_d,g\n".to_owned();
+        for [r, g] in &measures.pair_correlation {
+            correlation += &format!("{r:.3},{g:.6}\n");
+        }
+        save("pair-correlation.csv", &correlation)?;
+        let mut grains = "x0_d,y0_d,diameter_d,x_d,y_d,greatest_force\n".to_owned();
+        for ((disk, [x, y]), force) in bed.grains.iter().zip(&course.grains).zip(&course.grain_force) {
+            let [x0, y0] = disk.centre;
+            grains += &format!("{x0:?},{y0:?},{:?},{x:?},{y:?},{force:.6e}\n", disk.diameter);
+        }
+        save("grains.csv", &grains)?;
+        let BedPictures { pictures, page } = draw_bed(&file.name, &file.impact, bed, measures, course, &words(numbers));
+        for (name, svg) in &pictures {
+            save(name, svg)?;
+        }
+        save("impact.html", &page)?;
+        folder.finish()
+    }
+}
+
+/// A guard's words, whose times are in collision times here.
+fn unit(stop: &RigStop) -> String {
+    stop.to_string().replace(" s;", " tau_c;").replace(" s:", " tau_c:").replace(" s,", " tau_c,")
+}
+
+fn numbers<'a>(
+    file: &'a BedFile,
+    bed: &Bed,
+    measures: &Measures,
+    course: &Course,
+    sound_speed: Option<f64>,
+    [seconds, settled_in_seconds]: [Option<f64>; 2],
+) -> Numbers<'a> {
+    let grains = &file.impact.grains;
+    let last = &course.moments[course.moments.len() - 1];
+    Numbers {
+        format: granulens::outcome::FORMAT,
+        name: &file.name,
+        seed: match &file.origin {
+            Origin::Pile(pile) => Some(pile.seed),
+            Origin::File(_) => None,
+        },
+        speed: file.impact.intruder.speed,
+        grains: bed.grains.len(),
+        volume_fraction: measures.volume_fraction,
+        coordination: measures.coordination,
+        surface_d: measures.surface,
+        true_restitution: grains.true_restitution(grains.dashpot_rate(grains.grains.restitution)),
+        sound_speed,
+        final_depth_d: course.final_depth,
+        final_swing_d: course.final_swing,
+        max_depth_d: course.max_depth,
+        overshoot_d: course.overshoot(),
+        peak_force: course.peak_force[0],
+        peak_force_time_tau_c: course.peak_force[1],
+        time_tau_c: last.time,
+        work_in: last.energy.work_in,
+        lost_in_contacts: last.energy.dissipated,
+        lost_by_friction: last.energy.friction,
+        residual: last.energy.residual(),
+        seconds: seconds.unwrap_or(0.0),
+        settled_in_seconds,
+        stop: course.stop.as_ref().map(unit),
+    }
+}
+
+fn words(n: &Numbers) -> String {
+    let mut text = format!(
+        "bed: {} grains, volume fraction {:.3}, coordination {:.2}, surface at {:.2} d\n\
+         restitution of a head-on collision of two mean grains: {:.4}\n",
+        n.grains, n.volume_fraction, n.coordination, n.surface_d, n.true_restitution
+    );
+    if let Some(speed) = n.sound_speed {
+        text += &format!("speed of sound: {speed:.2} d/tau_c\n");
+    }
+    text += &format!(
+        "impact at {:.3} d/tau_c, followed for {:.0} tau_c in {:.1} s\n\
+         depth: {:.2} d at the end (swings by {:.2} d), {:.2} d at most, overshoot {:.2} d\n\
+         greatest force on the intruder: {:.2} m d/tau_c^2 at {:.1} tau_c\n\
+         energy: {:.2} in contacts and {:.2} by friction lost of {:.2} m d^2/tau_c^2; {:.1e} of it not accounted for\n",
+        n.speed,
+        n.time_tau_c,
+        n.seconds,
+        n.final_depth_d,
+        n.final_swing_d,
+        n.max_depth_d,
+        n.overshoot_d,
+        n.peak_force,
+        n.peak_force_time_tau_c,
+        n.lost_in_contacts,
+        n.lost_by_friction,
+        n.work_in,
+        n.residual.unwrap_or(0.0)
+    );
+    text
+}
+
+fn moments(course: &Course) -> String {
+    let mut text =
+        "time_tau_c,depth_d,vx,vy,turn,fx,fy,work_in,kinetic,stored,wound,potential,dissipated,friction\n".to_owned();
+    for m in &course.moments {
+        let e = &m.energy;
+        let row = [
+            m.time,
+            m.depth,
+            m.velocity[0],
+            m.velocity[1],
+            m.turn,
+            m.force[0],
+            m.force[1],
+            e.work_in,
+            e.kinetic,
+            e.stored,
+            e.wound,
+            e.potential,
+            e.dissipated,
+            e.friction,
+        ];
+        text += &(row.map(|x| format!("{x:.9e}")).join(",") + "\n");
+    }
+    text
+}

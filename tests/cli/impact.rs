@@ -1,0 +1,88 @@
+//! `granulens impact`: small beds, kept beds, what is refused. Every bed file of `designs/` is run with fewer grains.
+
+use super::{Desk, names, shipped};
+
+/// A shipped bed file for a bed of a few hundred soft grains, which settles in a moment.
+fn smaller(file: &str) -> String {
+    let text = std::fs::read_to_string(shipped(&format!("designs/{file}"))).unwrap();
+    let mut text = text;
+    for (from, to) in [
+        ("width = 100", "width = 24"),
+        ("height = 60", "height = 9"),
+        ("stiffness = 4000 ", "stiffness = 100 "),
+        ("\nmass = 100", "\nmass = 9"),
+        ("speed = 0.7", "speed = 0.5\nheight = 0.5"),
+        ("window = 400", "window = 30"),
+    ] {
+        assert!(text.contains(from), "{file} does not contain {from:?}");
+        text = text.replacen(from, to, 1);
+    }
+    let sizes = [
+        ("\ndiameter = 10", "\ndiameter = 3"),
+        ("half_width = 5\nhalf_height = 10", "half_width = 1.5\nhalf_height = 3"),
+    ];
+    sizes.iter().fold(text, |text, (from, to)| text.replacen(from, to, 1))
+}
+
+const FILES: [&str; 10] = [
+    "bed.svg",
+    "bed.toml",
+    "depth.svg",
+    "energy.svg",
+    "force.svg",
+    "grains.csv",
+    "impact.csv",
+    "impact.html",
+    "impact.json",
+    "pair-correlation.csv",
+];
+
+#[test]
+fn every_shipped_bed_is_struck() {
+    for file in ["bed.toml", "bed-static.toml", "bed-hexagonal.toml", "bed-ogive.toml"] {
+        let desk = Desk::new();
+        desk.write("bed.toml", smaller(file));
+        let json = desk.run(&["impact", "bed.toml", "--json", "--out", "out"]).ok().json();
+        let number = |key: &str| json[key].as_f64().unwrap_or_else(|| panic!("{file}: {key}"));
+        assert_eq!(names(&desk.path("out"))[..9], FILES[..9], "{file}");
+        assert!((0.75..0.95).contains(&number("volume_fraction")), "{file}: {json}");
+        assert!((3.0..6.5).contains(&number("coordination")), "{file}: {json}");
+        assert!(number("max_depth_d") > 0.0 && number("peak_force") > 0.0, "{file}: {json}");
+        assert!((number("time_tau_c") - 30.0).abs() < 1e-9 && number("residual").abs() < 0.05, "{file}: {json}");
+        // The bed is kept, and the second run strikes the same.
+        assert!(json["settled_in_seconds"].is_number() && names(&desk.path("reports/beds")).len() == 1);
+        let again = desk.run(&["impact", "bed.toml", "--json", "--out", "out"]).ok().json();
+        assert!(again["settled_in_seconds"].is_null());
+        assert_eq!(again["final_depth_d"], json["final_depth_d"], "{file}");
+    }
+}
+
+#[test]
+fn a_bed_from_a_file_and_other_speeds() {
+    let desk = Desk::new();
+    desk.write("bed.toml", smaller("bed.toml"));
+    desk.run(&["impact", "bed.toml", "--quiet"]).ok();
+    let kept = names(&desk.path("reports/beds")).remove(0);
+    let text = smaller("bed.toml");
+    let from = text.find("[bed]").unwrap();
+    let to = text.find("[grains]").unwrap();
+    let other = format!("{}[bed]\nfile = \"reports/beds/{kept}\"\n\n{}", &text[..from], &text[to..]);
+    desk.write("other.toml", other.replace("name = \"bed\"", "name = \"other\""));
+    let slow = desk.run(&["impact", "other.toml", "--json", "--speed", "0.1"]).ok().json();
+    let fast = desk.run(&["impact", "other.toml", "--json", "--sound"]).ok().json();
+    assert!(slow["max_depth_d"].as_f64() < fast["max_depth_d"].as_f64(), "{slow} {fast}");
+    assert!(slow["seed"].is_null() && (0.5..5.0).contains(&fast["sound_speed"].as_f64().unwrap()), "{fast}");
+}
+
+#[test]
+fn what_makes_no_bed_is_refused() {
+    let desk = Desk::new();
+    desk.write("bed.toml", smaller("bed.toml").replace("spread = 0.2", "spread = 2"));
+    let error = desk.run(&["impact", "bed.toml", "--json"]);
+    assert_eq!((error.code, error.json_error()["key"].clone()), (2, "bed.spread".into()));
+    assert!(!desk.path("reports").join("bed").exists());
+    desk.write("gone.toml", "format = 1\nkind = \"bed\"\nname = \"gone\"\n[bed]\nfile = \"none.csv\"\n[intruder]\nshape = \"disk\"\ndiameter = 3\nspeed = 0.5\n");
+    let error = desk.run(&["impact", "gone.toml"]);
+    assert!(error.code == 2 && error.stderr.contains("none.csv"), "{}", error.stderr);
+    assert!(desk.run(&["impact", "bed.toml", "--speed", "-1"]).code == 2);
+}
