@@ -12,7 +12,7 @@ const FIRST: usize = 192;
 const CHILDREN: usize = 32;
 const PATIENCE: usize = 25;
 
-/// A genetic algorithm. The first population is smooth ([`level_set`]), with each uniform choice and what is given; the
+/// A genetic algorithm. The first population is smooth ([`level_set`](super::level_set)), with each uniform choice and what is given; the
 /// best of it are the members. A child exchanges rectangles with another, then changes a little (`breed`); parents win
 /// tournaments of three. Members are the best that are known, all different
 /// (elitism). It ends when the best has not improved for 25 generations, or when no new child is found.
