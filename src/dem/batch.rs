@@ -53,23 +53,23 @@ pub fn simulate_batch<const D: usize>(
     width: Width,
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
-    fn in_line(s: &Vec<Sample<1>>, i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+    fn in_line(s: &[Sample<1>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
         side_by_side(s, i, w, stop)
     }
-    fn in_plane(s: &Vec<Sample<2>>, i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+    fn in_plane(s: &[Sample<2>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
         side_by_side(s, i, w, stop)
     }
-    fn in_space(s: &Vec<Sample<3>>, i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+    fn in_space(s: &[Sample<3>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
         side_by_side(s, i, w, stop)
     }
     // Only what has a size can be told apart by its type: a vector of samples, copied in a millionth of the run's time.
     let samples = samples.to_vec();
     let dimension: &dyn Any = &samples;
-    if let Some(samples) = dimension.downcast_ref() {
+    if let Some(samples) = dimension.downcast_ref::<Vec<Sample<1>>>() {
         in_line(samples, impact, width, interrupt)
-    } else if let Some(samples) = dimension.downcast_ref() {
+    } else if let Some(samples) = dimension.downcast_ref::<Vec<Sample<2>>>() {
         in_plane(samples, impact, width, interrupt)
-    } else if let Some(samples) = dimension.downcast_ref() {
+    } else if let Some(samples) = dimension.downcast_ref::<Vec<Sample<3>>>() {
         in_space(samples, impact, width, interrupt)
     } else {
         const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
