@@ -22,7 +22,7 @@ use super::{Common, Motion, propose, time};
 /// The whole crystal is written, both halves, repeating itself across the wave. For LAMMPS it has Hertz contacts, whatever the
 /// design says: an input deck, and the same run by this program to compare with. The other two show a run under the design's law.
 #[derive(clap::Args)]
-#[command(group = clap::ArgGroup::new("what").required(true).args(["lammps", "xyz", "vtp"]))]
+#[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["lammps", "xyz", "vtp"]))]
 pub struct Export {
     /// Design file, whose lens is proposed, or a layout (then with --design)
     source: PathBuf,
@@ -32,7 +32,7 @@ pub struct Export {
     /// New folder for crystal.data, in.crystal and granulens.dump
     #[arg(long, value_name = "DIR")]
     lammps: Option<PathBuf>,
-    /// File for frames in extended XYZ (OVITO, ASE)
+    /// File for frames in extended XYZ (OVITO)
     #[arg(long, value_name = "FILE")]
     xyz: Option<PathBuf>,
     /// New folder for spheres and contacts as VTP, with spheres.pvd and contacts.pvd (ParaView)

@@ -1,4 +1,5 @@
-//! Extended XYZ, as OVITO and ASE read it.
+//! Extended XYZ, as OVITO reads it. Materials stand by name in the column `species`; tools that want chemical elements there,
+//! such as ASE, read the files once the names are replaced.
 
 use std::fmt::Write as _;
 

@@ -33,3 +33,33 @@ fn run(rig: Rig<2>, step: f64, steps: u64) -> Simulation<2> {
     simulation.advance(steps, &GO).unwrap();
     simulation
 }
+
+/// The command writes what is asked for, at once, and leaves alone what is there.
+#[test]
+fn the_command_writes_all_three() {
+    let folder = tempfile::tempdir().unwrap();
+    let design = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quickstart.toml");
+    let export = |arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("granulens").unwrap();
+        command.current_dir(folder.path()).args(["export", design, "--window", "40 us", "--every", "10 us"]);
+        command.args(arguments).output().unwrap()
+    };
+    let output = export(&["--xyz", "frames.xyz", "--vtp", "frames", "--lammps", "deck"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let spheres = 2 * 850 - 50;
+    assert_eq!(read("frames.xyz").lines().filter(|line| *line == spheres.to_string()).count(), 5);
+    for list in ["frames/spheres.pvd", "frames/contacts.pvd"] {
+        let text = read(list);
+        let document = roxmltree::Document::parse(&text).unwrap();
+        let files: Vec<_> = document.descendants().filter_map(|node| node.attribute("file")).collect();
+        assert_eq!(files.len(), 5);
+        assert!(files.iter().all(|file| folder.path().join("frames").join(file).is_file()));
+    }
+    assert!(read("deck/crystal.data").contains(&format!("{spheres} atoms")));
+    assert_eq!(read("deck/granulens.dump").matches("ITEM: TIMESTEP").count(), 5);
+    let again = export(&["--vtp", "frames"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8(again.stderr).unwrap().contains("frames exists and is left alone"));
+    assert_eq!(export(&[]).status.code(), Some(2));
+}

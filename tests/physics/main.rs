@@ -14,4 +14,5 @@ mod lens;
 mod problem;
 mod reference;
 mod surface;
+mod symmetry;
 mod wave;
