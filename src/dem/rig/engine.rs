@@ -8,7 +8,7 @@ use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
 use super::machine::Machine;
 use super::pairs::pair;
-use super::simulation::Touching;
+use super::view::Touching;
 use super::{Body, Rig};
 use crate::dem::ContactRecord;
 

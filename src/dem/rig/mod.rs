@@ -9,7 +9,7 @@
 //! - `law`: which law holds between which bodies
 //! - `pairs`: who is near whom, with a skin; `bodies`, `contacts`: the state and the forces, as parallel arrays
 //! - `machine`: one velocity-Verlet step; `engine`: a machine whatever its law
-//! - `simulation`: from start to end, with guards
+//! - `simulation`: from start to end; `check`, `guard`: what is refused and what stops a run; `view`: what can be looked at
 //! - `felt`, `ledger`: what each sphere felt, and where the energy went, by mechanism
 //! - `impact`: an impact on a crystal as a rig, with friction
 //! - `checkpoint`: the state as bytes, and back
@@ -17,6 +17,7 @@
 //! Positions are displacements from where the spheres lay at the start, as everywhere in [`dem`](super).
 
 mod bodies;
+mod check;
 mod checkpoint;
 mod cluster;
 mod contacts;
@@ -24,22 +25,27 @@ mod curve;
 mod engine;
 mod felt;
 mod flat;
+mod guard;
 mod impact;
 mod law;
 mod ledger;
 mod machine;
 mod pairs;
 mod simulation;
+mod view;
 
+pub use check::RigError;
 pub use checkpoint::CheckpointError;
 pub use cluster::{Cluster, ClusterState};
 pub use curve::{Curve, CurveError};
 pub use felt::Arrival;
 pub use flat::{Face, Flat};
+pub use guard::RigStop;
 pub use impact::simulate_as_rig;
 pub use law::{Friction, Law, LawBook, Spring};
 pub use ledger::EnergyLedger;
-pub use simulation::{FlatState, RigError, RigStop, Simulation, Touching, View};
+pub use simulation::Simulation;
+pub use view::{FlatState, Touching, View};
 
 use std::fmt;
 

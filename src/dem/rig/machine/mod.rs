@@ -3,7 +3,12 @@
 //! The predicted velocity v + h a stands in the force, as everywhere in [`dem`](crate::dem), so that the step is of second
 //! order although forces depend on velocities. Bars and drag answer the new velocity implicitly (Crank and Nicolson), so that
 //! a stiff bar limits no step.
+//!
+//! - `acts`: what loads do to bodies during a step
 
+mod acts;
+
+use acts::Act;
 use rayon::prelude::*;
 
 use super::bodies::{Bodies, axes_of_spin, dot};
@@ -37,19 +42,6 @@ pub(super) struct Machine<const D: usize, L: Bonding, B> {
     /// Bodies under loads or incoming pulses.
     loaded: Vec<Body>,
     acts: Vec<Act<D>>,
-}
-
-/// What loads do to a body during a step.
-struct Act<const D: usize> {
-    body: Body,
-    /// Mean force (N).
-    force: [f64; D],
-    /// Displacement during the step and velocity at its end, where they are prescribed.
-    prescribed: Option<[[f64; D]; 2]>,
-    /// Displacement, velocity and contact force before the step.
-    from: [f64; D],
-    velocity: [f64; D],
-    resisting: [f64; D],
 }
 
 /// From so many spheres on loops over them are shared among threads.
@@ -214,54 +206,6 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         }
     }
 
-    /// What loads do during the step that begins now.
-    fn plan_acts(&mut self, rig: &Rig<D>) {
-        self.acts.clear();
-        let (from, to) = (self.time(), (self.count + 1) as f64 * self.step);
-        let nearly = 1e-9 * self.step;
-        for &body in &self.loaded {
-            let bodies = &self.bodies;
-            let (from_place, velocity, resisting) = match body {
-                Body::Sphere(i) => (bodies.displacement[i], bodies.velocity[i], self.sums.force[i]),
-                Body::Flat(f) => (bodies.flat_moved[f], bodies.flat_velocity[f], self.sums.flat[f]),
-            };
-            let mut act = Act { body, force: [0.0; D], prescribed: None, from: from_place, velocity, resisting };
-            let mut acts = false;
-            for load in rig.loads.iter().filter(|load| load.bodies.contains(&body)) {
-                let curve = &load.curve;
-                if load.kind == LoadKind::Force {
-                    // A pulse that ends within a billionth of a step of its end has ended.
-                    let mean = if from > curve.end() - nearly { 0.0 } else { curve.mean(from, to) };
-                    acts |= mean != 0.0;
-                    for k in 0..D {
-                        act.force[k] += load.direction[k] * mean;
-                    }
-                } else if from < curve.end() - nearly {
-                    acts = true;
-                    let [moved, velocity] = act.prescribed.get_or_insert([[0.0; D]; 2]);
-                    let last = to.min(curve.end());
-                    // Where the curve ends within the step the velocity it ended with holds to the step's end.
-                    let end_speed = curve.value(last - nearly);
-                    let way = curve.integral(last) - curve.integral(from) + end_speed * (to - last);
-                    for k in 0..D {
-                        moved[k] += load.direction[k] * way;
-                        velocity[k] += load.direction[k] * end_speed;
-                    }
-                }
-            }
-            for bar in rig.bars.iter().filter(|bar| bar.body == body) {
-                if let Some(curve) = &bar.incident {
-                    let mean = 2.0 * curve.mean(from, to);
-                    acts |= mean != 0.0;
-                    act.force[bar.axis] += mean;
-                }
-            }
-            if acts {
-                self.acts.push(act);
-            }
-        }
-    }
-
     fn drift(&mut self, h: f64) {
         let Bodies { displacement, velocity, acceleration, spin, spin_rate, .. } = &mut self.bodies;
         if displacement.len() < MANY {
@@ -288,38 +232,6 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             let (displacement, velocity) = (&mut flat_moved[f], &mut flat_velocity[f]);
             let (acceleration, trial) = (&mut flat_acceleration[f], &mut self.flat_trial[f]);
             Motion { displacement, velocity, acceleration, trial }.drift(h);
-        }
-    }
-
-    fn apply_acts(&mut self, rig: &Rig<D>, h: f64) {
-        for act in &self.acts {
-            let (displacement, trial, inverse, weight) = match act.body {
-                Body::Sphere(i) => (
-                    &mut self.bodies.displacement[i],
-                    &mut self.trial[i],
-                    // A load acts on the whole sphere, of which the rig may hold a part.
-                    self.bodies.inverse_mass[i].map(|inverse| inverse * self.bodies.weight[i]),
-                    self.bodies.weight[i],
-                ),
-                Body::Flat(f) => {
-                    let weight = flat_weight(rig);
-                    let inverse = self.bodies.flat_inverse_mass[f].map(|inverse| inverse * weight);
-                    (&mut self.bodies.flat_moved[f], &mut self.flat_trial[f], inverse, weight)
-                }
-            };
-            if let Some([moved, velocity]) = act.prescribed {
-                for k in 0..D {
-                    displacement[k] = act.from[k] + moved[k];
-                }
-                *trial = velocity;
-                continue;
-            }
-            for k in 0..D {
-                let push = act.force[k] * inverse[k];
-                displacement[k] += 0.5 * h * h * push;
-                trial[k] += h * push;
-                self.work_in += weight * act.force[k] * (displacement[k] - act.from[k]);
-            }
         }
     }
 
@@ -394,60 +306,6 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             if lost > 0.0 {
                 self.absorbed += 0.5 * h * rig.flats[f].mass * whole * lost;
             }
-        }
-    }
-
-    /// The impulse of loads; and prescribed velocities, which hold whatever the forces: what they cost is work put in.
-    fn finish_acts(&mut self, rig: &Rig<D>, h: f64) {
-        for act in &self.acts {
-            let Some([moved, velocity]) = act.prescribed else {
-                let bodies = &mut self.bodies;
-                let (velocity, acceleration, inverse, rates, weight, mass) = match act.body {
-                    Body::Sphere(i) => (
-                        &mut bodies.velocity[i],
-                        &mut bodies.acceleration[i],
-                        &bodies.inverse_mass[i],
-                        bodies.damping.get(i).copied().unwrap_or([0.0; D]),
-                        bodies.weight[i],
-                        rig.mass[i],
-                    ),
-                    Body::Flat(f) => (
-                        &mut bodies.flat_velocity[f],
-                        &mut bodies.flat_acceleration[f],
-                        &bodies.flat_inverse_mass[f],
-                        bodies.flat_damping[f],
-                        flat_weight(rig),
-                        rig.flats[f].mass,
-                    ),
-                };
-                for k in 0..D {
-                    // As if it had stood in the implicit equation of the new velocity.
-                    let gained = h * act.force[k] * inverse[k] * weight / (1.0 + 0.5 * h * rates[k]);
-                    if rates[k] > 0.0 {
-                        let (old, new) = (velocity[k], velocity[k] + gained);
-                        self.absorbed += 0.5 * h * mass * weight * rates[k] * (new * new - old * old);
-                        acceleration[k] -= rates[k] * gained;
-                    }
-                    velocity[k] += gained;
-                }
-                continue;
-            };
-            let (now, resisting, mass) = match act.body {
-                Body::Sphere(i) => {
-                    (&mut self.bodies.velocity[i], &self.sums.force[i], rig.mass[i] * self.bodies.weight[i])
-                }
-                Body::Flat(f) => {
-                    (&mut self.bodies.flat_velocity[f], &self.sums.flat[f], rig.flats[f].mass * flat_weight(rig))
-                }
-            };
-            for k in 0..D {
-                self.work_in -= 0.5 * (act.resisting[k] + resisting[k]) * moved[k];
-                if mass.is_finite() {
-                    self.work_in += 0.5 * mass * (velocity[k] * velocity[k] - act.velocity[k] * act.velocity[k]);
-                    self.work_in -= mass * rig.gravity[k] * moved[k];
-                }
-            }
-            *now = velocity;
         }
     }
 }

@@ -1,0 +1,98 @@
+//! Contacts of spheres with faces: flats, and mirrors, in which a sphere meets its own image.
+
+use crate::dem::rig::Rig;
+use crate::dem::rig::bodies::Bodies;
+use crate::dem::rig::flat::Face;
+use crate::dem::rig::pairs::{Finder, TOUCHING};
+use crate::sample::Sphere;
+
+use super::react::CLOSED;
+
+/// What a face contact is made with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Facing {
+    Flat(u32),
+    Mirror(u32),
+}
+
+/// A sphere near a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearFace {
+    pub sphere: u32,
+    pub facing: Facing,
+    /// Distance of the surfaces at the start (m), exactly zero where they just touched. For unbounded faces.
+    pub gap: f64,
+    pub radius: f64,
+    /// The part of the contact's force that belongs to the simulated part of a symmetric rig.
+    pub share: f64,
+}
+
+/// The same for bounded faces, whose distance is that of absolute positions.
+const CLOSED_EDGE: f64 = 1e-11;
+
+impl NearFace {
+    /// A sphere and a face that it is near.
+    pub fn of<const D: usize>(rig: &Rig<D>, bodies: &Bodies<D>, sphere: usize, facing: Facing) -> Self {
+        let Sphere { centre, radius, .. } = rig.sample.spheres[sphere];
+        let (gap, share) = match facing {
+            // A flat crosses the mirrors of its rig, so that of a sphere on them it meets the simulated part.
+            Facing::Flat(f) => (rig.flats[f as usize].distance(&[0.0; D], &centre).0 - radius, bodies.weight[sphere]),
+            Facing::Mirror(m) => (rig.mirrors[m as usize].distance(&centre) - radius, 1.0),
+        };
+        let gap = if gap.abs() <= TOUCHING * radius { 0.0 } else { gap };
+        Self { sphere: sphere as u32, facing, gap, radius, share }
+    }
+
+    /// Distance of a sphere's centre from the face and the unit vector from face to sphere, where they overlap.
+    pub fn overlapping<const D: usize>(&self, rig: &Rig<D>, bodies: &Bodies<D>) -> Option<(f64, [f64; D])> {
+        let Self { sphere, facing, gap, radius, .. } = *self;
+        let moved = &bodies.displacement[sphere as usize];
+        match facing {
+            Facing::Mirror(m) => {
+                let mirror = &rig.mirrors[m as usize];
+                let mut normal = [0.0; D];
+                normal[mirror.axis] = mirror.inward;
+                let apart = gap + mirror.inward * moved[mirror.axis];
+                (apart < -CLOSED * radius).then_some((radius + apart, normal))
+            }
+            Facing::Flat(flat) => {
+                let (flat, face) = (&rig.flats[flat as usize], flat as usize);
+                if flat.face == Face::Plane {
+                    let mut apart = gap;
+                    for k in 0..D {
+                        apart += flat.normal[k] * (moved[k] - bodies.flat_moved[face][k]);
+                    }
+                    return (apart < -CLOSED * radius).then_some((radius + apart, flat.normal));
+                }
+                let centre = rig.sample.spheres[sphere as usize].centre;
+                let at: [f64; D] = std::array::from_fn(|k| centre[k] + moved[k]);
+                let (distance, normal) = flat.distance(&bodies.flat_moved[face], &at);
+                (distance < radius * (1.0 - CLOSED_EDGE)).then_some((distance, normal))
+            }
+        }
+    }
+}
+
+/// Spheres near flats and mirrors, in order of their keys.
+pub fn near_faces<const D: usize>(rig: &Rig<D>, finder: &Finder<D>, bodies: &Bodies<D>) -> Vec<NearFace> {
+    let mut faces = Vec::new();
+    if rig.flats.is_empty() && rig.mirrors.is_empty() {
+        return faces;
+    }
+    for (i, sphere) in rig.sample.spheres.iter().enumerate() {
+        let radius = sphere.radius;
+        let skin = finder.leeway[i] + finder.common;
+        let at: [f64; D] = std::array::from_fn(|k| sphere.centre[k] + bodies.displacement[i][k]);
+        for (f, flat) in rig.flats.iter().enumerate() {
+            if flat.distance(&bodies.flat_moved[f], &at).0 - radius < skin {
+                faces.push(NearFace::of(rig, bodies, i, Facing::Flat(f as u32)));
+            }
+        }
+        for (m, mirror) in rig.mirrors.iter().enumerate() {
+            if !mirror.carries(&sphere.centre, radius) && mirror.distance(&at) - radius < skin {
+                faces.push(NearFace::of(rig, bodies, i, Facing::Mirror(m as u32)));
+            }
+        }
+    }
+    faces
+}

@@ -1,0 +1,129 @@
+//! What stops a run of a rig.
+
+use super::contacts::Strain;
+use super::engine::Engine;
+use super::{Body, Rig};
+use crate::dem::stable_step;
+
+/// Why a run ended before it was asked to. What was computed so far is kept.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RigStop {
+    /// The caller asked for it.
+    #[error("interrupted at {time:.4e} s")]
+    Interrupted {
+        /// Time (s).
+        time: f64,
+    },
+    /// A velocity is not a number any more.
+    #[error("the velocity of {body} is not finite at {time:.4e} s; try a smaller step")]
+    NotFinite {
+        /// Whose.
+        body: Body,
+        /// Time (s).
+        time: f64,
+    },
+    /// An overlap beyond the law's range.
+    #[error(
+        "{} and {} overlap by {:.1} % of their radii at {time:.4e} s, beyond the contact law's range of {:.1} %; the impact \
+         is too strong for these spheres", .bodies[0], .bodies[1], 100.0 * ratio, 100.0 * limit
+    )]
+    Overlap {
+        /// The two.
+        bodies: [Body; 2],
+        /// Overlap over the sum of radii (the diameter at a flat).
+        ratio: f64,
+        /// What it may be.
+        limit: f64,
+        /// Time (s).
+        time: f64,
+    },
+    /// The step is too large for a contact that has arisen.
+    #[error(
+        "a step of {step:.3e} s is unstable with the contact of {} and {} ({stiffness:.3e} N/m) at {time:.4e} s; it must \
+         stay below {limit:.3e} s", .bodies[0], .bodies[1]
+    )]
+    Step {
+        /// The step (s).
+        step: f64,
+        /// What it may be (s).
+        limit: f64,
+        /// Stiffness of the contact (N/m).
+        stiffness: f64,
+        /// The two.
+        bodies: [Body; 2],
+        /// Time (s).
+        time: f64,
+    },
+    /// Energy appeared or vanished.
+    #[error(
+        "the energy ledger does not close at {time:.4e} s: residual {residual:.2e} of what was put in, above {limit:.0e}; try \
+         half the step"
+    )]
+    Residual {
+        /// What is left over, relative.
+        residual: f64,
+        /// What it may be.
+        limit: f64,
+        /// Time (s).
+        time: f64,
+    },
+    /// A sphere has left the domain.
+    #[error("{body} leaves the domain at {time:.4e} s; widen the domain or hold it")]
+    Escaped {
+        /// Which.
+        body: Body,
+        /// Time (s).
+        time: f64,
+    },
+}
+
+/// What stops a run.
+pub(super) fn guard<const D: usize>(rig: &Rig<D>, engine: &dyn Engine<D>, step: f64) -> Result<(), RigStop> {
+    let (time, bodies) = (engine.count() as f64 * step, engine.bodies());
+    for i in 0..bodies.velocity.len() {
+        if !bodies.speed_squared(i).is_finite() {
+            return Err(RigStop::NotFinite { body: Body::Sphere(i), time });
+        }
+        let Some([low, high]) = rig.domain else { continue };
+        let centre = rig.sample.spheres[i].centre;
+        for k in 0..D {
+            let at = centre[k] + bodies.displacement[i][k];
+            if rig.periods[k].is_none() && !(low[k]..=high[k]).contains(&at) {
+                return Err(RigStop::Escaped { body: Body::Sphere(i), time });
+            }
+        }
+    }
+    for f in 0..bodies.flat_velocity.len() {
+        if bodies.flat_velocity[f].iter().any(|v| !v.is_finite()) {
+            return Err(RigStop::NotFinite { body: Body::Flat(f), time });
+        }
+    }
+    for Strain { bodies, ratio, range_used, stiffness } in engine.strains() {
+        if ratio > rig.overlap_limit || range_used > 1.0 {
+            let limit = rig.overlap_limit.min(ratio / range_used);
+            return Err(RigStop::Overlap { bodies, ratio, limit, time });
+        }
+        let limit = stable_step::<D>(stiffness, lighter(rig, bodies));
+        if step > limit {
+            return Err(RigStop::Step { step, limit, stiffness, bodies, time });
+        }
+    }
+    let limit = rig.residual_limit;
+    match engine.ledger(rig).residual() {
+        // Not a number is no small residual either.
+        Some(residual) if residual.is_nan() || residual.abs() > limit => {
+            Err(RigStop::Residual { residual, limit, time })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Mass (kg) of the lighter of two bodies that can move.
+pub(super) fn lighter<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> f64 {
+    let mass = |body: Body| match body {
+        Body::Sphere(i) if rig.held[i].iter().all(|&held| held) => f64::INFINITY,
+        Body::Sphere(i) => rig.mass[i],
+        Body::Flat(f) => rig.flats[f].mass,
+    };
+    mass(bodies[0]).min(mass(bodies[1]))
+}
