@@ -217,7 +217,7 @@ fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialErr
 
 /// Whether a trial writes files of this name, which the next one there may remove.
 fn is_written(name: &str) -> bool {
-    const RECORDS: [&str; 9] = [
+    const RECORDS: [&str; 10] = [
         "energies.csv",
         "layers.csv",
         "flats.csv",
@@ -226,6 +226,7 @@ fn is_written(name: &str) -> bool {
         "contacts.csv",
         "spheres-final.csv",
         "contacts-final.csv",
+        "contacts-ever.csv",
         "layers-final.csv",
     ];
     let picture = name.strip_suffix(".svg").is_some_and(|stem| {

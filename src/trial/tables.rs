@@ -8,7 +8,7 @@ use super::{TrialError, write};
 use crate::dem::rig::{Arrival, Simulation};
 use crate::setup::Bench;
 
-/// Writes `spheres-final.csv`, `layers-final.csv` and `contacts-final.csv`.
+/// Writes `spheres-final.csv`, `layers-final.csv`, `contacts-final.csv` and `contacts-ever.csv`.
 pub(super) fn write_all<const D: usize>(
     folder: &Path,
     bench: &Bench<D>,
@@ -21,7 +21,21 @@ pub(super) fn write_all<const D: usize>(
         contact_row(&mut contacts, simulation.rig(), &touching);
         contacts.push('\n');
     }
-    write(&folder.join("contacts-final.csv"), contacts.as_bytes())
+    write(&folder.join("contacts-final.csv"), contacts.as_bytes())?;
+    write(&folder.join("contacts-ever.csv"), contacts_ever(simulation).as_bytes())
+}
+
+/// One line per contact of spheres that ever closed: its greatest overlap and force, and what it took.
+fn contacts_ever<const D: usize>(simulation: &Simulation<D>) -> String {
+    let mut text = "sphere_a,sphere_b,max_overlap_m,max_force_N,work_J,stored_J,dissipated_J\n".to_owned();
+    for contact in simulation.contacts_ever() {
+        let [a, b] = contact.spheres;
+        let _ = write!(text, "{},{}", a + 1, b + 1);
+        let [work, stored] = [contact.work, contact.stored].map(|energy| contact.weight * energy);
+        append(&mut text, [contact.overlap_max, contact.force_max, work, stored, work - stored]);
+        text.push('\n');
+    }
+    text
 }
 
 /// One line per sphere: where it lay, what it is, what it felt at most, when the wave came. Empty where it did not.

@@ -20,8 +20,9 @@ velocity = "5 m/s"
 window = "100 us"
 "#;
 
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     "arrivals.svg",
+    "contacts-ever.csv",
     "contacts-final.csv",
     "energies.csv",
     "energies.svg",

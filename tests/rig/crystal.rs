@@ -62,6 +62,8 @@ fn a_crystal_moves_as_in_the_fixed_list_simulator() {
             assert!(difference(simulation.dissipated()[i], record.dissipated[i], 1e-6) < 1e-7, "{law} sphere {i}");
         }
         let (ours, theirs) = (simulation.ledger(), record.ledger);
+        let lost: f64 = simulation.contacts_ever().iter().map(|c| c.weight * (c.work - c.stored)).sum();
+        assert!(difference(lost, ours.dissipated, 0.0) < 1e-10, "{law}: {lost}");
         for (a, b) in
             [(ours.work_in, theirs.work_in), (ours.dissipated, theirs.dissipated), (ours.kinetic, theirs.kinetic)]
         {

@@ -128,8 +128,9 @@ impl<const D: usize> Simulation<D> {
     pub fn ledger(&self) -> EnergyLedger {
         self.engine.ledger(&self.rig)
     }
-    /// Every contact of spheres and mirrors that ever closed; those with flats are left out.
-    pub(super) fn contacts_ever(&self) -> Vec<ContactRecord> {
+    /// Every contact of two spheres, or of a sphere and its mirror image, that ever closed, in order of the spheres; laws without
+    /// memory know only those closed now. Losses by friction are not in it.
+    pub fn contacts_ever(&self) -> Vec<ContactRecord> {
         self.engine.contacts_ever()
     }
     /// What contacts have taken from each sphere (J): half of each to both, all of it at flats; of whole spheres also where
