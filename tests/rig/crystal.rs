@@ -258,3 +258,27 @@ fn only_the_crystal_matters_not_how_it_is_written() {
         assert!(near(renumbered.view().velocity(place(i)), [x, z]), "renumbered, sphere {i}");
     }
 }
+
+/// The same bits for any number of threads: from 20 000 contacts on (here 29 601 touch) they are shared out, and each sum keeps
+/// its order.
+#[test]
+fn threads_change_no_bit() {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut rig = rig(&hexagonal(100, 100), LawKind::Hertz);
+            rig.laws = LawBook::Materials {
+                law: Law::Named(LawKind::Hertz),
+                constants: Default::default(),
+                pairs: Vec::new(),
+                friction: Some(Friction::mindlin(0.3)),
+            };
+            for (i, velocity) in rig.velocity.iter_mut().enumerate() {
+                *velocity = [(i as f64 * 0.7).sin(), (i as f64 * 1.3).cos()];
+            }
+            run(rig, 2e-7, 100).checkpoint()
+        })
+    };
+    let one = with(1);
+    assert!(one == with(2) && one == with(3));
+}
