@@ -26,18 +26,11 @@ fn header() -> Header {
     Header { journal: NAME.to_owned(), format: FORMAT, version: env!("CARGO_PKG_VERSION").to_owned() }
 }
 
-/// CRC-32 (IEEE 802.3), bit by bit: lines are short and simulations long.
-fn crc(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0_u32, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 })
-    })
-}
-
 /// A JSON object with a last field for its checksum, and a line end.
 fn sealed(value: &impl Serialize) -> String {
     // Structs of texts and finite numbers: this cannot fail.
     let mut line = serde_json::to_string(value).unwrap_or_default();
-    let crc = crc(line.as_bytes());
+    let crc = crc32fast::hash(line.as_bytes());
     line.pop();
     format!("{line},\"crc\":\"{crc:08x}\"}}\n")
 }
@@ -48,7 +41,7 @@ fn unsealed<T: DeserializeOwned>(line: &[u8]) -> Option<T> {
     let (body, seal) = line.rsplit_once(",\"crc\":\"")?;
     let body = format!("{body}}}");
     let found = seal.strip_suffix("\"}")?;
-    (found == format!("{:08x}", crc(body.as_bytes()))).then(|| serde_json::from_str(&body).ok())?
+    (found == format!("{:08x}", crc32fast::hash(body.as_bytes()))).then(|| serde_json::from_str(&body).ok())?
 }
 
 /// What a journal held.
@@ -190,7 +183,7 @@ mod tests {
 
     #[test]
     fn the_checksum_is_crc_32() {
-        assert_eq!(crc(b"123456789"), 0xcbf4_3926);
+        assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
     }
 
     /// With a checksum that fits, as another version would write it.
