@@ -2,6 +2,7 @@
 
 use super::contacts::Strain;
 use super::engine::Engine;
+use super::ledger::EnergyLedger;
 use super::{Body, Rig};
 use crate::dem::stable_step;
 
@@ -77,8 +78,13 @@ pub enum RigStop {
     },
 }
 
-/// What stops a run.
-pub(super) fn guard<const D: usize>(rig: &Rig<D>, engine: &dyn Engine<D>, step: f64) -> Result<(), RigStop> {
+/// What stops a run, whose balance is drawn in `ledger`.
+pub(super) fn guard<const D: usize>(
+    rig: &Rig<D>,
+    engine: &dyn Engine<D>,
+    step: f64,
+    ledger: &EnergyLedger,
+) -> Result<(), RigStop> {
     let (time, bodies) = (engine.count() as f64 * step, engine.bodies());
     for i in 0..bodies.velocity.len() {
         if !bodies.speed_squared(i).is_finite() {
@@ -109,7 +115,7 @@ pub(super) fn guard<const D: usize>(rig: &Rig<D>, engine: &dyn Engine<D>, step: 
         }
     }
     let limit = rig.residual_limit;
-    match engine.ledger(rig).residual() {
+    match ledger.residual() {
         // Not a number is no small residual either.
         Some(residual) if residual.is_nan() || residual.abs() > limit => {
             Err(RigStop::Residual { residual, limit, time })

@@ -34,18 +34,12 @@ pub fn simulate_as_rig<const D: usize>(
         rig.velocity[i][D - 1] = speed;
     }
     let mass = rig.mass.clone();
-    let halves = |i: usize| {
-        let sphere = &sample.spheres[i];
-        let on = impact.mirrors.iter().filter(|mirror| mirror.carries(&sphere.centre, sphere.radius)).count();
-        0.5_f64.powi(on as i32)
-    };
-    let exit: Vec<(usize, f64)> = impact.exit.iter().map(|&i| (i, halves(i) * mass[i])).collect();
     let mut simulation = Simulation::new(rig, impact.step)?.watching(vec![Arrival::OwnMaximum(0.01)]);
     let (mut exit_momentum, mut exit_force) = (0.0_f64, 0.0_f64);
     let stop = simulation
         .follow(steps_in(impact.window, impact.step), interrupt, |view| {
-            let momentum: f64 = exit.iter().map(|&(i, mass)| mass * view.velocity(i)[D - 1]).sum();
-            let force: f64 = exit.iter().map(|&(i, _)| view.net_force(i)[D - 1]).sum();
+            let momentum: f64 = impact.exit.iter().map(|&i| view.part(i) * mass[i] * view.velocity(i)[D - 1]).sum();
+            let force: f64 = impact.exit.iter().map(|&i| view.net_force(i)[D - 1]).sum();
             exit_momentum = exit_momentum.max(momentum);
             exit_force = exit_force.max(force);
         })
@@ -65,7 +59,7 @@ pub fn simulate_as_rig<const D: usize>(
     Ok(Record {
         max_kinetic: (0..spheres).zip(simulation.greatest_speed()).map(|(i, v)| 0.5 * mass[i] * v * v).collect(),
         // The force on the simulated part is that part of the force on the whole.
-        max_net_force: (0..spheres).zip(simulation.greatest_force()).map(|(i, force)| force / halves(i)).collect(),
+        max_net_force: (0..spheres).zip(simulation.greatest_force()).map(|(i, force)| force / view.part(i)).collect(),
         max_contact_force,
         arrival: simulation.arrivals(0),
         dissipated: simulation.dissipated(),

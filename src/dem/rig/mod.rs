@@ -97,7 +97,7 @@ pub struct Rig<const D: usize> {
 }
 
 /// A sphere or a flat.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Body {
     /// By its index in the sample.
     Sphere(usize),

@@ -93,15 +93,15 @@ impl<const D: usize> Simulation<D> {
             }
             // Looked at by the count of steps, so that a run taken up again looks at the same ones.
             if self.engine.count().is_multiple_of(WATCH) {
-                self.engine.look(&self.rig);
-                guard(&self.rig, &*self.engine, self.step)?;
+                let ledger = self.engine.look(&self.rig);
+                guard(&self.rig, &*self.engine, self.step, &ledger)?;
                 self.engine.forget_dropped();
                 if interrupt.load(Ordering::Relaxed) {
                     return Err(RigStop::Interrupted { time: self.time() });
                 }
             }
         }
-        guard(&self.rig, &*self.engine, self.step)
+        guard(&self.rig, &*self.engine, self.step, &self.ledger())
     }
 
     /// The rig.

@@ -59,6 +59,10 @@ impl<const D: usize> View<'_, D> {
     pub fn displacement(&self, sphere: usize) -> [f64; D] {
         self.engine.bodies().displacement[sphere]
     }
+    /// The part of a sphere that belongs to the simulated part of a symmetric rig: 1/2 on a mirror.
+    pub fn part(&self, sphere: usize) -> f64 {
+        self.engine.bodies().weight[sphere]
+    }
     /// Velocity of a sphere (m/s).
     pub fn velocity(&self, sphere: usize) -> [f64; D] {
         self.engine.bodies().velocity[sphere]

@@ -1,5 +1,7 @@
 //! What loads do to bodies during a step: forces, prescribed velocities, pulses that come in along bars.
 
+use std::collections::HashMap;
+
 use super::{Machine, flat_weight};
 use crate::dem::rig::law::{Binder, Bonding};
 use crate::dem::rig::{Body, LoadKind, Rig};
@@ -17,13 +19,48 @@ pub struct Act<const D: usize> {
     resisting: [f64; D],
 }
 
+/// A body, and the loads and bars with incoming pulses that act on it, by their places in the rig.
+pub struct Loaded {
+    body: Body,
+    loads: Vec<usize>,
+    bars: Vec<usize>,
+}
+
+/// The bodies on which anything acts, in the order in which the rig names them.
+pub fn loaded<const D: usize>(rig: &Rig<D>) -> Vec<Loaded> {
+    let mut all: Vec<Loaded> = Vec::new();
+    let mut place: HashMap<Body, usize> = HashMap::new();
+    let mut of = |all: &mut Vec<Loaded>, body| {
+        *place.entry(body).or_insert_with(|| {
+            all.push(Loaded { body, loads: Vec::new(), bars: Vec::new() });
+            all.len() - 1
+        })
+    };
+    for (k, load) in rig.loads.iter().enumerate() {
+        for &body in &load.bodies {
+            let place = of(&mut all, body);
+            let loads = &mut all[place].loads;
+            // A body that a load names twice feels it once.
+            if loads.last() != Some(&k) {
+                loads.push(k);
+            }
+        }
+    }
+    for (k, bar) in rig.bars.iter().enumerate().filter(|(_, bar)| bar.incident.is_some()) {
+        let place = of(&mut all, bar.body);
+        all[place].bars.push(k);
+    }
+    all
+}
+
 impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
     /// What loads do during the step that begins now.
     pub fn plan_acts(&mut self, rig: &Rig<D>) {
         self.acts.clear();
         let (from, to) = (self.time(), (self.count + 1) as f64 * self.step);
         let nearly = 1e-9 * self.step;
-        for &body in &self.loaded {
+        for Loaded { body, loads, bars } in &self.loaded {
+            let body = *body;
             let bodies = &self.bodies;
             let (from_place, velocity, resisting) = match body {
                 Body::Sphere(i) => (bodies.displacement[i], bodies.velocity[i], self.sums.force[i]),
@@ -31,7 +68,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             };
             let mut act = Act { body, force: [0.0; D], prescribed: None, from: from_place, velocity, resisting };
             let mut acts = false;
-            for load in rig.loads.iter().filter(|load| load.bodies.contains(&body)) {
+            for load in loads.iter().map(|&k| &rig.loads[k]) {
                 let curve = &load.curve;
                 if load.kind == LoadKind::Force {
                     // A pulse that ends within a billionth of a step of its end has ended.
@@ -53,7 +90,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
                     }
                 }
             }
-            for bar in rig.bars.iter().filter(|bar| bar.body == body) {
+            for bar in bars.iter().map(|&k| &rig.bars[k]) {
                 if let Some(curve) = &bar.incident {
                     let mean = 2.0 * curve.mean(from, to);
                     acts |= mean != 0.0;

@@ -8,7 +8,7 @@
 
 mod acts;
 
-use acts::Act;
+use acts::{Act, Loaded};
 use rayon::prelude::*;
 
 use super::bodies::{Bodies, axes_of_spin, dot};
@@ -40,62 +40,58 @@ pub(super) struct Machine<const D: usize, L: Bonding, B> {
     pub at_hand: f64,
     turning: bool,
     /// Bodies under loads or incoming pulses.
-    loaded: Vec<Body>,
+    loaded: Vec<Loaded>,
     acts: Vec<Act<D>>,
 }
 
 /// From so many spheres on loops over them are shared among threads.
 const MANY: usize = 20_000;
 
-/// State of one body through a step: everything that moves in `D` dimensions.
-struct Motion<'a, const D: usize> {
-    displacement: &'a mut [f64; D],
-    velocity: &'a mut [f64; D],
-    acceleration: &'a mut [f64; D],
-    trial: &'a mut [f64; D],
+/// Moves a body on by a step, and predicts its velocity.
+#[inline(always)]
+fn drift<const D: usize>(
+    h: f64,
+    displacement: &mut [f64; D],
+    velocity: &[f64; D],
+    acceleration: &[f64; D],
+    trial: &mut [f64; D],
+) {
+    for k in 0..D {
+        displacement[k] += h * (velocity[k] + 0.5 * h * acceleration[k]);
+        trial[k] = velocity[k] + h * acceleration[k];
+    }
 }
 
-impl<const D: usize> Motion<'_, D> {
-    #[inline(always)]
-    fn drift(&mut self, h: f64) {
-        for k in 0..D {
-            let (velocity, acceleration) = (self.velocity[k], self.acceleration[k]);
-            self.displacement[k] += h * (velocity + 0.5 * h * acceleration);
-            self.trial[k] = velocity + h * acceleration;
-        }
+/// New velocity and acceleration of a body, a row of both, under the contact force; gives Σ λ (v² old + v² new).
+#[inline(always)]
+fn kick<const D: usize>(
+    h: f64,
+    (velocity, acceleration): (&mut [f64; D], &mut [f64; D]),
+    force: &[f64; D],
+    inverse: &[f64; D],
+    gravity: &[f64; D],
+    damping: &[f64; D],
+) -> f64 {
+    let mut damped = 0.0;
+    for k in 0..D {
+        let fall = if inverse[k] == 0.0 { 0.0 } else { gravity[k] };
+        let driven = force[k] * inverse[k] + fall;
+        let old = velocity[k];
+        let new = (old + 0.5 * h * (acceleration[k] + driven)) / (1.0 + 0.5 * h * damping[k]);
+        velocity[k] = new;
+        acceleration[k] = driven - damping[k] * new;
+        damped += damping[k] * (old * old + new * new);
     }
-
-    /// New velocity and acceleration under the contact force; gives Σ λ (v² old + v² new).
-    #[inline(always)]
-    fn kick(&mut self, h: f64, force: &[f64; D], inverse: &[f64; D], gravity: &[f64; D], damping: &[f64; D]) -> f64 {
-        let mut damped = 0.0;
-        for k in 0..D {
-            let fall = if inverse[k] == 0.0 { 0.0 } else { gravity[k] };
-            let driven = force[k] * inverse[k] + fall;
-            let old = self.velocity[k];
-            let new = (old + 0.5 * h * (self.acceleration[k] + driven)) / (1.0 + 0.5 * h * damping[k]);
-            self.velocity[k] = new;
-            self.acceleration[k] = driven - damping[k] * new;
-            damped += damping[k] * (old * old + new * new);
-        }
-        damped
-    }
+    damped
 }
 
 impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
     pub fn new(rig: &Rig<D>, binder: B, face_factor: f64, step: f64) -> Self {
         let bodies = Bodies::new(rig);
         let finder = Finder::new(rig);
-        let contacts = Contacts::new(rig, &bodies, face_factor);
+        let contacts = Contacts::new(rig, face_factor);
         let (spheres, flats) = (rig.sample.spheres.len(), rig.flats.len());
         let turning = rig.laws.has_friction();
-        let mut loaded: Vec<Body> = Vec::new();
-        let with_pulse = rig.bars.iter().filter(|bar| bar.incident.is_some()).map(|bar| bar.body);
-        for body in rig.loads.iter().flat_map(|load| load.bodies.iter().copied()).chain(with_pulse) {
-            if !loaded.contains(&body) {
-                loaded.push(body);
-            }
-        }
         Self {
             seen: bodies.displacement.clone(),
             flat_seen: bodies.flat_moved.clone(),
@@ -108,7 +104,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             at_hand: 0.0,
             turning,
             count: 0,
-            loaded,
+            loaded: acts::loaded(rig),
             acts: Vec::new(),
             bodies,
             contacts,
@@ -144,25 +140,8 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             // What a squeezed contact stores at the start is no work of the motion.
             contacts.account[c].work = contacts.normal_law(c).stored(contacts.account[c].overlap, &contacts.memory[c]);
         }
-        for i in 0..bodies.velocity.len() {
-            for k in 0..D {
-                let inverse = bodies.inverse_mass[i][k];
-                let fall = if inverse == 0.0 { 0.0 } else { rig.gravity[k] };
-                let damping = bodies.damping.get(i).map_or(0.0, |damping| damping[k]);
-                bodies.acceleration[i][k] = sums.force[i][k] * inverse + fall - damping * bodies.velocity[i][k];
-            }
-            if self.turning {
-                bodies.spin_rate[i] = sums.torque[i].map(|torque| torque * bodies.inverse_inertia[i]);
-            }
-        }
-        for f in 0..bodies.flat_velocity.len() {
-            for k in 0..D {
-                let inverse = bodies.flat_inverse_mass[f][k];
-                let fall = if inverse == 0.0 { 0.0 } else { rig.gravity[k] };
-                bodies.flat_acceleration[f][k] =
-                    sums.flat[f][k] * inverse + fall - bodies.flat_damping[f][k] * bodies.flat_velocity[f][k];
-            }
-        }
+        // A kick of no length sets the accelerations alone.
+        self.kick(rig, 0.0);
         self.move_clusters(rig, 0.0);
         let ledger = self.ledger(rig);
         self.work_in = ledger.kinetic + ledger.stored;
@@ -210,15 +189,15 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         let Bodies { displacement, velocity, acceleration, spin, spin_rate, .. } = &mut self.bodies;
         if displacement.len() < MANY {
             for i in 0..displacement.len() {
-                let (displacement, velocity) = (&mut displacement[i], &mut velocity[i]);
-                Motion { displacement, velocity, acceleration: &mut acceleration[i], trial: &mut self.trial[i] }
-                    .drift(h);
+                drift(h, &mut displacement[i], &velocity[i], &acceleration[i], &mut self.trial[i]);
             }
         } else {
-            let rows = displacement.par_iter_mut().zip(velocity).zip(acceleration).zip(&mut self.trial);
-            rows.with_min_len(2048).for_each(|(((displacement, velocity), acceleration), trial)| {
-                Motion { displacement, velocity, acceleration, trial }.drift(h);
-            });
+            let rows = displacement.par_iter_mut().zip(velocity.par_iter()).zip(acceleration.par_iter());
+            rows.zip(&mut self.trial).with_min_len(2048).for_each(
+                |(((displacement, velocity), acceleration), trial)| {
+                    drift(h, displacement, velocity, acceleration, trial);
+                },
+            );
         }
         if self.turning {
             for i in 0..spin.len() {
@@ -229,9 +208,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         }
         let Bodies { flat_moved, flat_velocity, flat_acceleration, .. } = &mut self.bodies;
         for f in 0..flat_moved.len() {
-            let (displacement, velocity) = (&mut flat_moved[f], &mut flat_velocity[f]);
-            let (acceleration, trial) = (&mut flat_acceleration[f], &mut self.flat_trial[f]);
-            Motion { displacement, velocity, acceleration, trial }.drift(h);
+            drift(h, &mut flat_moved[f], &flat_velocity[f], &flat_acceleration[f], &mut self.flat_trial[f]);
         }
     }
 
@@ -252,37 +229,23 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
 
     fn kick(&mut self, rig: &Rig<D>, h: f64) {
         let gravity = &rig.gravity;
-        let Bodies {
-            displacement,
-            velocity,
-            acceleration,
-            inverse_mass,
-            damping,
-            spin,
-            spin_rate,
-            inverse_inertia,
-            weight,
-            ..
-        } = &mut self.bodies;
+        let Bodies { velocity, acceleration, inverse_mass, damping, spin, spin_rate, inverse_inertia, weight, .. } =
+            &mut self.bodies;
         let force = &self.sums.force;
         let damped = !damping.is_empty();
-        if displacement.len() < MANY || damped {
+        if velocity.len() < MANY || damped {
             for i in 0..velocity.len() {
                 let rates = if damped { &damping[i] } else { &[0.0; D] };
-                let (displacement, velocity) = (&mut displacement[i], &mut velocity[i]);
-                let (acceleration, trial) = (&mut acceleration[i], &mut self.trial[i]);
-                let mut motion = Motion { displacement, velocity, acceleration, trial };
-                let lost = motion.kick(h, &force[i], &inverse_mass[i], gravity, rates);
+                let row = (&mut velocity[i], &mut acceleration[i]);
+                let lost = kick(h, row, &force[i], &inverse_mass[i], gravity, rates);
                 if damped {
                     self.absorbed += 0.5 * h * rig.mass[i] * weight[i] * lost;
                 }
             }
         } else {
-            let rows = displacement.par_iter_mut().zip(velocity).zip(acceleration).zip(&mut self.trial);
-            let rows = rows.zip(force).zip(inverse_mass.par_iter()).with_min_len(2048);
-            rows.for_each(|(((((displacement, velocity), acceleration), trial), force), inverse)| {
-                let mut motion = Motion { displacement, velocity, acceleration, trial };
-                motion.kick(h, force, inverse, gravity, &[0.0; D]);
+            let rows = velocity.par_iter_mut().zip(acceleration).zip(force).zip(inverse_mass.par_iter());
+            rows.with_min_len(2048).for_each(|((row, force), inverse)| {
+                kick(h, row, force, inverse, gravity, &[0.0; D]);
             });
         }
         if self.turning {
@@ -296,13 +259,10 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             }
         }
         let whole = flat_weight(rig);
-        let Bodies { flat_moved, flat_velocity, flat_acceleration, flat_inverse_mass, flat_damping, .. } =
-            &mut self.bodies;
-        for f in 0..flat_moved.len() {
-            let (displacement, velocity) = (&mut flat_moved[f], &mut flat_velocity[f]);
-            let (acceleration, trial) = (&mut flat_acceleration[f], &mut self.flat_trial[f]);
-            let mut motion = Motion { displacement, velocity, acceleration, trial };
-            let lost = motion.kick(h, &self.sums.flat[f], &flat_inverse_mass[f], gravity, &flat_damping[f]);
+        let Bodies { flat_velocity, flat_acceleration, flat_inverse_mass, flat_damping, .. } = &mut self.bodies;
+        for f in 0..flat_velocity.len() {
+            let row = (&mut flat_velocity[f], &mut flat_acceleration[f]);
+            let lost = kick(h, row, &self.sums.flat[f], &flat_inverse_mass[f], gravity, &flat_damping[f]);
             if lost > 0.0 {
                 self.absorbed += 0.5 * h * rig.flats[f].mass * whole * lost;
             }
