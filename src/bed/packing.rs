@@ -1,10 +1,11 @@
 //! How the grains of a bed are laid out at first.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use rand_xoshiro::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
 use super::{Bed, Disk};
+use crate::chance::fraction;
 
 /// Order of the grains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,11 +50,6 @@ const WALL: f64 = 0.5;
 /// First velocities are uniform in ± this (d/τ_c) along each axis: some times the speed of a fall over a diameter.
 const STIR: f64 = 0.2;
 
-/// A number from 0 to 1.
-fn draw(chance: &mut Xoshiro256PlusPlus) -> f64 {
-    (chance.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-}
-
 impl Pile {
     /// Grains and walls before they settle, with the first velocity of each grain (d/τ_c).
     pub fn lay(&self) -> (Bed, Vec<[f64; 2]>) {
@@ -65,7 +61,7 @@ impl Pile {
         let velocities = grains
             .iter()
             .map(|_| match self.packing {
-                Packing::Random => [0; 2].map(|_| STIR * (2.0 * draw(&mut chance) - 1.0)),
+                Packing::Random => [0; 2].map(|_| STIR * (2.0 * fraction(&mut chance) - 1.0)),
                 Packing::Hexagonal => [0.0; 2],
             })
             .collect();
@@ -84,7 +80,7 @@ impl Pile {
     }
 
     fn diameter(&self, chance: &mut Xoshiro256PlusPlus) -> f64 {
-        1.0 + self.spread * (2.0 * draw(chance) - 1.0)
+        1.0 + self.spread * (2.0 * fraction(chance) - 1.0)
     }
 
     fn square(&self, chance: &mut Xoshiro256PlusPlus) -> Vec<Disk> {

@@ -1,8 +1,9 @@
 //! From a smooth lens to sites: which material each of them holds.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use rand_xoshiro::rand_core::SeedableRng;
 
+use crate::chance::fraction;
 use crate::lattice::HexagonalSheet;
 
 /// How sites take their material from a smooth lens.
@@ -39,8 +40,7 @@ pub(super) fn raster(lattice: &HexagonalSheet, rule: Raster, seed: u64, fraction
         Raster::Diffused => diffused(lattice, fractions),
         Raster::Random => {
             let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
-            // 53 bits are what a fraction holds.
-            fractions.iter().map(|parts| drawn(parts, (generator.next_u64() >> 11) as f64 / 2.0_f64.powi(53))).collect()
+            fractions.iter().map(|parts| drawn(parts, fraction(&mut generator))).collect()
         }
     }
 }

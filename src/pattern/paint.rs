@@ -1,8 +1,9 @@
 //! Patterns of materials over a crystal.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use rand_xoshiro::rand_core::SeedableRng;
 
+use crate::chance::fraction;
 use crate::lattice::{Crystal, hexagonal_distance};
 
 /// How choices, numbered from 0, are spread over the sites of a crystal. Lengths in metres, angles in radians; x lies across
@@ -185,7 +186,7 @@ impl Pattern {
 
 /// The choice in whose share the next random number falls.
 fn draw(fractions: &[f64], chance: &mut Xoshiro256PlusPlus) -> usize {
-    let mut left = (chance.next_u64() >> 11) as f64 * 2_f64.powi(-53);
+    let mut left = fraction(chance);
     for (k, fraction) in fractions.iter().enumerate() {
         left -= fraction;
         if left < 0.0 {

@@ -185,7 +185,7 @@ impl Dice {
 
     /// A number from 0 to 1.
     pub fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+        crate::chance::fraction(&mut self.0)
     }
 
     /// The sum of twelve such less six: close to a normal deviate, from sums only.
