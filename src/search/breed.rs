@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::{Choice, Dice, Space, level_set};
 
 /// A child has one parent's letters in a rectangle and the other's elsewhere, then a block of one letter or single flips.
-pub(super) fn child(space: &Space, dice: &mut Dice, [a, b]: [&Choice; 2]) -> Choice {
+fn child(space: &Space, dice: &mut Dice, [a, b]: [&Choice; 2]) -> Choice {
     let mut child = a.clone();
     if dice.below(100) < 85 {
         let extent = space.extent();
@@ -23,6 +23,29 @@ pub(super) fn child(space: &Space, dice: &mut Dice, [a, b]: [&Choice; 2]) -> Cho
         space.flip(&mut child, dice);
     }
     child
+}
+
+/// Up to `count` children that are not known yet, of parents that `winner` chooses.
+pub(super) fn brood<'a>(
+    space: &Space,
+    dice: &mut Dice,
+    count: usize,
+    known: &mut HashSet<Choice>,
+    mut winner: impl FnMut(&mut Dice) -> &'a Choice,
+) -> Vec<Choice> {
+    let mut children = Vec::new();
+    // In a small space everything is known sooner or later.
+    for _ in 0..20 * count {
+        let parents = [winner(dice), winner(dice)];
+        let child = child(space, dice, parents);
+        if known.insert(child.clone()) {
+            children.push(child);
+        }
+        if children.len() == count {
+            break;
+        }
+    }
+    children
 }
 
 /// What is given, each uniform choice, and smooth random ones until there are `count`; none twice.

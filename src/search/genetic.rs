@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::breed::{child, first};
+use super::breed::{brood, first};
 use super::{Choice, Dice, Search, Space, sane};
 
 /// How many members; how many choices of the first population and of each generation are asked for; and after how many
@@ -43,12 +43,6 @@ impl Genetic {
             stale: 0,
         }
     }
-
-    /// The place of the best of three random members; members stand in order.
-    fn winner(&mut self) -> usize {
-        let end = self.members.len() as u64;
-        (0..3).map(|_| self.dice.below(end) as usize).min().unwrap_or(0)
-    }
 }
 
 impl Search for Genetic {
@@ -62,17 +56,13 @@ impl Search for Genetic {
             let given = std::mem::take(&mut self.given);
             self.asked = first(&self.space, &mut self.dice, given, FIRST, &mut self.known);
         } else if self.stale < PATIENCE {
-            // In a small space everything is known sooner or later.
-            for _ in 0..20 * CHILDREN {
-                let parents = [self.winner(), self.winner()].map(|place| &self.members[place].0);
-                let child = child(&self.space, &mut self.dice, parents);
-                if self.known.insert(child.clone()) {
-                    self.asked.push(child);
-                }
-                if self.asked.len() == CHILDREN {
-                    break;
-                }
-            }
+            let members = &self.members;
+            // The best of three random members; members stand in order.
+            self.asked = brood(&self.space, &mut self.dice, CHILDREN, &mut self.known, |dice| {
+                let end = members.len() as u64;
+                let place = (0..3).map(|_| dice.below(end) as usize).min().unwrap_or(0);
+                &members[place].0
+            });
         }
         self.asked.clone()
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::breed::{child, first};
+use super::breed::{brood, first};
 use super::front::{crowding, ranks};
 use super::{Choice, Dice, Loss, Search, Space, knee};
 
@@ -46,13 +46,6 @@ impl Nsga {
         }
     }
 
-    fn winner(&mut self) -> usize {
-        let mut pick = || self.dice.below(self.choices.len() as u64) as usize;
-        let (a, b) = (pick(), pick());
-        let ((rank_a, apart_a), (rank_b, apart_b)) = (self.standing[a], self.standing[b]);
-        if rank_b < rank_a || (rank_b == rank_a && apart_b > apart_a) { b } else { a }
-    }
-
     /// The members of the lowest ranks, in the order of rank, then of crowding.
     fn select(&mut self) {
         let rank = ranks(&self.losses);
@@ -86,17 +79,13 @@ impl Search<Loss> for Nsga {
             let given = std::mem::take(&mut self.given);
             self.asked = first(&self.space, &mut self.dice, given, FIRST, &mut self.known);
         } else if !self.choices.is_empty() {
-            // In a small space everything is known sooner or later.
-            for _ in 0..20 * CHILDREN {
-                let parents = [self.winner(), self.winner()].map(|place| &self.choices[place]);
-                let child = child(&self.space, &mut self.dice, parents);
-                if self.known.insert(child.clone()) {
-                    self.asked.push(child);
-                }
-                if self.asked.len() == CHILDREN {
-                    break;
-                }
-            }
+            let (choices, standing) = (&self.choices, &self.standing);
+            self.asked = brood(&self.space, &mut self.dice, CHILDREN, &mut self.known, |dice| {
+                let mut pick = || dice.below(choices.len() as u64) as usize;
+                let (a, b) = (pick(), pick());
+                let ((rank_a, apart_a), (rank_b, apart_b)) = (standing[a], standing[b]);
+                &choices[if rank_b < rank_a || (rank_b == rank_a && apart_b > apart_a) { b } else { a }]
+            });
         }
         self.asked.clone()
     }
