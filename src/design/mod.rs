@@ -26,6 +26,7 @@ use crate::lattice::HexagonalSheet;
 use crate::lens::LensRequest;
 use crate::material::{self, Material, UnknownMaterial};
 use crate::target::Target;
+use crate::units::Dimension::{Force, Time};
 
 /// A checked design. Everything in SI; what the file left out holds its default.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,6 +117,12 @@ impl Design {
     /// The first thing that is wrong with it.
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self, DesignError> {
         check::design(path.as_ref(), text)
+    }
+
+    /// What strikes the crystal: `26 kN for 20 us on every sphere of row 1`.
+    pub fn impact_in_words(&self) -> String {
+        let [force, duration] = [Force.show(self.impact.force), Time.show(self.impact.duration)];
+        format!("{force} for {duration} on every sphere of row 1")
     }
 
     /// The contact law, with friction where there is some.

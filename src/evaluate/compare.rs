@@ -13,7 +13,6 @@ use crate::layout::{Baseline, Layout};
 use crate::lens::Lens;
 use crate::outcome::{ArrangementOutcome, FORMAT, Manifest, Outcome, Proposal, SphereRecord};
 use crate::score::Scores;
-use crate::units::Dimension::{Force, Time};
 
 /// Is told of every arrangement that is finished.
 pub trait Progress: Sync {
@@ -181,11 +180,7 @@ pub fn compare(
             version: env!("CARGO_PKG_VERSION").to_owned(),
             design_file: design.path.display().to_string(),
             design: design.text.clone(),
-            impact: format!(
-                "{} for {} on every sphere of row 1",
-                Force.show(design.impact.force),
-                Time.show(design.impact.duration)
-            ),
+            impact: design.impact_in_words(),
             law: design.law_name(),
             constants: design.constants.to_string(),
             integrator: plan.integrator.to_string(),

@@ -10,7 +10,6 @@ use crate::layout::Layout;
 use crate::lens::Lens;
 use crate::outcome::{FORMAT, Front, Traced, TracedRay, TracedSpot};
 use crate::ray::{Eikonal, Spot, Trace, caustic, fan, least_spot, spot, wavefront};
-use crate::units::Dimension::{Force, Time};
 use crate::wave::{Dimension, mixture_speed};
 
 /// Rays behind spots, caustic and wavefronts.
@@ -66,11 +65,7 @@ fn trace_layout(design: &Design, layout: &Layout, times: &[f64]) -> Traced {
     Traced {
         format: FORMAT,
         name: design.name.clone(),
-        impact: format!(
-            "{} for {} on every sphere of row 1",
-            Force.show(design.impact.force),
-            Time.show(design.impact.duration)
-        ),
+        impact: design.impact_in_words(),
         diameter: lattice.diameter(),
         half_width: lattice.half_width(),
         target: design.target,

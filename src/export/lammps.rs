@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use super::{axis_in_space, in_space};
+use super::{axis_in_space, ends, in_space};
 use crate::contact::{LawKind, Pair};
 use crate::dem::rig::{Body, Curve, Law, LawBook, LoadKind, Rig, Simulation};
 
@@ -137,14 +137,7 @@ fn data<const D: usize>(rig: &Rig<D>) -> String {
         spheres.len(),
         rig.sample.materials.len()
     );
-    let radius = spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
-    let mut ends = [[-radius, radius]; 3];
-    for sphere in spheres {
-        let centre = in_space(sphere.centre);
-        for k in 0..3 {
-            ends[k] = [ends[k][0].min(centre[k] - radius), ends[k][1].max(centre[k] + radius)];
-        }
-    }
+    let mut ends = ends(rig);
     for (axis, period) in rig.periods.iter().enumerate() {
         if let Some(period) = period {
             let k = axis_in_space::<D>(axis);

@@ -57,6 +57,19 @@ fn in_space<const D: usize>(vector: [f64; D]) -> [f64; 3] {
     }
 }
 
+/// Between which coordinates in space the spheres of a rig lie, the origin among them.
+fn ends<const D: usize>(rig: &Rig<D>) -> [[f64; 2]; 3] {
+    let radius = rig.sample.spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
+    let mut ends = [[-radius, radius]; 3];
+    for sphere in &rig.sample.spheres {
+        let centre = in_space(sphere.centre);
+        for k in 0..3 {
+            ends[k] = [ends[k][0].min(centre[k] - radius), ends[k][1].max(centre[k] + radius)];
+        }
+    }
+    ends
+}
+
 /// The axis in space of one of the rig's.
 const fn axis_in_space<const D: usize>(axis: usize) -> usize {
     if D == 1 { 1 } else { axis }

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use super::{axis_in_space, in_space};
+use super::{axis_in_space, ends, in_space};
 use crate::dem::rig::Simulation;
 
 /// The present state as a frame; frames of a run stand one after another in a file. SI.
@@ -12,14 +12,7 @@ use crate::dem::rig::Simulation;
 pub fn frame<const D: usize>(simulation: &Simulation<D>) -> String {
     let (rig, view) = (simulation.rig(), simulation.view());
     let spheres = &rig.sample.spheres;
-    let radius = spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
-    let mut ends = [[-radius, radius]; 3];
-    for sphere in spheres {
-        let centre = in_space(sphere.centre);
-        for k in 0..3 {
-            ends[k] = [ends[k][0].min(centre[k] - radius), ends[k][1].max(centre[k] + radius)];
-        }
-    }
+    let mut ends = ends(rig);
     let mut repeats = ["F"; 3];
     for (axis, period) in rig.periods.iter().enumerate() {
         if let Some(period) = period {
