@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::streams::Streams;
 use super::{TrialError, write};
-use crate::dem::rig::Simulation;
+use crate::dem::rig::{Simulation, sealed, unsealed};
 use crate::setup::Bench;
 
 /// First line of the file; the number is that of the format.
@@ -38,27 +38,20 @@ impl Checkpoint {
 
     /// Puts it in its place at once: the one before stays until this one is whole.
     pub fn write(&self, path: &Path) -> Result<(), TrialError> {
-        let body = postcard::to_stdvec(self).map_err(|error| Self::refused(path, &error.to_string()))?;
         let mut bytes = OPENING.to_vec();
-        bytes.extend(crc32fast::hash(&body).to_le_bytes());
-        bytes.extend(body);
+        bytes.extend(sealed(self));
         write(path, &bytes)
     }
 
     /// Reads one, of the same rig file.
     pub fn read<const D: usize>(path: &Path, bench: &Bench<D>) -> Result<Self, TrialError> {
         let bytes = std::fs::read(path).map_err(|error| TrialError::File { path: path.to_owned(), error })?;
-        let damaged = || Self::refused(path, "the checkpoint is damaged");
         let Some(rest) = bytes.strip_prefix(OPENING) else {
             let ours = bytes.starts_with(b"granulens trial checkpoint");
             let reason = if ours { "the checkpoint is of another version" } else { "this is no checkpoint" };
             return Err(Self::refused(path, reason));
         };
-        let (sum, body) = rest.split_first_chunk::<4>().ok_or_else(damaged)?;
-        if crc32fast::hash(body) != u32::from_le_bytes(*sum) {
-            return Err(damaged());
-        }
-        let checkpoint: Self = postcard::from_bytes(body).map_err(|_| damaged())?;
+        let checkpoint: Self = unsealed(rest).ok_or_else(|| Self::refused(path, "the checkpoint is damaged"))?;
         if checkpoint.text != crc32fast::hash(bench.text.as_bytes()) {
             return Err(Self::refused(
                 path,

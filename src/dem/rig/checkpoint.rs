@@ -5,6 +5,7 @@
 
 use std::fmt::Write as _;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::Rig;
@@ -55,11 +56,9 @@ pub enum CheckpointError {
 
 impl State {
     pub fn to_bytes(&self) -> Vec<u8> {
-        let body = postcard::to_stdvec(self).expect("numbers and lists of numbers can always be written");
         let mut bytes = MAGIC.to_vec();
         bytes.extend(VERSION.to_le_bytes());
-        bytes.extend(crc32fast::hash(&body).to_le_bytes());
-        bytes.extend(body);
+        bytes.extend(sealed(self));
         bytes
     }
 
@@ -70,12 +69,23 @@ impl State {
         if version != VERSION {
             return Err(CheckpointError::Version(version));
         }
-        let (checksum, body) = rest.split_first_chunk::<4>().ok_or(CheckpointError::Damaged)?;
-        if crc32fast::hash(body) != u32::from_le_bytes(*checksum) {
-            return Err(CheckpointError::Damaged);
-        }
-        postcard::from_bytes(body).map_err(|_| CheckpointError::Damaged)
+        unsealed(rest).ok_or(CheckpointError::Damaged)
     }
+}
+
+/// A value as `postcard` writes it, behind a checksum of that.
+pub(crate) fn sealed(value: &impl Serialize) -> Vec<u8> {
+    let body = postcard::to_stdvec(value).expect("numbers, texts and lists of them can always be written");
+    let mut bytes = crc32fast::hash(&body).to_le_bytes().to_vec();
+    bytes.extend(body);
+    bytes
+}
+
+/// The value of sealed bytes; none if they are damaged.
+pub(crate) fn unsealed<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    let (checksum, body) = bytes.split_first_chunk::<4>()?;
+    let whole = crc32fast::hash(body) == u32::from_le_bytes(*checksum);
+    whole.then(|| postcard::from_bytes(body).ok())?
 }
 
 /// A checksum over everything that a rig is.

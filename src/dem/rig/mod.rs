@@ -36,6 +36,7 @@ mod view;
 
 pub use check::RigError;
 pub use checkpoint::CheckpointError;
+pub(crate) use checkpoint::{sealed, unsealed};
 pub use cluster::{Cluster, ClusterState};
 pub use curve::{Curve, CurveError};
 pub use felt::Arrival;
