@@ -2,6 +2,7 @@
 
 use super::chart::{COLOURS, Chart, Line};
 use super::colour::Scale;
+use super::plain_page::plain_page;
 use super::svg::{Anchor, Svg, escape};
 use crate::bed::{Bed, BedImpact, Course, Measures, Moment};
 
@@ -30,16 +31,12 @@ pub fn draw_bed(
         ("bed.svg", snapshot(name, bed, course)),
         ("pair-correlation.svg", correlation(name, measures)),
     ];
-    let figures: String = pictures.iter().map(|(_, svg)| format!("<figure>{svg}</figure>\n")).collect();
-    let title = escape(name);
-    let page = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>body {{ \
-         font-family: Helvetica, Arial, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }} figure {{ margin: \
-         2rem 0; }} svg {{ max-width: 100%; height: auto; }} pre {{ background: #f4f4f4; padding: 1rem; overflow-x: auto; \
-         }}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<pre>{}</pre>\n<p>Lengths in mean grain diameters d, times in collision \
-         times τ_c, masses in that of a grain of diameter d (Kondic et al. 2012).</p>\n{figures}</body>\n</html>\n",
-        words.lines().map(escape).collect::<Vec<_>>().join("\n")
+    let words = words.lines().map(escape).collect::<Vec<_>>().join("\n");
+    let above = format!(
+        "<pre>{words}</pre>\n<p>Lengths in mean grain diameters d, times in collision times τ_c, masses in that of a grain of \
+         diameter d (Kondic et al. 2012).</p>\n"
     );
+    let page = plain_page(name, &above, pictures.iter().map(|(_, svg)| svg.as_str()));
     BedPictures { pictures, page }
 }
 

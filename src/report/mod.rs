@@ -12,6 +12,7 @@
 //! - `contact_curve`: a contact law as a picture
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `surface`: a design surface as a picture; `labels`: places for its labels
+//! - `plain_page`: pictures below some words
 //! - `chart`: lines over a quantity; `bed`: an impact on a granular bed
 //! - `trial`: one simulated rig, from the records in its folder
 
@@ -27,6 +28,7 @@ mod files;
 mod labels;
 mod maps;
 mod page;
+mod plain_page;
 mod profiles;
 mod summary;
 mod surface;

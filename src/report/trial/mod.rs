@@ -7,6 +7,7 @@ mod maps;
 use std::path::Path;
 
 use super::chart::{COLOURS, Chart, Line};
+use super::plain_page::plain_page;
 use super::svg::escape;
 use crate::trial::{SUMMARY, Series, Summary};
 use crate::units::Dimension::{Length, Speed};
@@ -231,19 +232,15 @@ fn threshold(column: &str) -> String {
 
 /// All pictures on one page that needs no network.
 fn page(summary: &Summary, pictures: &[(String, String)]) -> String {
-    let name = escape(&summary.name);
     let stop = summary.stop.as_ref().map_or(String::new(), |stop| format!("<p><b>Stopped:</b> {}</p>\n", escape(stop)));
     let residual =
         summary.residual.map_or(String::new(), |residual| format!(" The energy ledger closes to {residual:.1e}."));
-    let figures: String = pictures.iter().map(|(_, svg)| format!("<figure>{svg}</figure>\n")).collect();
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n<style>body {{ \
-         font-family: Helvetica, Arial, sans-serif; max-width: 62rem; margin: 2rem auto; }} figure {{ margin: 2rem 0; }} \
-         svg {{ max-width: 100%; height: auto; }}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{} spheres in {} layers; {} of \
-         {} simulated.{residual}</p>\n{stop}{figures}</body>\n</html>\n",
+    let above = format!(
+        "<p>{} spheres in {} layers; {} of {} simulated.{residual}</p>\n{stop}",
         summary.spheres,
         summary.layers,
         crate::units::Dimension::Time.show(summary.time_s),
         crate::units::Dimension::Time.show(summary.window_s),
-    )
+    );
+    plain_page(&summary.name, &above, pictures.iter().map(|(_, svg)| svg.as_str()))
 }
