@@ -86,10 +86,8 @@ pub(super) const EXAMPLES: &[&str] = &[
 
 #[cfg(test)]
 mod tests {
-    use toml::de::DeTable;
-
     use super::*;
-    use crate::document::example;
+    use crate::document::{assert_examples, example};
 
     /// Messages rely on it.
     #[test]
@@ -106,12 +104,7 @@ mod tests {
             ("thresholds", ThresholdsFile::KEYS),
             ("thresholds.residual", BoundsFile::KEYS),
         ];
-        for (section, keys) in sections {
-            for key in keys {
-                let example = example(EXAMPLES, &format!("{section}.{key}")).expect(key);
-                DeTable::parse(&example).expect(&example);
-            }
-        }
+        assert_examples(EXAMPLES, &sections);
         assert_eq!(example(EXAMPLES, "format").as_deref(), Some("format = 1"));
     }
 }

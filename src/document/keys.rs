@@ -68,6 +68,18 @@ pub(crate) fn example(examples: &[&str], key: &str) -> Option<String> {
     }
 }
 
+/// Asserts that every key of the sections has an example, and that this is TOML: messages rely on it.
+#[cfg(test)]
+pub(crate) fn assert_examples(examples: &[&str], sections: &[(&str, &[&str])]) {
+    for (section, keys) in sections {
+        for key in *keys {
+            let key = key.trim_start_matches("r#");
+            let example = example(examples, &format!("{section}.{key}")).expect(key);
+            DeTable::parse(&example).expect(&example);
+        }
+    }
+}
+
 /// The keys of a section: reads only from a table, where a derived reader would also take a list.
 pub(crate) struct Keys<T>(pub T);
 

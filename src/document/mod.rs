@@ -17,6 +17,8 @@ mod value;
 pub use error::DocumentError;
 
 pub(crate) use error::Source;
+#[cfg(test)]
+pub(crate) use keys::assert_examples;
 pub(crate) use keys::{Section, Sections, Written, example, read, section};
 pub(crate) use own::{OwnMaterials, chosen, materials};
 pub(crate) use syntax::{parse, place};

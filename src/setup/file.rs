@@ -171,10 +171,8 @@ share!(BarFile, LoadFile have over_time: PulseKeys { pulse, peak, start, duratio
 
 #[cfg(test)]
 mod tests {
-    use toml::de::DeTable;
-
     use super::*;
-    use crate::document::example;
+    use crate::document::assert_examples;
 
     /// Messages rely on it.
     #[test]
@@ -195,12 +193,6 @@ mod tests {
             ("run", RunFile::KEYS),
             ("record", RecordFile::KEYS),
         ];
-        for (section, keys) in sections {
-            for key in keys {
-                let key = key.trim_start_matches("r#");
-                let example = example(EXAMPLES, &format!("{section}.{key}")).expect(key);
-                DeTable::parse(&example).expect(&example);
-            }
-        }
+        assert_examples(EXAMPLES, &sections);
     }
 }
