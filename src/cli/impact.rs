@@ -191,9 +191,9 @@ impl Impact {
     }
 }
 
-/// A guard's words, whose times are in collision times here.
+/// A guard's words; times are in collision times here.
 fn unit(stop: &RigStop) -> String {
-    stop.to_string().replace(" s;", " tau_c;").replace(" s:", " tau_c:").replace(" s,", " tau_c,")
+    stop.words("tau_c")
 }
 
 fn numbers<'a>(

@@ -1,5 +1,7 @@
 //! What stops a run of a rig.
 
+use std::fmt;
+
 use super::contacts::Strain;
 use super::engine::Engine;
 use super::ledger::EnergyLedger;
@@ -7,16 +9,14 @@ use super::{Body, Rig};
 use crate::dem::stable_step;
 
 /// Why a run ended before it was asked to. What was computed so far is kept.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum RigStop {
     /// The caller asked for it.
-    #[error("interrupted at {time:.4e} s")]
     Interrupted {
         /// Time (s).
         time: f64,
     },
     /// A velocity is not a number any more.
-    #[error("the velocity of {body} is not finite at {time:.4e} s; try a smaller step")]
     NotFinite {
         /// Whose.
         body: Body,
@@ -24,10 +24,6 @@ pub enum RigStop {
         time: f64,
     },
     /// An overlap beyond the law's range.
-    #[error(
-        "{} and {} overlap by {:.1} % of their radii at {time:.4e} s, beyond the contact law's range of {:.1} %; the impact \
-         is too strong for these spheres", .bodies[0], .bodies[1], 100.0 * ratio, 100.0 * limit
-    )]
     Overlap {
         /// The two.
         bodies: [Body; 2],
@@ -39,10 +35,6 @@ pub enum RigStop {
         time: f64,
     },
     /// The step is too large for a contact that has arisen.
-    #[error(
-        "a step of {step:.3e} s is unstable with the contact of {} and {} ({stiffness:.3e} N/m) at {time:.4e} s; it must \
-         stay below {limit:.3e} s", .bodies[0], .bodies[1]
-    )]
     Step {
         /// The step (s).
         step: f64,
@@ -56,10 +48,6 @@ pub enum RigStop {
         time: f64,
     },
     /// Energy appeared or vanished.
-    #[error(
-        "the energy ledger does not close at {time:.4e} s: residual {residual:.2e} of what was put in, above {limit:.0e}; try \
-         half the step"
-    )]
     Residual {
         /// What is left over, relative.
         residual: f64,
@@ -69,13 +57,49 @@ pub enum RigStop {
         time: f64,
     },
     /// A sphere has left the domain.
-    #[error("{body} leaves the domain at {time:.4e} s; widen the domain or hold it")]
     Escaped {
         /// Which.
         body: Body,
         /// Time (s).
         time: f64,
     },
+}
+
+impl std::error::Error for RigStop {}
+
+impl fmt::Display for RigStop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.words("s"))
+    }
+}
+
+impl RigStop {
+    /// In words, with times in a unit of this name.
+    pub fn words(&self, unit: &str) -> String {
+        match self {
+            Self::Interrupted { time } => format!("interrupted at {time:.4e} {unit}"),
+            Self::NotFinite { body, time } => {
+                format!("the velocity of {body} is not finite at {time:.4e} {unit}; try a smaller step")
+            }
+            Self::Overlap { bodies: [a, b], ratio, limit, time } => format!(
+                "{a} and {b} overlap by {:.1} % of their radii at {time:.4e} {unit}, beyond the contact law's range of {:.1} %; \
+                 the impact is too strong for these spheres",
+                100.0 * ratio,
+                100.0 * limit
+            ),
+            Self::Step { step, limit, stiffness, bodies: [a, b], time } => format!(
+                "a step of {step:.3e} {unit} is unstable with the contact of {a} and {b} ({stiffness:.3e} N/m) at {time:.4e} \
+                 {unit}; it must stay below {limit:.3e} {unit}"
+            ),
+            Self::Residual { residual, limit, time } => format!(
+                "the energy ledger does not close at {time:.4e} {unit}: residual {residual:.2e} of what was put in, above \
+                 {limit:.0e}; try half the step"
+            ),
+            Self::Escaped { body, time } => {
+                format!("{body} leaves the domain at {time:.4e} {unit}; widen the domain or hold it")
+            }
+        }
+    }
 }
 
 /// What stops a run, whose balance is drawn in `ledger`.
