@@ -85,26 +85,15 @@ impl Bench {
             || simulate_batch(&batch, &impact, width, interrupt()).map_err(|error| Failure::input(error.to_string()));
 
         // The first run warms caches and clocks; the best of three is what the machine can do.
-        let best = |run: &dyn Fn() -> Result<(), Failure>| -> Result<f64, Failure> {
-            run()?;
-            let mut best = f64::INFINITY;
-            for _ in 0..3 {
-                let begun = Instant::now();
-                run()?;
-                best = best.min(begun.elapsed().as_secs_f64());
-            }
-            Ok(best)
-        };
-        let one = best(&|| group().map(|_| ()))? / lanes as f64;
+        let one = best(group)?.0 / lanes as f64;
         let threads = rayon::current_num_threads();
-        let all = best(&|| (0..threads).into_par_iter().map(|_| group().map(|_| ())).collect())? / lanes as f64;
-        let alone = best(&|| {
-            simulate(&sample, &impact, interrupt()).map(|_| ()).map_err(|error| Failure::input(error.to_string()))
-        })?;
+        let all =
+            best(|| (0..threads).into_par_iter().map(|_| group()).collect::<Result<Vec<_>, _>>())?.0 / lanes as f64;
+        let (alone, record) =
+            best(|| simulate(&sample, &impact, interrupt()).map_err(|error| Failure::input(error.to_string())))?;
         if interrupt().load(std::sync::atomic::Ordering::Relaxed) {
             return Err(Failure::Interrupted("nothing was measured to the end".to_owned()));
         }
-        let record = simulate(&sample, &impact, interrupt()).map_err(|error| Failure::input(error.to_string()))?;
         let steps = steps_in(impact.window, impact.step);
         let arrangements = comparison.len();
         let figures = Figures {
@@ -134,6 +123,18 @@ impl Bench {
         }
         Ok(())
     }
+}
+
+/// The least time (s) of three runs, and what the first gave.
+fn best<T>(run: impl Fn() -> Result<T, Failure>) -> Result<(f64, T), Failure> {
+    let given = run()?;
+    let mut best = f64::INFINITY;
+    for _ in 0..3 {
+        let begun = Instant::now();
+        run()?;
+        best = best.min(begun.elapsed().as_secs_f64());
+    }
+    Ok((best, given))
 }
 
 fn words(f: &Figures) -> String {
