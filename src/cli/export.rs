@@ -4,11 +4,12 @@ use std::fs;
 use std::path::PathBuf;
 
 use granulens::contact::LawKind;
-use granulens::dem::rig::{RigError, RigStop, Simulation};
+use granulens::dem::rig::{Rig, RigError, RigStop, Simulation};
 use granulens::dem::steps_in;
 use granulens::design::Design;
 use granulens::evaluate::Plan;
 use granulens::export;
+use granulens::setup::{Bench, Setup};
 use granulens::units::Dimension::Time;
 
 use super::compare::read_layout;
@@ -19,12 +20,13 @@ use super::{Common, Motion, propose, time};
 
 /// Write a crystal and its motion for LAMMPS, OVITO or ParaView
 ///
-/// The whole crystal is written, both halves, repeating itself across the wave. For LAMMPS it has Hertz contacts, whatever the
-/// design says: an input deck, and the same run by this program to compare with. The other two show a run under the design's law.
+/// Of a lens the whole crystal is written, both halves, repeating itself across the wave. For LAMMPS it has Hertz contacts, whatever
+/// the design says: an input deck, and the same run by this program to compare with. The other two show a run under the design's
+/// law. A rig file is written as it is; LAMMPS takes those of spheres with Hertz contacts under square pulses.
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["lammps", "xyz", "vtp"]))]
 pub struct Export {
-    /// Design file, whose lens is proposed, or a layout (then with --design)
+    /// Design file, whose lens is proposed, a rig file, or a layout (then with --design)
     source: PathBuf,
     /// Design file of a layout: everything but the materials
     #[arg(long, value_name = "FILE")]
@@ -47,9 +49,16 @@ pub struct Export {
 
 impl Export {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let is_design = self.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        let (design, layout) = match (&self.design, is_design) {
+        let is_file = self.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        let (design, layout) = match (&self.design, is_file) {
             (None, true) => {
+                if let Some(setup) = Setup::read_rig(&self.source)? {
+                    return match setup {
+                        Setup::One(bench) => self.rig(common, &bench),
+                        Setup::Two(bench) => self.rig(common, &bench),
+                        Setup::Three(bench) => self.rig(common, &bench),
+                    };
+                }
                 let design = Design::read(&self.source)?;
                 let layout = propose(&design)?.layout();
                 (design, layout)
@@ -62,7 +71,7 @@ impl Export {
             (None, false) => {
                 return Err(Failure::input_with_help(
                     format!("{} is taken for a layout, and a layout needs its design", self.source.display()),
-                    "Add --design DESIGN.toml, or export a design file (NAME.toml).",
+                    "Add --design DESIGN.toml, or export a design or rig file (NAME.toml).",
                 ));
             }
             (Some(_), true) => {
@@ -72,6 +81,36 @@ impl Export {
                 ));
             }
         };
+        if self.lammps.is_some() && design.law != LawKind::Hertz {
+            note(common, &format!("LAMMPS has no law \"{}\": its deck has Hertz contacts", design.law));
+        }
+        let overrides = self.motion.overrides(common);
+        self.write(common, |law| {
+            let design = Design { law: law.unwrap_or(design.law), ..design.clone() };
+            let plan = Plan::new(&design, overrides, &layout.palette)
+                .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+            let rig = export::whole_crystal(&layout, design.impact, design.law, design.constants);
+            Ok(Run { rig, step: plan.step, steps: steps_in(plan.window, plan.step) })
+        })
+    }
+
+    /// A rig is run as its file says, but for the step and window of the command line.
+    fn rig<const D: usize>(&self, common: &Common, bench: &Bench<D>) -> Result<(), Failure> {
+        if self.motion.integrator.is_some() {
+            return Err(Failure::input_with_help("--integrator is for lenses; rigs move by Verlet", "Leave it out."));
+        }
+        bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        let step = self.motion.step.unwrap_or(bench.plan.step);
+        let window = self.motion.window.unwrap_or(bench.plan.window);
+        self.write(common, |_| Ok(Run { rig: bench.rig.clone(), step, steps: steps_in(window, step) }))
+    }
+
+    /// One run for each law that is needed, and the files that are asked for.
+    fn write<const D: usize>(
+        &self,
+        common: &Common,
+        run: impl Fn(Option<LawKind>) -> Result<Run<D>, Failure>,
+    ) -> Result<(), Failure> {
         let folders: Vec<&PathBuf> = self.lammps.iter().chain(&self.vtp).collect();
         if let Some(taken) = folders.iter().find(|folder| folder.exists()) {
             return Err(Failure::input_with_help(
@@ -80,19 +119,13 @@ impl Export {
             ));
         }
         probe(self.xyz.as_ref())?;
-        if self.lammps.is_some() && design.law != LawKind::Hertz {
-            note(common, &format!("LAMMPS has no law \"{}\": its deck has Hertz contacts", design.law));
-        }
-        // One run for each law that is needed.
         if let Some(folder) = &self.lammps {
-            let hertz = Design { law: LawKind::Hertz, ..design.clone() };
-            let (mut simulation, [steps, every]) = self.begin(common, &hertz, &layout)?;
-            let deck = export::deck(simulation.rig(), simulation.step(), steps, every)
+            let mut run = run(Some(LawKind::Hertz))?;
+            let every = self.every(&mut run);
+            let deck = export::deck(&run.rig, run.step, run.steps, every)
                 .map_err(|error| Failure::input(error.to_string()))?;
             let mut frames = String::new();
-            self.follow(common, &mut simulation, [steps, every], |simulation| {
-                frames.push_str(&export::dump_frame(simulation));
-            })?;
+            follow(common, run, every, |simulation| frames.push_str(&export::dump_frame(simulation)))?;
             write_folder(
                 folder,
                 [
@@ -112,11 +145,12 @@ impl Export {
         if self.xyz.is_none() && self.vtp.is_none() {
             return Ok(());
         }
-        let (mut simulation, run) = self.begin(common, &design, &layout)?;
+        let mut run = run(None)?;
+        let every = self.every(&mut run);
         let mut xyz = String::new();
         let mut files = Vec::new();
         let (mut spheres, mut contacts) = (Vec::new(), Vec::new());
-        self.follow(common, &mut simulation, run, |simulation| {
+        follow(common, run, every, |simulation| {
             if self.xyz.is_some() {
                 xyz.push_str(&export::frame(simulation));
             }
@@ -142,46 +176,45 @@ impl Export {
         Ok(())
     }
 
-    /// The crystal at rest, with the steps of its run and those between two frames.
-    fn begin(
-        &self,
-        common: &Common,
-        design: &Design,
-        layout: &granulens::layout::Layout,
-    ) -> Result<(Simulation<2>, [u64; 2]), Failure> {
-        let overrides = self.motion.overrides(common);
-        let plan = Plan::new(design, overrides, &layout.palette)
-            .map_err(|error| Failure::of_plan(design, &overrides, &error))?;
-        let rig = export::whole_crystal(layout, design.impact, design.law, design.constants);
-        let simulation =
-            Simulation::new(rig, plan.step).map_err(|error: RigError| Failure::input(error.to_string()))?;
-        let steps = steps_in(plan.window, plan.step);
-        let every = self.every.map_or(steps / 50, |every| (every / plan.step).round() as u64).max(1);
-        Ok((simulation, [steps, every]))
+    /// Steps between two frames. The run is made to end with one, less than a frame after the window.
+    fn every<const D: usize>(&self, run: &mut Run<D>) -> u64 {
+        let every =
+            self.every.map_or(run.steps / 50, |every| (every / run.step).round() as u64).clamp(1, run.steps.max(1));
+        run.steps = run.steps.div_ceil(every) * every;
+        every
     }
+}
 
-    /// Runs it, and hands over the state at the start and after every so many steps.
-    fn follow(
-        &self,
-        common: &Common,
-        simulation: &mut Simulation<2>,
-        [steps, every]: [u64; 2],
-        mut frame: impl FnMut(&Simulation<2>),
-    ) -> Result<(), Failure> {
-        let interrupt = interrupt();
-        let bar = Count::new(common, (steps / every) as usize, "frames");
-        frame(simulation);
-        for _ in 0..steps / every {
-            simulation.advance(every, interrupt).map_err(|stop| match stop {
-                RigStop::Interrupted { .. } => Failure::Interrupted("nothing is written".to_owned()),
-                stop => Failure::Guard(vec![stop.to_string()]),
-            })?;
-            frame(simulation);
-            bar.finished(&Time.show(simulation.time()));
-        }
-        bar.done();
-        Ok(())
+/// What is run to be written.
+struct Run<const D: usize> {
+    rig: Rig<D>,
+    /// Step (s).
+    step: f64,
+    steps: u64,
+}
+
+/// Runs it, and hands over the state at the start and after every so many steps.
+fn follow<const D: usize>(
+    common: &Common,
+    run: Run<D>,
+    every: u64,
+    mut frame: impl FnMut(&Simulation<D>),
+) -> Result<(), Failure> {
+    let mut simulation =
+        Simulation::new(run.rig, run.step).map_err(|error: RigError| Failure::input(error.to_string()))?;
+    let interrupt = interrupt();
+    let bar = Count::new(common, (run.steps / every) as usize, "frames");
+    frame(&simulation);
+    for _ in 0..run.steps / every {
+        simulation.advance(every, interrupt).map_err(|stop| match stop {
+            RigStop::Interrupted { .. } => Failure::Interrupted("nothing is written".to_owned()),
+            stop => Failure::Guard(vec![stop.to_string()]),
+        })?;
+        frame(&simulation);
+        bar.finished(&Time.show(simulation.time()));
     }
+    bar.done();
+    Ok(())
 }
 
 /// Writes files into a new folder, which appears when it is complete.

@@ -81,12 +81,20 @@ impl Setup {
     /// The first thing that is wrong with the file; a lens that cannot be solved.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SetupError> {
         let path = path.as_ref();
-        let text = document::text(path)?;
-        if read::is_rig(path, &text) {
-            Ok(read::setup(path, &text)?)
-        } else {
-            lens::setup(&Design::parse(path, &text)?)
+        match Self::read_rig(path)? {
+            Some(setup) => Ok(setup),
+            None => lens::setup(&Design::read(path)?),
         }
+    }
+
+    /// Reads a rig file; none if the file is no rig file, but a lens design or nothing known.
+    ///
+    /// # Errors
+    /// A file that cannot be read; the first thing that is wrong with a rig file.
+    pub fn read_rig(path: impl AsRef<Path>) -> Result<Option<Self>, DocumentError> {
+        let path = path.as_ref();
+        let text = document::text(path)?;
+        read::is_rig(path, &text).then(|| read::setup(path, &text)).transpose()
     }
 
     /// Checks the text of a rig file; `path` is named in messages, and tables are looked for beside it.

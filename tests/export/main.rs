@@ -1,6 +1,7 @@
 //! Files for other tools, read back by other readers; and LAMMPS as a witness.
 
 mod lammps;
+mod readers;
 mod views;
 
 use std::sync::atomic::AtomicBool;
@@ -62,4 +63,34 @@ fn the_command_writes_all_three() {
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8(again.stderr).unwrap().contains("frames exists and is left alone"));
     assert_eq!(export(&[]).status.code(), Some(2));
+}
+
+/// Rig files too: in one and three dimensions, with flats; for LAMMPS where it has the same laws, else with the reason.
+#[test]
+fn the_command_takes_rig_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let export = |design: &str, arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("granulens").unwrap();
+        let design = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("designs").join(design);
+        command.current_dir(folder.path()).arg("export").arg(design).args(arguments).output().unwrap()
+    };
+    let short = ["--window", "20 us", "--every", "10 us"];
+    let frames = |text: &str| text.lines().filter(|line| line.starts_with("Lattice=")).count();
+    for (design, spheres) in [("column-1d.toml", 50), ("drop-tower-hcp.toml", 0)] {
+        let output = export(design, &[&short[..], &["--xyz", "rig.xyz"]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = std::fs::read_to_string(folder.path().join("rig.xyz")).unwrap();
+        assert_eq!(frames(&text), 3, "{design}");
+        assert!(spheres == 0 || text.starts_with(&format!("{spheres}\n")));
+    }
+    let hertz = folder.path().join("hertz.toml");
+    let column = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/column-1d.toml")).unwrap();
+    std::fs::write(&hertz, column.replace("[crystal]", "[law]\nkind = \"hertz\"\n[crystal]")).unwrap();
+    let output = export(hertz.to_str().unwrap(), &[&short[..], &["--step", "0.1 us", "--lammps", "deck"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(std::fs::read_to_string(folder.path().join("deck/crystal.data")).unwrap().contains("50 atoms"));
+    let refused = export("column-1d.toml", &[&short[..], &["--lammps", "other"]].concat());
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8(refused.stderr).unwrap().contains("no counterpart of the contact law \"thesis\""));
+    assert!(!folder.path().join("other").exists());
 }

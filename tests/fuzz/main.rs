@@ -1,4 +1,4 @@
-//! No bytes make a reader panic: designs, rig files, studies, layouts, journals, checkpoints, tabulated curves.
+//! No bytes make a reader panic: designs, rig files, studies, layouts, journals, checkpoints, tables, states of a contact.
 //!
 //! Bounded and seeded: mutations of what the project itself ships, of `tests/corpus/` (inputs that once did harm, or come near
 //! it), and for formats with a checksum of bodies that were sealed anew, so that what lies behind it is reached too. Set
@@ -9,7 +9,8 @@ mod mutate;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use granulens::contact::{LawKind, Tabulated};
 use granulens::dem::rig::{Arrival, Curve, Flat, Friction, Law, LawBook, Rig, Simulation, Spring};
@@ -17,7 +18,7 @@ use granulens::design::Design;
 use granulens::lattice::HexagonalSheet;
 use granulens::material::find;
 use granulens::sample::{Sample, Sphere};
-use granulens::setup::Setup;
+use granulens::setup::{Bench, Setup};
 use granulens::study::{Journal, Study};
 use granulens::{layout, trial};
 
@@ -212,6 +213,89 @@ fn checkpoints() {
         let body = bytes.get(28..).unwrap_or_default();
         let sealed = [&corpus[0][..24], &crc32fast::hash(body).to_le_bytes(), body].concat();
         take_up(&sealed);
+    });
+}
+
+/// Three spheres in a row, recorded often.
+fn bench() -> Bench<1> {
+    let text = r#"
+        format = 1
+        kind = "rig"
+        name = "chain"
+        [crystal]
+        packing = "chain"
+        diameter = "6.35 mm"
+        layers = 3
+        material = "440c"
+        [[load]]
+        kind = "force"
+        layers = 1
+        pulse = "square"
+        peak = "1 kN"
+        duration = "10 us"
+        [run]
+        window = "20 us"
+        step = "0.2 us"
+        [record]
+        every = "2 us"
+        contacts = true
+    "#;
+    match Setup::parse("fuzz.toml", text) {
+        Ok(Setup::One(bench)) => bench,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A run that is taken up from any bytes either goes on to its end or says why not; its streams are cut where the bytes say.
+#[test]
+fn checkpoints_of_trials() {
+    let (bench, go) = (bench(), AtomicBool::new(false));
+    let folder = tempfile::tempdir().unwrap();
+    let (begun, tried) = (folder.path().join("begun"), folder.path().join("tried"));
+    let keeping = |resume| trial::Keeping { resume, every: Duration::from_secs(3600) };
+    let stop = AtomicBool::new(false);
+    let (_, ending) = trial::run(&bench, &begun, keeping(false), &stop, |done, _| {
+        stop.store(done >= 40, Ordering::Relaxed);
+    })
+    .unwrap();
+    assert!(matches!(ending, trial::Ending::Interrupted { .. }), "{ending:?}");
+    let whole = fs::read(begun.join("checkpoint")).unwrap();
+    let opening = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
+    let take_up = |bytes: &[u8]| {
+        let _ = fs::remove_dir_all(&tried);
+        fs::create_dir(&tried).unwrap();
+        for entry in fs::read_dir(&begun).unwrap() {
+            let entry = entry.unwrap();
+            fs::copy(entry.path(), tried.join(entry.file_name())).unwrap();
+        }
+        fs::write(tried.join("checkpoint"), bytes).unwrap();
+        match trial::run(&bench, &tried, keeping(true), &go, |_, _| {}) {
+            Ok((summary, _)) => drop(summary.json()),
+            Err(error) => drop((error.to_string(), error.help())),
+        }
+    };
+    withstands("trial", vec![whole.clone()], 300, take_up);
+    withstands("sealed trial", vec![whole.clone()], 900, |bytes| {
+        let body = bytes.get(opening + 4..).unwrap_or_default();
+        take_up(&[&whole[..opening], &crc32fast::hash(body).to_le_bytes(), body].concat());
+    });
+}
+
+/// The states that `contact` evaluates are read by the program itself.
+#[test]
+fn states_of_a_contact() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("states.csv");
+    let corpus = vec![
+        b"# states\nd,v,dmax,Fmax\n1e-6,1,0,0\n1e-5,-1,2e-5,300\n-1e-6,0,0,0\n".to_vec(),
+        b"Fmax,dmax,v,d,more\n1e308,1e308,1e308,1e308,x\n0,1e-300,-1e308,1e-5,\n".to_vec(),
+    ];
+    withstands("states", corpus, 150, |bytes| {
+        fs::write(&path, bytes).unwrap();
+        let mut command = assert_cmd::Command::cargo_bin("granulens").unwrap();
+        let output = command.args(["contact", "--pair", "440c,brass", "--states"]).arg(&path).output().unwrap();
+        let code = output.status.code();
+        assert!(matches!(code, Some(0 | 2)), "{code:?}: {}", String::from_utf8_lossy(&output.stderr));
     });
 }
 
