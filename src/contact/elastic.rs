@@ -57,6 +57,47 @@ impl NormalLaw for Hertz {
     }
 }
 
+/// Hertz's force over the distance of two centres, from how much their squared distance falls short:
+///
+///   F/|Δ| = k S^{1/2} q(w),   w = 1 − |Δ|²/S²,   q(w) = (1 − √(1 − w))^{3/2}/√(1 − w) = w^{3/2} P(w)
+///
+/// with S = r₁ + r₂. One root in place of two and a quotient, and nothing cancels: P(w) = (1 + √(1 − w))^{−3/2} (1 − w)^{−1/2} is
+/// smooth, and on 0 ≤ w ≤ 1/16 (overlaps to 3 % of S) the polynomial through it at nine Chebyshev points is off by less than
+/// 2⁻⁵³. Beyond that P is computed as written. Not positive w gives 0.
+#[inline(always)]
+pub(crate) fn hertz_over_distance<V: Real>(w: V) -> V {
+    let c = V::splat;
+    let w = w.max(c(0.0));
+    let square = w * w;
+    let low = (c(P[0]) + w * c(P[1])) + square * (c(P[2]) + w * c(P[3]));
+    let high = (c(P[4]) + w * c(P[5])) + square * (c(P[6]) + w * c(P[7]));
+    let fourth = square * square;
+    let mut series = low + fourth * (high + fourth * c(P[8]));
+    let beyond = c(SERIES_END).lt(w);
+    if V::any(beyond) {
+        let ratio = (c(1.0) - w).sqrt();
+        let sum = c(1.0) + ratio;
+        series = V::select(beyond, c(1.0) / (sum * sum.sqrt() * ratio), series);
+    }
+    w * w.sqrt() * series
+}
+
+/// Up to which w the polynomial holds.
+const SERIES_END: f64 = 1.0 / 16.0;
+
+/// Its coefficients, found in sixty decimal digits.
+const P: [f64; 9] = [
+    0.353_553_390_593_273_8,
+    0.309_359_216_769_050_54,
+    0.273_451_450_564_243_47,
+    0.246_865_888_384_321_6,
+    0.226_527_874_624_105_34,
+    0.210_392_487_408_627_68,
+    0.197_706_038_493_147_6,
+    0.179_372_262_779_480_57,
+    0.232_891_644_795_265_3,
+];
+
 /// Hertz as the published code has it with plasticity switched off: wherever the spheres part, or force or overlap lie
 /// below their greatest values so far, the force is clipped at F_max. A contact that has never carried force and parts
 /// carries none (Burgoyne 2016, appendix A.2.1, lines 51 to 65).
@@ -100,5 +141,24 @@ impl NormalLaw for HertzThesis {
 
     fn stiffness_max(&self, force_max: f64) -> f64 {
         self.0.stiffness_max(force_max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the law as it stands, at overlaps from 10⁻¹² to 0.3 of the distance: a few roundings, and that of 1 − δ/S.
+    #[test]
+    fn the_force_over_the_distance_is_hertzs() {
+        for k in 0..4000 {
+            let overlap = 1e-12 * 1.006_626_f64.powi(k);
+            // With S = 1, w = 1 − (1 − δ)² = δ (2 − δ).
+            let w = overlap * (2.0 - overlap);
+            let exact = overlap.powf(1.5) / (1.0 - overlap);
+            let ours = hertz_over_distance(w);
+            assert!((ours / exact - 1.0).abs() < 8.0 * f64::EPSILON, "{overlap}: {ours} {exact}");
+        }
+        assert_eq!(hertz_over_distance(-0.1), 0.0);
     }
 }

@@ -31,6 +31,7 @@ mod tabulated;
 
 pub use consistent::Consistent;
 pub use dashpot::Dashpot;
+pub(crate) use elastic::hertz_over_distance;
 pub use elastic::{Hertz, HertzThesis};
 pub use elastoplastic::{ElastoPlastic, LinearPlastic};
 pub use law::{AnyLaw, Constants, LawKind, UnknownName};

@@ -70,7 +70,7 @@ pub(super) struct Contacts<V, const D: usize, L> {
 
 /// Overlap over the sum of radii from which on a contact counts as closed. At 10⁻¹⁵ it carries some 10⁻¹⁶ N. Without it the
 /// numerical fore-runner of a wave would cross a row per step, with denormal numbers in it, and nothing be left to skip.
-const CLOSED: f64 = 1e-15;
+pub(super) const CLOSED: f64 = 1e-15;
 
 impl<V: Real, const D: usize, L: Laws<V>> Contacts<V, D, L> {
     /// With `accounts` false no energy ledger is kept.

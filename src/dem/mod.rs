@@ -11,6 +11,7 @@
 //! - `guard`: what stops a run
 //! - `impact`: one run from start to end
 //! - `batch`: many designs on one lattice at once
+//! - `sheet`: large hexagonal sheets of elastic spheres, by a stencil in place of lists
 //! - `rig`: everything else that a lab can build: contacts that come and go, flats, bars, friction, gravity
 //!
 //! Only spheres that the wave has reached are stepped. Those beyond are exactly at rest (displacements are held, not
@@ -27,6 +28,7 @@ mod load;
 mod neighbour;
 mod record;
 pub mod rig;
+pub mod sheet;
 mod step;
 mod table;
 

@@ -35,20 +35,24 @@ impl Width {
 
     /// Those that this processor has, widest last.
     pub fn available() -> Vec<Self> {
-        let mut widths = vec![Self::Scalar];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx2") {
-                widths.push(Self::Four);
+        [Self::Scalar, Self::Four, Self::Eight].into_iter().filter(|width| width.is_available()).collect()
+    }
+
+    /// Whether this processor has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Scalar => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Four => is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Eight => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
             }
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                widths.push(Self::Eight);
-            }
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Four | Self::Eight => false,
         }
-        widths
     }
 
     /// The widest that this processor has.
@@ -59,7 +63,7 @@ impl Width {
     /// Runs a kernel at this width, or one design at a time where the processor lacks it. The bits are the same.
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
-        if Self::available().contains(&self) {
+        if self.is_available() {
             return x86::run(self, kernel);
         }
         kernel.run::<f64>()
@@ -183,6 +187,23 @@ mod x86 {
             *self = Self::from_array(array);
         }
         #[inline(always)]
+        fn load(from: &[f64]) -> Self {
+            let from = &from[..4];
+            Self(unsafe { _mm256_loadu_pd(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64]) {
+            let to = &mut to[..4];
+            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn after(self, before: Self) -> Self {
+            unsafe {
+                let middle = _mm256_permute2f128_pd::<0x21>(before.0, self.0);
+                Self(_mm256_shuffle_pd::<0b0101>(middle, self.0))
+            }
+        }
+        #[inline(always)]
         fn sqrt(self) -> Self {
             Self(unsafe { _mm256_sqrt_pd(self.0) })
         }
@@ -256,6 +277,23 @@ mod x86 {
             let mut array = self.array();
             array[lane] = value;
             *self = Self::from_array(array);
+        }
+        #[inline(always)]
+        fn load(from: &[f64]) -> Self {
+            let from = &from[..8];
+            Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64]) {
+            let to = &mut to[..8];
+            unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn after(self, before: Self) -> Self {
+            unsafe {
+                let (before, own) = (_mm512_castpd_si512(before.0), _mm512_castpd_si512(self.0));
+                Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<7>(own, before)))
+            }
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
@@ -358,6 +396,33 @@ mod tests {
                 }
             }
             out
+        }
+    }
+
+    /// Rows of numbers, moved one place on.
+    struct Moved<'a>(&'a [f64]);
+
+    impl Kernel for Moved<'_> {
+        type Output = Vec<f64>;
+        #[inline(always)]
+        fn run<V: Real>(self) -> Vec<f64> {
+            let mut out = vec![0.0; self.0.len()];
+            let mut before = V::splat(-1.0);
+            for start in (0..self.0.len()).step_by(V::LANES) {
+                let own = V::load(&self.0[start..]);
+                own.after(before).store(&mut out[start..]);
+                before = own;
+            }
+            out
+        }
+    }
+
+    #[test]
+    fn rows_move_one_place_on_across_registers() {
+        let row: Vec<f64> = (0..32).map(f64::from).collect();
+        let expected: Vec<f64> = (-1..31).map(f64::from).collect();
+        for width in Width::available() {
+            assert_eq!(width.run(Moved(&row)), expected, "{width:?}");
         }
     }
 

@@ -40,6 +40,12 @@ pub trait Real:
     fn lane(self, lane: usize) -> f64;
     /// Replaces one of the numbers.
     fn set_lane(&mut self, lane: usize, value: f64);
+    /// The first numbers of a slice; it must hold as many.
+    fn load(from: &[f64]) -> Self;
+    /// Writes the numbers to the start of a slice.
+    fn store(self, to: &mut [f64]);
+    /// The numbers moved one place on; into the first place comes the last one of `before`.
+    fn after(self, before: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
     /// The lesser; `other` where a number is NaN.
@@ -158,6 +164,18 @@ impl Real for f64 {
     #[inline(always)]
     fn set_lane(&mut self, _: usize, value: f64) {
         *self = value;
+    }
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[0] = self;
+    }
+    #[inline(always)]
+    fn after(self, before: Self) -> Self {
+        before
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
