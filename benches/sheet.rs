@@ -114,12 +114,17 @@ fn export(folder: &Path, steps: u64, grid: Grid) {
     }
 }
 
-/// Million sphere-steps per second: of processor time, and of time that passes.
-fn rate(mut sheet: Sheet, designs: usize, threads: usize, millions: f64) -> [f64; 2] {
+/// Million sphere-steps per second: of processor time, and of time that passes. A struck sheet is followed for 200 µs.
+fn rate(make: impl Fn() -> Sheet, designs: usize, threads: usize, millions: f64) -> [f64; 2] {
+    let mut sheet = make();
     let spheres = sheet.grid().len() * designs;
-    let steps = ((millions * 1e6 / spheres as f64) as u64).max(20);
+    let closed = sheet.grid().joined;
+    let steps = if closed { ((millions * 1e6 / spheres as f64) as u64).max(20) } else { 4000 };
     // Caches and clocks are warm after a tenth of that.
     sheet.advance(steps / 10 + 1, threads).expect("a calm sheet");
+    if !closed {
+        sheet = make();
+    }
     let (begun, before) = (Instant::now(), processor_time(Instant::now()));
     sheet.advance(steps, threads).expect("a calm sheet");
     let work = 1e-6 * spheres as f64 * steps as f64;
@@ -167,7 +172,7 @@ fn main() {
             }
             let grid = grid(spheres, squeezed);
             let millions = if width == Width::Scalar { 20.0 } else { 100.0 };
-            let [work, passing] = rate(sheet(grid, designs, width), designs, threads, millions);
+            let [work, passing] = rate(|| sheet(grid, designs, width), designs, threads, millions);
             println!("{:>9} {name:>15} {designs:>8} {threads:>8} {work:>12.1} {passing:>12.1}", grid.len());
         }
         if let Some(bytes) = peak_memory().filter(|_| one.is_some()) {
