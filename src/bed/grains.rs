@@ -76,15 +76,7 @@ impl Grains {
     pub fn dashpot_rate(&self, restitution: f64) -> f64 {
         match self.damping {
             Damping::Kondic => -2.0 * restitution.ln(),
-            Damping::Exact => {
-                // The true restitution falls with γ; it is found by halving.
-                let (mut low, mut high) = (0.0, 8.0 * PI);
-                for _ in 0..200 {
-                    let middle = 0.5 * (low + high);
-                    if self.true_restitution(middle) > restitution { low = middle } else { high = middle }
-                }
-                0.5 * (low + high)
-            }
+            Damping::Exact => Dashpot::with_restitution(SPRING, 0.5, restitution, self.cut).damping / 0.5,
         }
     }
 

@@ -122,8 +122,13 @@ impl Outline {
         (0..count).map(|n| at(along.partition_point(|&s| s < n as f64 * length / count as f64))).collect()
     }
 
+    /// Centres of the disks of its shell, from its centre (d): half a diameter apart, so that no grain finds its way between two.
+    pub(crate) fn shell(&self) -> Vec<[f64; 2]> {
+        self.points(0.5 * SHELL, 0.5 * SHELL)
+    }
+
     /// Square of the radius of gyration (d²): moment of inertia over mass.
-    fn gyration(&self, body: Body) -> f64 {
+    pub(crate) fn gyration(&self, body: Body) -> f64 {
         match (self, body) {
             (Self::Flat { width }, _) => width * width / 12.0,
             (Self::Disk { diameter }, Body::Solid) => diameter * diameter / 8.0,
@@ -184,9 +189,7 @@ impl Intruder {
                 ..Flat::wall("intruder", centre, [0.0, -1.0])
             }),
             Outline::Ellipse { .. } | Outline::Ogive { .. } => {
-                // Half a diameter apart, so that no grain finds its way between two.
-                let shell = self.outline.points(0.5 * SHELL, 0.5 * SHELL);
-                let members = (shell.into_iter())
+                let members = (self.outline.shell().into_iter())
                     .map(|[dx, dy]| add(rig, Disk { centre: [x + dx, centre[1] + dy], diameter: SHELL }))
                     .collect();
                 rig.clusters.push(Cluster {

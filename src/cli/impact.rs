@@ -193,7 +193,7 @@ impl Impact {
 
 /// A guard's words; times are in collision times here.
 fn unit(stop: &RigStop) -> String {
-    stop.words("tau_c")
+    stop.words("tau_c", &|body| body.to_string())
 }
 
 fn numbers<'a>(

@@ -37,7 +37,7 @@ fn interval(text: &str) -> Result<f64, String> {
 
 impl Simulate {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        match Setup::read(&self.file)? {
+        match Setup::read_seeded(&self.file, common.seed)? {
             Setup::One(bench) => self.bench(&bench, common),
             Setup::Two(bench) => self.bench(&bench, common),
             Setup::Three(bench) => self.bench(&bench, common),
@@ -61,9 +61,10 @@ impl Simulate {
         let (summary, ending) = result.map_err(|error| failure(bench, &error))?;
         if let Ending::Interrupted { time } = ending {
             return Err(Failure::Interrupted(format!(
-                "at {}; go on with granulens simulate {} --resume{}",
+                "at {}; go on with granulens simulate {} --resume{}{}",
                 Time.show(time),
                 self.file.display(),
+                common.seed.map_or(String::new(), |seed| format!(" --seed {seed}")),
                 common.out.as_ref().map_or(String::new(), |out| format!(" --out {}", out.display()))
             )));
         }
@@ -88,7 +89,7 @@ impl Simulate {
 fn failure<const D: usize>(bench: &Bench<D>, error: &TrialError) -> Failure {
     match error {
         TrialError::Rig(rig) => {
-            let message = format!("{}: {rig}", bench.path.display());
+            let message = format!("{}: {}", bench.path.display(), rig.words(&|body| bench.name_of(body)));
             Failure::input_with_help(message, error.help())
         }
         _ => Failure::input_with_help(error.to_string(), error.help()),
@@ -128,17 +129,18 @@ fn table(summary: &Summary) -> String {
         let _ =
             writeln!(text, "\nThe ledger closes to {residual:.1e}. Greatest speed {:.4} m/s.", summary.max_speed_m_s);
     }
-    let felt: Vec<_> = summary.flats.iter().filter(|flat| flat.peak_force_n > 0.0).collect();
+    let pressed = summary.flats.iter().chain(&summary.intruders);
+    let felt: Vec<_> = pressed.filter(|body| body.peak_force_n > 0.0).collect();
     if !felt.is_empty() {
-        text += "\n| flat | greatest force | at | velocity at the end (m/s) |\n|---|---|---|---|\n";
-        for flat in felt {
+        text += "\n| body | greatest force | at | velocity at the end (m/s) |\n|---|---|---|---|\n";
+        for body in felt {
             let _ = writeln!(
                 text,
                 "| {} | {} | {} | {:.4} |",
-                flat.name,
-                Force.show(flat.peak_force_n),
-                Time.show(flat.peak_time_s),
-                flat.velocity_m_s
+                body.name,
+                Force.show(body.peak_force_n),
+                Time.show(body.peak_time_s),
+                body.velocity_m_s
             );
         }
     }

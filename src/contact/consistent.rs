@@ -44,6 +44,11 @@ impl Consistent {
     pub fn new(pair: &Pair) -> Self {
         Self { published: ElastoPlastic::new(pair, true) }
     }
+
+    /// δ_y (m) at rest.
+    pub(super) fn yield_onset(&self) -> f64 {
+        self.published.yield_overlap
+    }
 }
 
 impl<V: Real> Consistent<V> {

@@ -18,6 +18,19 @@ pub struct Dashpot {
 }
 
 impl Dashpot {
+    /// The dashpot whose head-on collisions with reduced mass m̄ (kg) have a coefficient of restitution from 0.02 to 1. That
+    /// falls with c; it is found by halving, to rounding.
+    pub fn with_restitution(stiffness: f64, reduced_mass: f64, restitution: f64, cut: bool) -> Self {
+        // Four times the critical damping 2 √(k m̄), at which nothing to speak of comes back.
+        let (mut low, mut high) = (0.0, 8.0 * (stiffness * reduced_mass).sqrt());
+        for _ in 0..200 {
+            let damping = 0.5 * (low + high);
+            let more = Self { stiffness, damping, cut }.restitution(reduced_mass) > restitution;
+            if more { low = damping } else { high = damping }
+        }
+        Self { stiffness, damping: 0.5 * (low + high), cut }
+    }
+
     /// Coefficient of restitution of a head-on collision with reduced mass m̄ (kg): exact.
     ///
     /// With ω₀² = k/m̄ and β = c/(2 m̄): the uncut contact ends at δ = 0, after t = π/√(ω₀² − β²), with exp(−β t); the cut

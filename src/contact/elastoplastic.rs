@@ -157,6 +157,12 @@ impl ElastoPlastic {
             area_offset: [1.01e-9 * scale * scale, -3.99e-6 / ratio * scale * scale],
         }
     }
+
+    /// δ_y (m) at a closing speed (m/s): s² times that at rest.
+    pub(super) fn yield_onset(&self, closing_speed: f64) -> f64 {
+        let s = self.rate.at(closing_speed);
+        self.yield_overlap * s * s
+    }
 }
 
 /// Region III for one s: F = p₀ π (2 r* δ + c₂) from δ_p on.

@@ -152,6 +152,19 @@ impl AnyLaw {
             LawKind::HertzThesis => Self::HertzThesis(HertzThesis(Hertz::new(pair))),
         }
     }
+
+    /// Whether the contact is yielding in this state, `history` being that after the step: it is loaded as never before, and
+    /// beyond its onset of yield. That is δ_y at the present rate for the published law and δ_y at rest for the consistent one,
+    /// which never yields before; the linear law yields from the start, the elastic ones never.
+    pub fn yields(&self, overlap: f64, closing_speed: f64, history: &History) -> bool {
+        let onset = match self {
+            Self::ElastoPlastic(law) => law.yield_onset(closing_speed),
+            Self::Consistent(law) => law.yield_onset(),
+            Self::Linear(_) => 0.0,
+            Self::Hertz(_) | Self::HertzThesis(_) => return false,
+        };
+        closing_speed >= 0.0 && overlap >= history.overlap_max && overlap > onset
+    }
 }
 
 impl ForceLaw<f64> for AnyLaw {

@@ -88,6 +88,7 @@ fn pair_coefficients<const D: usize>(rig: &Rig<D>) -> Result<Vec<(usize, usize, 
                 Law::Named(LawKind::Hertz) => {}
                 Law::Named(other) => return Err(DeckError::Law(other.name().to_owned())),
                 Law::Tabulated(_) => return Err(DeckError::Law("a table".to_owned())),
+                Law::SpringDashpot(_) => return Err(DeckError::Law("spring-dashpot".to_owned())),
             }
             // Radii do not enter E*.
             let pair = Pair::new([&materials[i], &materials[j]], [1.0; 2], *constants);

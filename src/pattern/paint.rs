@@ -51,6 +51,8 @@ pub enum Pattern {
         /// Middle.
         centre: [f64; 2],
     },
+    /// Given for each site of the crystal, in their order; none leaves a site out.
+    Listed(Vec<Option<usize>>),
     /// Each site for itself by chance.
     Mix {
         /// Share of each choice; together 1.
@@ -145,9 +147,12 @@ impl Pattern {
                     };
                     Some(((radius + slack) / width + 0.5) as usize % count)
                 }
-                Self::Mix { .. } => None,
+                Self::Mix { .. } | Self::Listed(_) => None,
             }
         };
+        if let Self::Listed(choices) = self {
+            return Ok(choices.clone());
+        }
         Ok(crystal
             .sites()
             .iter()
@@ -159,7 +164,7 @@ impl Pattern {
     }
 
     fn check<const D: usize>(&self, count: usize) -> Result<(), PatternError> {
-        if D == 1 && !matches!(self, Self::Uniform | Self::Layers { .. } | Self::Mix { .. }) {
+        if D == 1 && !matches!(self, Self::Uniform | Self::Layers { .. } | Self::Mix { .. } | Self::Listed(_)) {
             return Err(PatternError::Chain);
         }
         let fail = |ok: bool, rule| if ok { Ok(()) } else { Err(PatternError::Value(rule)) };
@@ -179,6 +184,10 @@ impl Pattern {
                 fail((0.0..std::f64::consts::FRAC_PI_2).contains(angle), "has an angle outside 0 to 90 deg")
             }
             Self::Triangle { spheres, .. } => fail(*spheres > 0, "has no spheres along its base"),
+            Self::Listed(choices) => fail(
+                choices.iter().flatten().all(|&choice| choice < count),
+                "chooses among more materials than there are",
+            ),
             _ => fail(count > 0, "has no materials"),
         }
     }

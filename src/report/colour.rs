@@ -18,6 +18,23 @@ const VIRIDIS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
+/// From blue by white to red at equal steps, between which colours are interpolated in sRGB; both ends are equally dark, and
+/// colour-blind readers tell them apart. Source: the diverging scheme RdBu of eleven classes, C. Brewer and M. Harrower,
+/// ColorBrewer 2.0 (Apache 2.0), from its last entry to its first.
+const BLUE_TO_RED: [[u8; 3]; 11] = [
+    [5, 48, 97],
+    [33, 102, 172],
+    [67, 147, 195],
+    [146, 197, 222],
+    [209, 229, 240],
+    [247, 247, 247],
+    [253, 219, 199],
+    [244, 165, 130],
+    [214, 96, 77],
+    [178, 24, 43],
+    [103, 0, 31],
+];
+
 /// Number of colours that a map uses: more than an eye tells apart, few enough to paint each as one element.
 pub const LEVELS: usize = 64;
 
@@ -34,11 +51,16 @@ pub fn material(index: usize) -> &'static str {
 
 /// The colour of one of [`LEVELS`] levels, from dark (0) to light.
 pub fn level(level: usize) -> String {
-    let position = level.min(LEVELS - 1) as f64 / (LEVELS - 1) as f64 * (VIRIDIS.len() - 1) as f64;
-    let below = (position as usize).min(VIRIDIS.len() - 2);
+    mixed(&VIRIDIS, level.min(LEVELS - 1) as f64 / (LEVELS - 1) as f64)
+}
+
+/// The colour at a place from 0 to 1 in a table of colours at equal steps.
+fn mixed(table: &[[u8; 3]], place: f64) -> String {
+    let position = place * (table.len() - 1) as f64;
+    let below = (position as usize).min(table.len() - 2);
     let share = position - below as f64;
     let mix = |k: usize| {
-        let (a, b) = (f64::from(VIRIDIS[below][k]), f64::from(VIRIDIS[below + 1][k]));
+        let (a, b) = (f64::from(table[below][k]), f64::from(table[below + 1][k]));
         (a + (b - a) * share).round() as u8
     };
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
@@ -49,13 +71,29 @@ pub fn level(level: usize) -> String {
 pub struct Scale {
     low: f64,
     high: f64,
-    logarithmic: bool,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Linear,
+    Logarithmic,
+    Diverging,
 }
 
 impl Scale {
     /// Proportional to the value, from zero.
     pub fn linear(high: f64) -> Self {
-        Self { low: 0.0, high: if high.is_finite() && high > 0.0 { high } else { 1.0 }, logarithmic: false }
+        Self { low: 0.0, high: if high.is_finite() && high > 0.0 { high } else { 1.0 }, kind: Kind::Linear }
+    }
+
+    /// Proportional to the value, on both sides of zero: white there, blue below and red above, equal values on either side
+    /// equally strong. The scale reaches from `low` to `high`, between which zero lies.
+    pub fn diverging(low: f64, high: f64) -> Self {
+        let end = |value: f64| if value.is_finite() { value } else { 0.0 };
+        let (low, high) = (end(low).min(0.0), end(high).max(0.0));
+        let high = if high > low { high } else { 1.0 };
+        Self { low, high, kind: Kind::Diverging }
     }
 
     /// Proportional to the logarithm, over the values that there are: from the greatest down to one that only a fiftieth
@@ -65,13 +103,13 @@ impl Scale {
         values.sort_by(f64::total_cmp);
         let high = values.last().copied().unwrap_or(1.0);
         let low = values.get(values.len() / 50).copied().unwrap_or(high);
-        Self { low: low.clamp(high / 1e3, high / 10.0), high, logarithmic: true }
+        Self { low: low.clamp(high / 1e3, high / 10.0), high, kind: Kind::Logarithmic }
     }
 
     /// Proportional to the logarithm between two positive values.
     pub fn between(low: f64, high: f64) -> Self {
         // Equal ends would leave no extent to divide by.
-        Self { low, high: high.max(low * 1.01), logarithmic: true }
+        Self { low, high: high.max(low * 1.01), kind: Kind::Logarithmic }
     }
 
     /// The upper end; values above it are not told apart.
@@ -86,22 +124,44 @@ impl Scale {
 
     /// Where a value lies, 0 at the lower end and 1 at the upper one, without a limit.
     fn position(&self, value: f64) -> f64 {
-        if self.logarithmic {
+        if self.kind == Kind::Logarithmic {
             if value > 0.0 { (value / self.low).ln() / (self.high / self.low).ln() } else { 0.0 }
         } else {
             (value - self.low) / (self.high - self.low)
         }
     }
 
+    /// The value that lies at a place, 0 at the lower end and 1 at the upper one.
+    fn value(&self, place: f64) -> f64 {
+        if self.kind == Kind::Logarithmic {
+            self.low * (self.high / self.low).powf(place)
+        } else {
+            self.low + place * (self.high - self.low)
+        }
+    }
+
     /// The level of a value; the ends of the scale hold all that lies beyond them.
     pub fn level(&self, value: f64) -> usize {
+        if self.kind == Kind::Diverging {
+            // An odd number of levels, of which the one in the middle is that of zero.
+            let part = (value / self.high.max(-self.low)).clamp(-1.0, 1.0);
+            return ((0.5 + 0.5 * part) * (LEVELS - 2) as f64).round() as usize;
+        }
         let position = self.position(value).clamp(0.0, 1.0);
         ((position * LEVELS as f64) as usize).min(LEVELS - 1)
     }
 
+    /// The colour of a level of this scale.
+    pub fn colour(&self, at: usize) -> String {
+        match self.kind {
+            Kind::Diverging => mixed(&BLUE_TO_RED, at.min(LEVELS - 2) as f64 / (LEVELS - 2) as f64),
+            Kind::Linear | Kind::Logarithmic => level(at),
+        }
+    }
+
     /// Round values within the scale.
     fn ticks(&self) -> Vec<f64> {
-        if self.logarithmic {
+        if self.kind == Kind::Logarithmic {
             let first = self.low.log10().floor() as i32;
             let last = self.high.log10().ceil() as i32;
             // Few decades hold too few of the steps 1, 2, 5.
@@ -112,7 +172,7 @@ impl Scale {
                 .filter(|&t| t >= self.low * 0.999 && t <= self.high * 1.001)
                 .collect()
         } else {
-            ticks(self.high, 6)
+            super::chart::ticks(self.low, self.high, 6)
         }
     }
 
@@ -125,7 +185,8 @@ impl Scale {
             // A little overlap hides the seams that anti-aliasing leaves between neighbours.
             let top = y + height - (k + 1) as f64 * step;
             let overlap = if k == 0 { 0.0 } else { 0.6 };
-            let fill = format!(r#"fill="{}""#, level(k));
+            let value = self.value((k as f64 + 0.5) / LEVELS as f64);
+            let fill = format!(r#"fill="{}""#, self.colour(self.level(value)));
             svg.rectangle([x, top], [WIDTH, step + overlap], &fill);
         }
         let (middle, bottom) = (x + WIDTH / 2.0, y + height);
@@ -133,11 +194,11 @@ impl Scale {
         svg.rectangle([x, y], [WIDTH, height], &format!(r#"fill="none" {outline}"#));
         if beyond[0] {
             let head = [[x, y - 2.0], [x + WIDTH, y - 2.0], [middle, y - 12.0]];
-            svg.polygon(&head, &format!(r#"fill="{}" {outline}"#, level(LEVELS - 1)));
+            svg.polygon(&head, &format!(r#"fill="{}" {outline}"#, self.colour(self.level(self.high))));
         }
         if beyond[1] {
             let head = [[x, bottom + 2.0], [x + WIDTH, bottom + 2.0], [middle, bottom + 12.0]];
-            svg.polygon(&head, &format!(r#"fill="{}" {outline}"#, level(0)));
+            svg.polygon(&head, &format!(r#"fill="{}" {outline}"#, self.colour(self.level(self.low))));
         }
         for tick in self.ticks() {
             let at = bottom - self.position(tick) * height;
@@ -189,6 +250,20 @@ mod tests {
         // Nothing moved: no division by zero.
         assert_eq!(Scale::linear(0.0).level(0.0), 0);
         assert_eq!(Scale::logarithmic([0.0, f64::NAN]).level(0.0), 0);
+    }
+
+    /// White at rest, equally strong on both sides, and nothing below zero where nothing goes back.
+    #[test]
+    fn a_diverging_scale_is_white_at_zero() {
+        let scale = Scale::diverging(-1.0, 4.0);
+        assert_eq!(scale.colour(scale.level(0.0)), "#f7f7f7");
+        assert_eq!(scale.colour(scale.level(4.0)), "#67001f");
+        // A quarter of the way to blue, as strong as a quarter of the way to red.
+        let middle = scale.level(0.0);
+        assert_eq!(middle - scale.level(-1.0), scale.level(1.0) - middle);
+        assert!(scale.level(-1.0) > scale.level(-9.0), "the bar ends before the map does");
+        assert_eq!(scale.ticks(), [-1.0, 0.0, 1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(Scale::diverging(0.0, 0.0).level(0.0), middle);
     }
 
     #[test]

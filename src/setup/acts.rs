@@ -2,7 +2,7 @@
 
 use super::file::{BarFile, FlatFile, LoadFile, MovingFile, SidesFile};
 use super::place::{along_wave, axes, direction, named_axes, no_axis, selection, vector};
-use super::pulse::pulse;
+use super::pulse::{path, pulse};
 use crate::dem::Mirror;
 use crate::dem::rig::{Bar, Body, Face, Flat, Load, LoadKind, Rig};
 use crate::document::{DocumentError, Entry, Scope, Written, chosen};
@@ -11,7 +11,7 @@ use crate::material::Material;
 use crate::pattern::Selection;
 use crate::units::Dimension;
 
-/// A rig in the making, with the site of each of its spheres.
+/// A rig in the making, with the site of each sphere of its crystal; intruders come behind them.
 pub(super) struct Stage<'a, const D: usize> {
     pub rig: Rig<D>,
     pub crystal: &'a Crystal<D>,
@@ -26,10 +26,10 @@ impl<const D: usize> Stage<'_, D> {
         (0..self.sites.len()).filter(meant).collect()
     }
 
-    /// Lowest and highest centre along an axis, and lowest and highest point of a sphere (m).
-    fn extent(&self, axis: usize) -> [f64; 4] {
+    /// Lowest and highest centre of the crystal along an axis, and lowest and highest point of a sphere of it (m).
+    pub fn extent(&self, axis: usize) -> [f64; 4] {
         let mut extent = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
-        for sphere in &self.rig.sample.spheres {
+        for sphere in &self.rig.sample.spheres[..self.sites.len()] {
             let (x, r) = (sphere.centre[axis], sphere.radius);
             extent = [extent[0].min(x), extent[1].max(x), extent[2].min(x - r), extent[3].max(x + r)];
         }
@@ -259,13 +259,23 @@ impl<const D: usize> Stage<'_, D> {
     }
 
     pub fn load(&mut self, scope: &Scope, file: &LoadFile) -> Result<(), DocumentError> {
-        let known = [("force", LoadKind::Force), ("velocity", LoadKind::Velocity)];
-        let kind = scope.required("kind", &file.kind)?.choice("kind of load", &known)?;
-        let (dimension, column) = match kind {
-            LoadKind::Force => (Dimension::Force, "force_N"),
-            LoadKind::Velocity => (Dimension::Speed, "velocity_m_s"),
+        #[derive(Clone, Copy)]
+        enum Prescribed {
+            Force,
+            Velocity,
+            Displacement,
+        }
+        let known = [
+            ("force", Prescribed::Force),
+            ("velocity", Prescribed::Velocity),
+            ("displacement", Prescribed::Displacement),
+        ];
+        let keys = file.over_time();
+        let (kind, curve) = match scope.required("kind", &file.kind)?.choice("kind of load", &known)? {
+            Prescribed::Force => (LoadKind::Force, pulse(scope, keys, Dimension::Force, "force_N")?),
+            Prescribed::Velocity => (LoadKind::Velocity, pulse(scope, keys, Dimension::Speed, "velocity_m_s")?),
+            Prescribed::Displacement => (LoadKind::Velocity, path(scope, keys)?),
         };
-        let curve = pulse(scope, file.over_time(), dimension, column)?;
         let mut along = [0.0; D];
         along[D - 1] = 1.0;
         if let Some(entry) = scope.optional("direction", &file.direction) {

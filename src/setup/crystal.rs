@@ -1,6 +1,7 @@
 //! The sections [crystal], [[pattern]] and [[edit]]: what stands where.
 
 use super::file::{CrystalFile, EditFile, PatternFile};
+use super::listed;
 use super::place::{named_axes, no_axis, range, selection, vector};
 use crate::document::{DocumentError, Entry, Scope, chosen};
 use crate::lattice::{Cell, Crystal, Outline, Width};
@@ -16,6 +17,23 @@ pub(super) struct Built<const D: usize> {
     pub stripes: Vec<(String, f64, f64)>,
 }
 
+/// The seeds of patterns by chance.
+pub(super) struct Seeds {
+    /// In place of the first one of the file; those after it follow it.
+    pub first: Option<u64>,
+    /// Those in use, in order of the file.
+    pub used: Vec<u64>,
+}
+
+impl Seeds {
+    /// The seed in use where the file says `written`.
+    fn take(&mut self, written: u64) -> u64 {
+        let seed = self.first.map_or(written, |first| first.wrapping_add(self.used.len() as u64));
+        self.used.push(seed);
+        seed
+    }
+}
+
 /// Lays the crystal, paints the patterns one over the other, and makes the edits.
 pub(super) fn build<const D: usize>(
     cell: Cell<D>,
@@ -23,16 +41,22 @@ pub(super) fn build<const D: usize>(
     patterns: &[(Scope, &PatternFile)],
     edits: &[(Scope, &EditFile)],
     own: &[Material],
+    seeds: &mut Seeds,
 ) -> Result<Built<D>, DocumentError> {
     let (scope, file) = section;
     let crystal = lay(cell, scope, file)?;
     let mut palette = vec![chosen(&scope.required("material", &file.material)?, own)?];
     let mut sequence = Vec::new();
     for (scope, file) in patterns {
+        if scope.optional("kind", &file.kind).is_some_and(|kind| kind.text().is_ok_and(|kind| kind == "layout")) {
+            let entry = scope.required("file", &file.file)?;
+            sequence.push(Given::Sites(listed::layout(&crystal, &entry, &mut palette, own)?));
+            continue;
+        }
         let entry = scope.required("materials", &file.materials)?;
         let materials =
             entry.one_or_more().iter().map(|item| place_in(&mut palette, item, own)).collect::<Result<Vec<_>, _>>()?;
-        sequence.push(materials);
+        sequence.push(Given::Materials(materials));
     }
     let mut changed = Vec::new();
     for (scope, file) in edits {
@@ -43,8 +67,8 @@ pub(super) fn build<const D: usize>(
     let (diameter, layers) = (crystal.diameter(), crystal.layers());
     let mut build = Build::new(crystal, palette);
     let mut stripes = Vec::new();
-    for ((scope, file), materials) in patterns.iter().zip(&sequence) {
-        if let Pattern::Stripes { angle, widths, .. } = paint(&mut build, scope, file, materials)? {
+    for ((scope, file), given) in patterns.iter().zip(sequence) {
+        if let Pattern::Stripes { angle, widths, .. } = paint(&mut build, scope, file, given, seeds)? {
             stripes.push((scope.name().to_owned(), angle, widths.iter().sum()));
         }
     }
@@ -83,8 +107,16 @@ pub(super) fn build<const D: usize>(
     Ok(Built { build, held, stripes })
 }
 
+/// What a pattern paints with.
+enum Given {
+    /// Materials, by their places in the palette, among which the pattern chooses.
+    Materials(Vec<usize>),
+    /// The material of every site.
+    Sites(Vec<Option<usize>>),
+}
+
 /// A material's place in the palette, where it is added if it is new.
-fn place_in(palette: &mut Vec<Material>, entry: &Entry, own: &[Material]) -> Result<usize, DocumentError> {
+pub(super) fn place_in(palette: &mut Vec<Material>, entry: &Entry, own: &[Material]) -> Result<usize, DocumentError> {
     let material = chosen(entry, own)?;
     Ok(palette.iter().position(|known| known.name == material.name).unwrap_or_else(|| {
         palette.push(material);
@@ -158,8 +190,13 @@ fn paint<const D: usize>(
     build: &mut Build<D>,
     scope: &Scope,
     file: &PatternFile,
-    materials: &[usize],
+    given: Given,
+    seeds: &mut Seeds,
 ) -> Result<Pattern, DocumentError> {
+    let (materials, mut sites) = match given {
+        Given::Materials(materials) => (materials, Vec::new()),
+        Given::Sites(sites) => ((0..build.palette().len()).collect(), sites),
+    };
     let (diameter, layers) = (build.crystal().diameter(), build.crystal().layers());
     let length = |entry: &Entry| entry.length(diameter);
     let angle = || scope.required("angle", &file.angle)?.quantity(Dimension::Angle);
@@ -203,15 +240,19 @@ fn paint<const D: usize>(
         },
         Kind::Hexagons => rings(RingShape::Hexagon)?,
         Kind::Circles => rings(RingShape::Circle)?,
+        Kind::Layout => Pattern::Listed(std::mem::take(&mut sites)),
         Kind::Mix => {
             let fractions = scope.required("fractions", &file.fractions)?;
             Pattern::Mix {
                 fractions: fractions.one_or_more().iter().map(Entry::number).collect::<Result<_, _>>()?,
-                seed: scope.required("seed", &file.seed)?.seed()?,
+                seed: seeds.take(scope.required("seed", &file.seed)?.seed()?),
             }
         }
     };
-    let given = [
+    let written = [
+        ("materials", if matches!(pattern, Pattern::Listed(_)) { &file.materials } else { &None }),
+        ("diameters", if matches!(pattern, Pattern::Listed(_)) { &file.diameters } else { &None }),
+        ("file", &file.file),
         ("first", &file.first),
         ("angle", &file.angle),
         ("widths", &file.widths),
@@ -232,8 +273,9 @@ fn paint<const D: usize>(
         Pattern::Triangle { .. } => &["spheres", "side"],
         Pattern::Rings { .. } => &["width", "centre"],
         Pattern::Mix { .. } => &["fractions", "seed"],
+        Pattern::Listed(_) => &["file"],
     };
-    for (name, written) in given.into_iter().filter(|(name, _)| !uses.contains(name)) {
+    for (name, written) in written.into_iter().filter(|(name, _)| !uses.contains(name)) {
         if let Some(entry) = scope.optional(name, written) {
             return Err(entry.fail("has no meaning for this kind of pattern", "Leave it out, or change the kind."));
         }
@@ -254,7 +296,7 @@ fn paint<const D: usize>(
     };
     let meant = selection(scope, file.place(), diameter, layers)?;
     let painted = build
-        .paint(&pattern, &meant, materials, radii.as_deref())
+        .paint(&pattern, &meant, &materials, radii.as_deref())
         .map_err(|error| kind.fail(&format!("cannot be painted: it {error}"), "Change the pattern or the crystal."))?;
     if painted == 0 {
         return Err(scope.fail("holds no sphere of the crystal", "Move or widen it."));
@@ -273,6 +315,7 @@ enum Kind {
     Hexagons,
     Circles,
     Mix,
+    Layout,
 }
 
 impl Kind {
@@ -285,5 +328,6 @@ impl Kind {
         ("hexagons", Self::Hexagons),
         ("circles", Self::Circles),
         ("mix", Self::Mix),
+        ("layout", Self::Layout),
     ];
 }

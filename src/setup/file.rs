@@ -17,6 +17,7 @@ pub(super) struct RigFile {
     pub sides: Section<SidesFile>,
     pub flat: Sections<FlatFile>,
     pub bar: Sections<BarFile>,
+    pub intruder: Sections<IntruderFile>,
     pub load: Sections<LoadFile>,
     pub moving: Sections<MovingFile>,
     pub law: Section<LawFile>,
@@ -25,12 +26,13 @@ pub(super) struct RigFile {
     pub gravity: Section<GravityFile>,
     pub run: Section<RunFile>,
     pub record: Section<RecordFile>,
+    pub region: Sections<RegionFile>,
     pub materials: Section<OwnMaterials>,
 }
 
 section!(CrystalFile: Written { packing, diameter, layers, material, x, y, cells, hexagon, disk });
 section!(PatternFile: Written {
-    kind, materials, diameters, first, angle, widths, origin, apex, spheres, side, width, centre, fractions, seed,
+    kind, materials, diameters, first, angle, widths, origin, apex, spheres, side, width, centre, fractions, seed, file,
     layers, columns, x, y, z
 });
 section!(EditFile: Written { material, diameter, remove, r#move, hold, layers, columns, x, y, z });
@@ -40,13 +42,19 @@ section!(BarFile: Written { flat, impedance, material, diameter, pulse, peak, st
 section!(LoadFile: Written {
     kind, pulse, peak, start, duration, file, direction, flat, layers, columns, x, y, z
 });
+section!(IntruderFile: Written {
+    name, shape, material, diameter, half_width, half_height, shell, mass, body, turns, velocity, gap, x, y
+});
 section!(MovingFile: Written { velocity, spin, layers, columns, x, y, z });
-section!(LawFile: Written { kind, table, constants });
-section!(PairFile: Written { materials, kind, table });
+section!(LawFile: Written { kind, table, constants, stiffness, restitution, damping, pull });
+section!(PairFile: Written { materials, kind, table, stiffness, restitution, damping, pull });
 section!(FrictionFile: Written { coefficient, spring, damping });
 section!(GravityFile: Written { acceleration });
 section!(RunFile: Written { window, step, accuracy, drag, squeezed, leave });
-section!(RecordFile: Written { every, quantities, contacts, arrivals, pictures, layers, columns, x, y, z });
+section!(RecordFile: Written {
+    every, quantities, contacts, events, events_of, arrivals, pictures, layers, columns, x, y, z
+});
+section!(RegionFile: Written { name, layers, columns, x, y, z });
 
 /// How each key is written, for messages.
 pub(super) const EXAMPLES: &[&str] = &[
@@ -76,6 +84,7 @@ pub(super) const EXAMPLES: &[&str] = &[
     "pattern.centre = [\"0 D\", \"0 D\"]",
     "pattern.fractions = [0.7, 0.3]",
     "pattern.seed = 1",
+    "pattern.file = \"lens.csv\"",
     "edit.material = \"brass-260\"",
     "edit.diameter = \"6 mm\"",
     "edit.remove = true",
@@ -100,6 +109,20 @@ pub(super) const EXAMPLES: &[&str] = &[
     "load.kind = \"force\"",
     "load.direction = [0.0, 1.0]",
     "load.flat = \"impactor\"",
+    "intruder.name = \"ball\"",
+    "intruder.shape = \"ball\"",
+    "intruder.material = \"440c\"",
+    "intruder.diameter = \"25.4 mm\"",
+    "intruder.half_width = \"4 D\"",
+    "intruder.half_height = \"8 D\"",
+    "intruder.shell = \"1 D\"",
+    "intruder.mass = \"0.5 kg\"",
+    "intruder.body = \"solid\"",
+    "intruder.turns = true",
+    "intruder.velocity = \"20 m/s\"",
+    "intruder.gap = \"1 mm\"",
+    "intruder.x = \"0 D\"",
+    "intruder.y = \"0 D\"",
     "moving.velocity = \"5 m/s\"",
     "moving.spin = \"50 rad/s\"",
     "law.kind = \"thesis\"",
@@ -121,8 +144,16 @@ pub(super) const EXAMPLES: &[&str] = &[
     "record.every = \"1 us\"",
     "record.quantities = [\"displacement\", \"velocity\"]",
     "record.contacts = true",
+    "record.events = [\"closes\", \"opens\", \"yields\"]",
+    "record.events_of = \"all\"",
     "record.arrivals = [\"1 %\", \"191 um\"]",
     "record.pictures = [\"x-t\", \"energies\"]",
+    "region.name = \"focus\"",
+    "*.stiffness = \"1e6 N/m\"",
+    "*.restitution = 0.5",
+    "*.pull = false",
+    "law.damping = \"1e4 1/s\"",
+    "pair.damping = \"1e4 1/s\"",
     // Keys that several sections share.
     "*.pulse = \"half-sine\"",
     "*.peak = \"26 kN\"",
@@ -166,7 +197,7 @@ macro_rules! share {
         }
     };
 }
-share!(PatternFile, EditFile, BarFile, LoadFile, MovingFile, RecordFile have place: PlaceKeys { layers, columns, x, y, z });
+share!(PatternFile, EditFile, BarFile, LoadFile, MovingFile, RecordFile, RegionFile have place: PlaceKeys { layers, columns, x, y, z });
 share!(BarFile, LoadFile have over_time: PulseKeys { pulse, peak, start, duration, file });
 
 #[cfg(test)]
@@ -185,6 +216,7 @@ mod tests {
             ("flat[2]", FlatFile::KEYS),
             ("bar[1]", BarFile::KEYS),
             ("load[1]", LoadFile::KEYS),
+            ("intruder[1]", IntruderFile::KEYS),
             ("moving[1]", MovingFile::KEYS),
             ("law", LawFile::KEYS),
             ("pair[1]", PairFile::KEYS),
@@ -192,6 +224,7 @@ mod tests {
             ("gravity", GravityFile::KEYS),
             ("run", RunFile::KEYS),
             ("record", RecordFile::KEYS),
+            ("region[1]", RegionFile::KEYS),
         ];
         assert_examples(EXAMPLES, &sections);
     }

@@ -4,22 +4,24 @@ use std::sync::Arc;
 
 use super::file::{FrictionFile, LawFile, PairFile};
 use super::pulse::{of_table, table};
-use crate::contact::{Constants, LawKind, Tabulated};
-use crate::dem::rig::{Friction, Law, LawBook, Spring};
-use crate::document::{DocumentError, Scope, Section, Sections, Written, chosen};
+use crate::contact::{Constants, Dashpot, LawKind, Tabulated};
+use crate::dem::rig::{Friction, Law, LawBook, Spring, SpringDashpot};
+use crate::document::{DocumentError, Entry, Scope, Section, Sections, Written, chosen};
 use crate::material::Material;
 use crate::units::Dimension;
 
-/// The laws of a rig whose spheres are of the materials of `palette`.
+/// The laws of a rig whose spheres are of the materials of `palette`, the first that of the crystal, and mostly of `diameter` (m).
 pub(super) fn laws(
     top: &Scope,
     (law, pairs, friction): (&Section<LawFile>, &Sections<PairFile>, &Section<FrictionFile>),
-    palette: &[Material],
+    (palette, diameter): (&[Material], f64),
     own: &[Material],
 ) -> Result<LawBook, DocumentError> {
     let mut book = (Law::Named(LawKind::Thesis), Constants::default());
     if let Some((scope, file)) = top.section("law", law) {
-        if let Some(law) = named_or_table(&scope, &file.kind, &file.table)? {
+        let spring = SpringKeys::of([&file.stiffness, &file.restitution, &file.damping, &file.pull]);
+        let mass = palette[0].sphere_mass(diameter);
+        if let Some(law) = one_law(&scope, &file.kind, &file.table, spring, 0.5 * mass)? {
             book.0 = law;
         }
         if let Some(entry) = scope.optional("constants", &file.constants) {
@@ -42,7 +44,9 @@ pub(super) fn laws(
             })
             .collect::<Result<Vec<_>, _>>()?;
         let [a, b] = materials[..] else { return Err(entry.refuse("must be a list of two materials")) };
-        let law = named_or_table(&scope, &file.kind, &file.table)?;
+        let spring = SpringKeys::of([&file.stiffness, &file.restitution, &file.damping, &file.pull]);
+        let [m, n] = [a, b].map(|place| palette[place].sphere_mass(diameter));
+        let law = one_law(&scope, &file.kind, &file.table, spring, m * n / (m + n))?;
         let law = law.ok_or_else(|| scope.fail("names no law", "Give kind or table."))?;
         if named.iter().any(|(pair, _)| *pair == [a, b] || *pair == [b, a]) {
             return Err(entry.fail("has a law already", "Keep one [[pair]] for each two materials."));
@@ -53,12 +57,86 @@ pub(super) fn laws(
     Ok(LawBook::Materials { law: book.0, constants: book.1, pairs: named, friction })
 }
 
-fn named_or_table(scope: &Scope, kind: &Written, file: &Written) -> Result<Option<Law>, DocumentError> {
+/// The keys of a spring and dashpot.
+#[derive(Clone, Copy)]
+struct SpringKeys<'a> {
+    stiffness: &'a Written,
+    restitution: &'a Written,
+    damping: &'a Written,
+    pull: &'a Written,
+}
+
+impl<'a> SpringKeys<'a> {
+    fn of([stiffness, restitution, damping, pull]: [&'a Written; 4]) -> Self {
+        Self { stiffness, restitution, damping, pull }
+    }
+
+    fn all(self) -> [(&'static str, &'a Written); 4] {
+        [
+            ("stiffness", self.stiffness),
+            ("restitution", self.restitution),
+            ("damping", self.damping),
+            ("pull", self.pull),
+        ]
+    }
+
+    /// A restitution is that of two spheres of reduced mass `reduced` (kg).
+    fn read(self, scope: &Scope, reduced: f64) -> Result<SpringDashpot, DocumentError> {
+        let stiffness = scope.required("stiffness", self.stiffness)?.positive(Dimension::Stiffness)?;
+        let cut = match scope.optional("pull", self.pull) {
+            Some(entry) => !entry.yes()?,
+            None => true,
+        };
+        let rate = match (scope.optional("restitution", self.restitution), scope.optional("damping", self.damping)) {
+            (Some(_), Some(entry)) => return Err(entry.fail("is given beside restitution", "Keep one of them.")),
+            (Some(entry), None) => match entry.number()? {
+                e if (0.05..=1.0).contains(&e) => {
+                    Dashpot::with_restitution(stiffness, reduced, e, cut).damping / reduced
+                }
+                _ => return Err(entry.refuse("must lie from 0.05 to 1")),
+            },
+            (None, Some(entry)) => match entry.quantity(Dimension::Rate)? {
+                rate if rate < 0.0 => return Err(entry.refuse("must not be negative")),
+                rate => rate,
+            },
+            (None, None) => {
+                let help = "Give restitution, from 0.05 to 1, or damping, like damping = \"1e4 1/s\".";
+                return Err(scope.fail("says nothing of losses", help));
+            }
+        };
+        Ok(SpringDashpot { stiffness, rate, cut })
+    }
+}
+
+/// The name of the law whose keys are [`SpringKeys`].
+const SPRING: &str = "spring-dashpot";
+
+fn one_law(
+    scope: &Scope,
+    kind: &Written,
+    file: &Written,
+    spring: SpringKeys,
+    reduced: f64,
+) -> Result<Option<Law>, DocumentError> {
+    let entry = scope.optional("kind", kind);
+    let is_spring = |entry: &Entry| entry.text().is_ok_and(|text| text == SPRING);
+    if !entry.as_ref().is_some_and(is_spring) {
+        for (name, written) in spring.all() {
+            if let Some(stray) = scope.optional(name, written) {
+                let help = format!("Leave it out, or write kind = \"{SPRING}\".");
+                return Err(stray.fail("has no meaning for this law", &help));
+            }
+        }
+    }
     match (scope.optional("kind", kind), scope.optional("table", file)) {
         (Some(_), Some(entry)) => Err(entry.fail("is given beside kind", "Keep one of them.")),
         (Some(entry), None) => {
-            let known: Vec<_> = LawKind::ALL.iter().map(|&law| (law.name(), law)).collect();
-            Ok(Some(Law::Named(entry.choice("contact law", &known)?)))
+            let named = LawKind::ALL.iter().map(|&law| (law.name(), Some(law)));
+            let known: Vec<_> = named.chain([(SPRING, None)]).collect();
+            Ok(Some(match entry.choice("contact law", &known)? {
+                Some(kind) => Law::Named(kind),
+                None => Law::SpringDashpot(spring.read(scope, reduced)?),
+            }))
         }
         (None, Some(entry)) => {
             let path = entry.path()?;

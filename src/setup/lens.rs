@@ -70,9 +70,11 @@ pub(super) fn setup(design: &Design) -> Result<Setup, SetupError> {
         path: design.path.clone(),
         text: design.text.clone(),
         rig,
+        intruders: Vec::new(),
         sites: sites.iter().map(|site| SphereSite { layer: site.row, column: site.column }).collect(),
         layers: lattice.rows(),
         diameter: lattice.diameter(),
+        seeds: Vec::new(),
         plan,
         record,
     }))

@@ -6,15 +6,18 @@
 //!
 //! - `file`: as written; `read`: as checked, section by section with the others
 //! - `crystal`: what stands where; `place`: spheres and directions as files write them
-//! - `acts`: what holds and what strikes; `pulse`: quantities over time; `laws`: contact laws and friction
+//! - `listed`: layouts of lenses as patterns
+//! - `acts`: what holds and what strikes; `intruder`: rigid bodies before the crystal; `pulse`: quantities over time; `laws`: contact laws and friction
 //! - `plan`: step and window; `record`: what is written and drawn
 //! - `lens`: a lens design as a rig
 
 mod acts;
 mod crystal;
 mod file;
+mod intruder;
 mod laws;
 mod lens;
+mod listed;
 mod place;
 mod plan;
 mod pulse;
@@ -23,11 +26,12 @@ mod record;
 
 use std::path::{Path, PathBuf};
 
+pub use intruder::Intruder;
 pub use lens::SetupError;
 pub use plan::RunPlan;
-pub use record::{Picture, Quantity, RecordPlan};
+pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region};
 
-use crate::dem::rig::Rig;
+use crate::dem::rig::{Body, Rig};
 use crate::design::Design;
 use crate::document::{self, DocumentError};
 
@@ -53,12 +57,16 @@ pub struct Bench<const D: usize> {
     pub text: String,
     /// What is simulated.
     pub rig: Rig<D>,
-    /// Layer and column of each sphere.
+    /// Rigid bodies that strike the crystal; their spheres are the last ones of the rig.
+    pub intruders: Vec<Intruder>,
+    /// Layer and column of each sphere of the crystal.
     pub sites: Vec<SphereSite>,
     /// Number of layers.
     pub layers: u32,
     /// Distance of neighbouring sites (m).
     pub diameter: f64,
+    /// Seeds of what is drawn by chance, in the order of the file.
+    pub seeds: Vec<u64>,
     /// Step and window.
     pub plan: RunPlan,
     /// What is written and drawn.
@@ -74,14 +82,85 @@ pub struct SphereSite {
     pub column: u32,
 }
 
+impl<const D: usize> Bench<D> {
+    /// A body as the file's author knows it: a sphere with its layer and column, a flat by its name.
+    pub fn name_of(&self, body: Body) -> String {
+        match body {
+            Body::Sphere(i) => match self.sites.get(i) {
+                Some(SphereSite { layer, column }) => format!("sphere {} (layer {layer}, column {column})", i + 1),
+                None => match self.intruder_of(i) {
+                    Some(intruder) => format!("intruder {}", intruder.name),
+                    None => body.to_string(),
+                },
+            },
+            Body::Flat(k) => match self.rig.flats.get(k) {
+                Some(flat) => format!("flat {}", flat.name),
+                None => body.to_string(),
+            },
+        }
+    }
+}
+
+impl<const D: usize> Bench<D> {
+    /// The intruder to which a sphere belongs.
+    pub fn intruder_of(&self, sphere: usize) -> Option<&Intruder> {
+        self.intruders.iter().find(|intruder| intruder.members.contains(&sphere))
+    }
+
+    /// What tables call bodies.
+    pub fn labels(&self) -> Labels {
+        let sphere =
+            |i: usize| self.intruder_of(i).map_or_else(|| (i + 1).to_string(), |intruder| intruder.name.clone());
+        let spheres = self.rig.sample.spheres.len();
+        let flats = self.rig.flats.iter().map(|flat| flat.name.clone());
+        Labels { names: (0..spheres).map(sphere).chain(flats).collect(), spheres }
+    }
+}
+
+/// What tables call bodies: the crystal's spheres by their number from 1, intruders and flats by their names.
+#[derive(Clone, Debug)]
+pub struct Labels {
+    names: Vec<String>,
+    spheres: usize,
+}
+
+impl Labels {
+    /// All of them, first those of the spheres, then those of the flats.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Where a body stands among them.
+    pub fn place(&self, body: Body) -> usize {
+        match body {
+            Body::Sphere(i) => i,
+            Body::Flat(k) => self.spheres + k,
+        }
+    }
+
+    /// The label of a body.
+    pub fn of(&self, body: Body) -> &str {
+        &self.names[self.place(body)]
+    }
+}
+
 impl Setup {
     /// Reads a rig file or a lens design.
     ///
     /// # Errors
     /// The first thing that is wrong with the file; a lens that cannot be solved.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SetupError> {
+        Self::read_seeded(path, None)
+    }
+
+    /// The same, with a first seed in place of the file's: its k-th pattern by chance then has the seed `first_seed` + k, from
+    /// k = 0 on. Without one the file's seeds hold.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_seeded(path: impl AsRef<Path>, first_seed: Option<u64>) -> Result<Self, SetupError> {
         let path = path.as_ref();
-        match Self::read_rig(path)? {
+        match Self::rig(path, first_seed)? {
             Some(setup) => Ok(setup),
             None => lens::setup(&Design::read(path)?),
         }
@@ -92,9 +171,12 @@ impl Setup {
     /// # Errors
     /// A file that cannot be read; the first thing that is wrong with a rig file.
     pub fn read_rig(path: impl AsRef<Path>) -> Result<Option<Self>, DocumentError> {
-        let path = path.as_ref();
+        Self::rig(path.as_ref(), None)
+    }
+
+    fn rig(path: &Path, first_seed: Option<u64>) -> Result<Option<Self>, DocumentError> {
         let text = document::text(path)?;
-        read::is_rig(path, &text).then(|| read::setup(path, &text)).transpose()
+        read::is_rig(path, &text).then(|| read::setup(path, &text, first_seed)).transpose()
     }
 
     /// Checks the text of a rig file; `path` is named in messages, and tables are looked for beside it.
@@ -102,6 +184,6 @@ impl Setup {
     /// # Errors
     /// The first thing that is wrong with it.
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self, DocumentError> {
-        read::setup(path.as_ref(), text)
+        read::setup(path.as_ref(), text, None)
     }
 }

@@ -1,7 +1,7 @@
 //! The section [run]: step, window, and why.
 
 use super::file::RunFile;
-use crate::contact::{AnyLaw, History, NormalLaw, Pair};
+use crate::contact::{AnyLaw, Dashpot, History, NormalLaw, Pair};
 use crate::dem::Integrator;
 use crate::dem::rig::{Law, LawBook, LoadKind, Rig};
 use crate::design::Accuracy;
@@ -37,10 +37,11 @@ const MOST_STEPS: f64 = 1e12;
 /// An automatic step cuts the shortest pulse into at least so many.
 const IN_PULSE: f64 = 20.0;
 
-/// Reads [run]: also drag, whether the rig is squeezed, and the domain are put into `rig`.
+/// Reads [run]: also drag, whether the rig is squeezed, and the domain are put into `rig`, whose first `crystal` spheres are those
+/// of the crystal.
 pub(super) fn plan<const D: usize>(
     rig: &mut Rig<D>,
-    diameter: f64,
+    (diameter, crystal): (f64, usize),
     scope: &Scope,
     file: &RunFile,
 ) -> Result<RunPlan, DocumentError> {
@@ -81,7 +82,7 @@ pub(super) fn plan<const D: usize>(
         },
         None => Accuracy::default(),
     };
-    let stiffest = stiffest(rig);
+    let stiffest = stiffest(rig, crystal);
     let accurate = stiffest.limit / divisor(accuracy, Integrator::Verlet);
     let class = Dimension::Fraction.show(accuracy.fraction());
     let mut warnings = Vec::new();
@@ -125,15 +126,15 @@ fn shortest_pulse<const D: usize>(rig: &Rig<D>) -> f64 {
             *duration
         }
         // Its points are as dense as it needs; the mean over each step is exact.
-        Curve::Table(_) => f64::INFINITY,
+        Curve::Table(_) | Curve::Path(_) => f64::INFINITY,
     };
     let bars = rig.bars.iter().filter_map(|bar| bar.incident.as_ref());
     rig.loads.iter().map(|load| &load.curve).chain(bars).map(duration).fold(f64::INFINITY, f64::min)
 }
 
 /// The stiffest contact that is to be expected: after the greatest force on a sphere, or after a sphere has been run into at
-/// twice the greatest speed, by a body that does not give way.
-fn stiffest<const D: usize>(rig: &Rig<D>) -> Stiffest {
+/// twice the greatest speed, by a body that does not give way. An intruder, however heavy, presses no harder than that.
+fn stiffest<const D: usize>(rig: &Rig<D>, crystal: usize) -> Stiffest {
     let LawBook::Materials { law, constants, pairs, .. } = &rig.laws else {
         // Rig files name laws by materials.
         return Stiffest { names: "dashpot".to_owned(), stiffness: 0.0, force: 0.0, limit: f64::INFINITY };
@@ -167,16 +168,18 @@ fn stiffest<const D: usize>(rig: &Rig<D>) -> Stiffest {
                 Box::new(AnyLaw::new(*kind, &pair))
             }
             Law::Tabulated(table) => Box::new((**table).clone()),
+            Law::SpringDashpot(law) => Box::new(Dashpot { stiffness: law.stiffness, damping: 0.0, cut: true }),
         }
     };
     let factor = match law {
         Law::Named(kind) => overshoot(*kind),
-        Law::Tabulated(_) => overshoot(crate::contact::LawKind::Hertz),
+        Law::Tabulated(_) | Law::SpringDashpot(_) => overshoot(crate::contact::LawKind::Hertz),
     };
     let mut force = factor * given;
     for a in 0..materials.len() {
         let mass = materials[a].sphere_mass(2.0 * radius(a));
-        if radius(a) < 1e3 && speed > 0.0 {
+        let in_crystal = rig.sample.spheres[..crystal].iter().any(|sphere| sphere.material == a);
+        if in_crystal && speed > 0.0 {
             force = force.max(collision_force(&*between(a, a), mass, 2.0 * speed, radius(a)));
         }
     }

@@ -96,6 +96,20 @@ pub(super) fn table(path: &Path, columns: [&str; 2]) -> Result<Vec<(f64, f64)>, 
         .collect()
 }
 
+/// A displacement over time, from a table, as the velocity that it prescribes.
+pub(super) fn path(scope: &Scope, keys: PulseKeys) -> Result<Curve, DocumentError> {
+    let entry = scope.required("pulse", keys.pulse)?;
+    entry.choice("way to prescribe a displacement", &[("table", ())])?;
+    for (name, written) in [("peak", keys.peak), ("start", keys.start), ("duration", keys.duration)] {
+        if let Some(entry) = scope.optional(name, written) {
+            return Err(entry.fail("has no meaning for pulse = \"table\"", "The file says all; leave it out."));
+        }
+    }
+    let path = scope.required("file", keys.file)?.path()?;
+    let points = table(&path, ["time_s", "displacement_m"])?;
+    Curve::path(&points).map_err(|error| of_table(&path, &error.to_string()))
+}
+
 fn is_comment(line: &str) -> bool {
     line.is_empty() || line.starts_with('#')
 }

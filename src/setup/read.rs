@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::acts::Stage;
+use super::crystal::Seeds;
 use super::file::{EXAMPLES, RigFile};
-use super::{Bench, Setup, SphereSite, crystal, laws, place, plan, record};
+use super::{Bench, Setup, SphereSite, crystal, intruder, laws, place, plan, record};
 use crate::dem::rig::Rig;
 use crate::document::{self, DocumentError, Scope, Source, Written, is_plain_name};
 use crate::lattice::Cell;
@@ -26,7 +27,7 @@ pub(super) fn is_rig(path: &Path, text: &str) -> bool {
     opening.is_ok_and(|opening| opening.kind.is_some())
 }
 
-pub(super) fn setup(path: &Path, text: &str) -> Result<Setup, DocumentError> {
+pub(super) fn setup(path: &Path, text: &str, first_seed: Option<u64>) -> Result<Setup, DocumentError> {
     let source = Source { path, text, examples: EXAMPLES };
     let root = document::parse(source)?;
     let top = Scope::root(source);
@@ -52,7 +53,7 @@ pub(super) fn setup(path: &Path, text: &str) -> Result<Setup, DocumentError> {
     let help = "Add the section [crystal] with packing, diameter, layers and material.";
     let (scope, crystal) = top.required_section("crystal", &file.crystal, help)?;
     let packing = scope.required("packing", &crystal.packing)?;
-    let reading = Reading { path, text, name: name.text()?, top: &top, file: &file, own: &own };
+    let reading = Reading { path, text, name: name.text()?, top: &top, file: &file, own: &own, first_seed };
     #[derive(Clone, Copy)]
     enum Any {
         One(Cell<1>),
@@ -78,6 +79,7 @@ struct Reading<'a> {
     top: &'a Scope<'a>,
     file: &'a RigFile,
     own: &'a [Material],
+    first_seed: Option<u64>,
 }
 
 impl Reading<'_> {
@@ -85,10 +87,21 @@ impl Reading<'_> {
         let Self { top, file, own, .. } = *self;
         let section = top.required_section("crystal", &file.crystal, "")?;
         let patterns = top.sections("pattern", &file.pattern);
-        let built = crystal::build(cell, &section, &patterns, &top.sections("edit", &file.edit), own)?;
-        let laws = laws::laws(top, (&file.law, &file.pair, &file.friction), built.build.palette(), own)?;
-        let (sample, sites) = built.build.sample();
+        let mut seeds = Seeds { first: self.first_seed, used: Vec::new() };
+        let edits = top.sections("edit", &file.edit);
+        let built = crystal::build(cell, &section, &patterns, &edits, own, &mut seeds)?;
+        let mut palette = built.build.palette().to_vec();
+        let mut strikers = Vec::new();
+        for (scope, section) in top.sections("intruder", &file.intruder) {
+            let material = intruder::material(&scope, section, &mut palette, own)?;
+            strikers.push((scope, section, material));
+        }
         let crystal = built.build.crystal();
+        let sections = (&file.law, &file.pair, &file.friction);
+        let laws = laws::laws(top, sections, (&palette, crystal.diameter()), own)?;
+        let (mut sample, sites) = built.build.sample();
+        sample.materials = palette;
+        let mut intruders = Vec::new();
         let mut stage = Stage { rig: Rig::new(sample, laws), crystal, sites };
         for (meant, axes) in &built.held {
             for i in stage.spheres(meant) {
@@ -101,6 +114,9 @@ impl Reading<'_> {
         }
         if let Some((scope, section)) = top.section("sides", &file.sides) {
             stage.sides(&scope, section)?;
+        }
+        for (scope, section, material) in strikers {
+            intruders.push(intruder::place(&mut stage, &scope, section, material, &intruders)?);
         }
         for (scope, section) in top.sections("bar", &file.bar) {
             stage.bar(&scope, section, own)?;
@@ -115,9 +131,16 @@ impl Reading<'_> {
             let entry = scope.required("acceleration", &section.acceleration)?;
             stage.rig.gravity = place::along_wave(&entry, crate::units::Dimension::Acceleration)?;
         }
+        if stage.rig.laws.has_dashpots() {
+            // As for beds.
+            stage.rig.residual_limit = 0.1;
+        }
         let help = "Add the section [run] with window, like window = \"400 us\".";
         let (scope, section) = top.required_section("run", &file.run, help)?;
-        let mut plan = plan::plan(&mut stage.rig, crystal.diameter(), &scope, section)?;
+        let mut plan = plan::plan(&mut stage.rig, (crystal.diameter(), stage.sites.len()), &scope, section)?;
+        if self.first_seed.is_some() && seeds.used.is_empty() {
+            plan.warnings.push("a seed is given, and nothing in this file is drawn by chance".to_owned());
+        }
         for (name, angle, width) in &built.stripes {
             let (across, along) = (stage.rig.periods[0].filter(|_| D > 1), stage.rig.periods[D - 1]);
             // So many times the stripes repeat within the period.
@@ -127,11 +150,13 @@ impl Reading<'_> {
                     .push(format!("{name}: the stripes do not repeat with the period; there is a seam at the sides"));
             }
         }
-        let mut record = record::default::<D>(plan.steps(), stage.sites.len(), stage.rig.flats.len());
+        let mut record = record::default::<D>(plan.steps(), stage.sites.len(), stage.rig.flats.len() + intruders.len());
         if let Some((scope, section)) = top.section("record", &file.record) {
             let numbers = (plan.step, crystal.diameter(), crystal.layers());
             record = record::read(&scope, section, record, numbers, |meant| stage.spheres(meant))?;
         }
+        let numbers = (crystal.diameter(), crystal.layers());
+        record.regions = record::regions(&top.sections("region", &file.region), numbers, |meant| stage.spheres(meant))?;
         let site = |&site: &usize| {
             let site = &crystal.sites()[site];
             SphereSite { layer: site.layer, column: site.column }
@@ -140,10 +165,12 @@ impl Reading<'_> {
             name: self.name.to_owned(),
             path: self.path.to_owned(),
             text: self.text.to_owned(),
+            intruders,
             sites: stage.sites.iter().map(site).collect(),
             layers: crystal.layers(),
             diameter: crystal.diameter(),
             rig: stage.rig,
+            seeds: seeds.used,
             plan,
             record,
         })

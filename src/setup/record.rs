@@ -1,9 +1,9 @@
-//! The section [record]: what is written, how often, and what is drawn.
+//! The sections [record] and [[region]]: what is written, how often, and what is drawn.
 
-use super::file::RecordFile;
+use super::file::{RecordFile, RegionFile};
 use super::place::selection;
 use crate::dem::rig::Arrival;
-use crate::document::{DocumentError, Entry, Scope};
+use crate::document::{DocumentError, Entry, Scope, is_plain_name};
 use crate::pattern::Selection;
 use crate::units::Dimension;
 
@@ -16,15 +16,75 @@ pub struct RecordPlan {
     pub spheres: Vec<usize>,
     /// What is written of them.
     pub quantities: Vec<Quantity>,
-    /// Whether all closed contacts are written at every sample.
-    pub contacts: bool,
+    /// Which closed contacts are written at every sample.
+    pub contacts: Contacts,
+    /// Parts of the crystal of which sums are written.
+    pub regions: Vec<Region>,
+    /// What is written when it happens.
+    pub events: Vec<Event>,
+    /// Whether events of all bodies are written, or only those of `spheres`.
+    pub events_of_all: bool,
     /// First arrivals, each by its threshold.
     pub arrivals: Vec<Arrival>,
     /// What is drawn at the end.
     pub pictures: Vec<Picture>,
 }
 
-/// A vector of a sphere that can be written over time.
+/// Which contacts are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contacts {
+    /// None.
+    None,
+    /// Those of the spheres whose motion is written.
+    Chosen,
+    /// All.
+    All,
+}
+
+/// A part of the crystal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Its name, fit for the heads of columns.
+    pub name: String,
+    /// Its spheres.
+    pub spheres: Vec<usize>,
+}
+
+/// What happens to a contact or a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A contact begins to carry force.
+    Closes,
+    /// A contact ceases to carry force.
+    Opens,
+    /// A contact yields for the first time.
+    Yields,
+    /// A sphere is reached, by each absolute threshold of the record.
+    Arrives,
+    /// The net force on a sphere or flat has passed a peak above all before.
+    ForcePeak,
+    /// The speed of a sphere has passed a peak above all before.
+    SpeedPeak,
+}
+
+impl Event {
+    /// Names in files.
+    pub const ALL: &'static [(&'static str, Self)] = &[
+        ("closes", Self::Closes),
+        ("opens", Self::Opens),
+        ("yields", Self::Yields),
+        ("arrives", Self::Arrives),
+        ("force-peak", Self::ForcePeak),
+        ("speed-peak", Self::SpeedPeak),
+    ];
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, event)| *event == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// What can be written of a sphere over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Centre (m).
@@ -37,6 +97,10 @@ pub enum Quantity {
     Spin,
     /// Net contact force (N).
     Force,
+    /// Greatest speed (m/s) and net contact force (N) so far.
+    Maxima,
+    /// What its contacts have taken from it so far (J): half of each, all at flats.
+    Dissipated,
 }
 
 /// A picture drawn from a record.
@@ -46,7 +110,7 @@ pub enum Picture {
     XT,
     /// Velocity along the wave of the recorded spheres.
     Velocities,
-    /// Forces on flats.
+    /// Forces on flats and intruders.
     Flats,
     /// When the wave arrives at each sphere.
     Arrivals,
@@ -62,6 +126,8 @@ impl Quantity {
         ("velocity", Self::Velocity),
         ("spin", Self::Spin),
         ("force", Self::Force),
+        ("maxima", Self::Maxima),
+        ("dissipated", Self::Dissipated),
     ];
 }
 
@@ -88,12 +154,12 @@ const SAMPLES: u64 = 200;
 const FEW: usize = 60;
 
 /// What a run of `steps` steps of `step` (s) records where nothing is asked for.
-pub(super) fn default<const D: usize>(steps: u64, spheres: usize, flats: usize) -> RecordPlan {
+pub(super) fn default<const D: usize>(steps: u64, spheres: usize, pressed: usize) -> RecordPlan {
     let mut pictures = vec![Picture::XT, Picture::Energies];
     if spheres <= FEW {
         pictures.insert(1, Picture::Velocities);
     }
-    if flats > 0 {
+    if pressed > 0 {
         pictures.push(Picture::Flats);
     }
     if D > 1 {
@@ -103,7 +169,10 @@ pub(super) fn default<const D: usize>(steps: u64, spheres: usize, flats: usize) 
         every: (steps / SAMPLES).max(1),
         spheres: if spheres <= FEW { (0..spheres).collect() } else { Vec::new() },
         quantities: vec![Quantity::Displacement, Quantity::Velocity],
-        contacts: false,
+        contacts: Contacts::None,
+        regions: Vec::new(),
+        events: Vec::new(),
+        events_of_all: true,
         arrivals: vec![Arrival::OwnMaximum(0.01)],
         pictures,
     }
@@ -138,15 +207,60 @@ pub(super) fn read<const D: usize>(
         plan.quantities = listed(&entry, "quantity", Quantity::ALL)?;
     }
     if let Some(entry) = scope.optional("contacts", &file.contacts) {
-        plan.contacts = entry.yes()?;
+        plan.contacts = match entry.text() {
+            Ok(_) => entry.choice("choice of contacts", &[("all", Contacts::All), ("chosen", Contacts::Chosen)])?,
+            Err(_) if entry.yes()? => Contacts::All,
+            Err(_) => Contacts::None,
+        };
+        if plan.contacts == Contacts::Chosen && plan.spheres.is_empty() {
+            return Err(entry.fail("means no sphere", "Choose spheres by record.layers, columns, x, y or z."));
+        }
     }
     if let Some(entry) = scope.optional("arrivals", &file.arrivals) {
         plan.arrivals = entry.one_or_more().iter().map(arrival).collect::<Result<_, _>>()?;
+    }
+    if let Some(entry) = scope.optional("events", &file.events) {
+        plan.events = listed(&entry, "event", Event::ALL)?;
+        if plan.events.contains(&Event::Arrives) && !plan.arrivals.iter().any(|arrival| arrival.is_absolute()) {
+            let help = "Add a speed or a distance to record.arrivals, like \"0.1 m/s\" or \"191 um\"; parts of a greatest \
+                        speed are known only at the end, and stand in spheres-final.csv.";
+            return Err(entry.fail("asks for arrivals that are known when they happen, and none is", help));
+        }
+    }
+    if let Some(entry) = scope.optional("events_of", &file.events_of) {
+        plan.events_of_all = entry.choice("choice of bodies", &[("all", true), ("chosen", false)])?;
+        if !plan.events_of_all && plan.spheres.is_empty() {
+            return Err(entry.fail("means no sphere", "Choose spheres by record.layers, columns, x, y or z."));
+        }
     }
     if let Some(entry) = scope.optional("pictures", &file.pictures) {
         plan.pictures = listed(&entry, "picture", Picture::ALL)?;
     }
     Ok(plan)
+}
+
+/// Reads the sections [[region]].
+pub(super) fn regions<const D: usize>(
+    sections: &[(Scope, &RegionFile)],
+    (diameter, layers): (f64, u32),
+    chosen: impl Fn(&Selection<D>) -> Vec<usize>,
+) -> Result<Vec<Region>, DocumentError> {
+    let mut regions: Vec<Region> = Vec::new();
+    for (scope, file) in sections {
+        let name = scope.required("name", &file.name)?;
+        if !is_plain_name(name.text()?) {
+            return Err(name.refuse("must be 1 to 100 letters (a to z), digits, - and _"));
+        }
+        if regions.iter().any(|region| name.text().is_ok_and(|name| region.name == name)) {
+            return Err(name.fail("is the name of another region", "Choose another name."));
+        }
+        let spheres = chosen(&selection(scope, file.place(), diameter, layers)?);
+        if spheres.is_empty() {
+            return Err(scope.fail("means no sphere", "Widen layers, columns or places."));
+        }
+        regions.push(Region { name: name.text()?.to_owned(), spheres });
+    }
+    Ok(regions)
 }
 
 fn listed<T: Copy + PartialEq>(entry: &Entry, what: &str, known: &[(&str, T)]) -> Result<Vec<T>, DocumentError> {

@@ -5,21 +5,26 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::events::State;
 use super::streams::Streams;
 use super::{TrialError, write};
 use crate::dem::rig::{Simulation, sealed, unsealed};
 use crate::setup::Bench;
 
 /// First line of the file; the number is that of the format.
-const OPENING: &[u8] = b"granulens trial checkpoint 1\n";
+const OPENING: &[u8] = b"granulens trial checkpoint 2\n";
 
 /// What is kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Checkpoint {
     /// Checksum of the rig file's text.
     text: u32,
+    /// Seeds of what was drawn by chance.
+    seeds: Vec<u64>,
     /// Lengths of the streams in bytes, by name.
     pub lengths: BTreeMap<String, u64>,
+    /// What the record of events remembers.
+    pub events: Option<State>,
     /// The rig's own checkpoint.
     pub state: Vec<u8>,
 }
@@ -33,7 +38,13 @@ impl Checkpoint {
     ) -> Result<Self, TrialError> {
         streams.flush()?;
         let text = crc32fast::hash(bench.text.as_bytes());
-        Ok(Self { text, lengths: streams.lengths(), state: simulation.checkpoint() })
+        Ok(Self {
+            text,
+            seeds: bench.seeds.clone(),
+            lengths: streams.lengths(),
+            events: streams.events().map(|e| e.state.clone()),
+            state: simulation.checkpoint(),
+        })
     }
 
     /// Puts it in its place at once: the one before stays until this one is whole.
@@ -57,6 +68,11 @@ impl Checkpoint {
                 path,
                 "the file of the rig has changed since; what was begun cannot be gone on with",
             ));
+        }
+        if checkpoint.seeds != bench.seeds {
+            let seeds: Vec<String> = checkpoint.seeds.iter().map(u64::to_string).collect();
+            let reason = format!("the run was begun with other seeds ({}); give the same --seed", seeds.join(", "));
+            return Err(Self::refused(path, &reason));
         }
         Ok(checkpoint)
     }

@@ -4,11 +4,12 @@
 //! [`Summary`]. Memory does not grow with the length of the run. A checkpoint is written now and then; a run that was killed at
 //! any moment goes on from it, its files cut back to where it stood, and ends with the same bytes.
 //!
-//! - `streams`: samples over time; `tables`: what is written at the end; `series`: files read back, a column at a time
+//! - `streams`: samples over time; `events`: what happens, when it happens; `tables`: what is written at the end; `series`: files read back, a column at a time
 //! - `checkpoint`: state and lengths of the streams in one file
 //! - `summary`: what a run came to
 
 mod checkpoint;
+mod events;
 mod series;
 mod streams;
 mod summary;
@@ -21,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 pub use series::{Series, SeriesError};
-pub use summary::{FlatSummary, Recorded, Summary};
+pub use summary::{BodySummary, Recorded, Summary};
 
 use crate::dem::rig::{RigError, RigStop, Simulation};
 use crate::setup::Bench;
@@ -137,11 +138,12 @@ pub fn run<const D: usize>(
         let checkpoint = taken_up(bench, folder, &path)?;
         let damaged = |reason: String| TrialError::Checkpoint { path: path.clone(), reason };
         simulation.take_up(&checkpoint.state).map_err(|error| damaged(error.to_string()))?;
-        Streams::take_up(folder, bench, &checkpoint.lengths)?
+        Streams::take_up(folder, bench, &checkpoint.lengths, checkpoint.events)?
     } else {
         begin(bench, folder)?;
         let mut streams = Streams::begin(folder, bench)?;
         streams.sample(&simulation)?;
+        streams.begin_events(&simulation.view());
         Checkpoint::of(bench, &simulation, &mut streams)?.write(&path)?;
         streams
     };
@@ -153,7 +155,7 @@ pub fn run<const D: usize>(
         let done = simulation.steps();
         let sample = (done / every + 1) * every;
         let until = sample.min((done / CHUNK + 1) * CHUNK).min(total);
-        match simulation.advance(until - done, interrupt) {
+        match advance(&mut simulation, until - done, interrupt, &mut streams)? {
             Ok(()) => {}
             Err(RigStop::Interrupted { time }) => {
                 // The request may have been seen just where a sample is due.
@@ -192,6 +194,24 @@ pub fn run<const D: usize>(
     Ok((summary, ending))
 }
 
+/// Goes on by so many steps; events are written as they happen.
+fn advance<const D: usize>(
+    simulation: &mut Simulation<D>,
+    steps: u64,
+    interrupt: &AtomicBool,
+    streams: &mut Streams,
+) -> Result<Result<(), RigStop>, TrialError> {
+    let step = simulation.step();
+    let Some(events) = streams.events() else { return Ok(simulation.advance(steps, interrupt)) };
+    let mut written = Ok(());
+    let advanced = simulation.follow(steps, interrupt, |view| {
+        if written.is_ok() {
+            written = events.see(view, step);
+        }
+    });
+    written.map(|()| advanced)
+}
+
 /// Makes the folder of a new run. What stands there is replaced only where it is a trial that came to its end.
 fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialError> {
     let at = |error| TrialError::File { path: folder.to_owned(), error };
@@ -217,13 +237,17 @@ fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialErr
 
 /// Whether a trial writes files of this name, which the next one there may remove.
 fn is_written(name: &str) -> bool {
-    const RECORDS: [&str; 10] = [
+    const RECORDS: [&str; 14] = [
+        "intruders.csv",
+        "regions.csv",
+        "regions-final.csv",
         "energies.csv",
         "layers.csv",
         "flats.csv",
         "bars.csv",
         "spheres.csv",
         "contacts.csv",
+        "events.csv",
         "spheres-final.csv",
         "contacts-final.csv",
         "contacts-ever.csv",

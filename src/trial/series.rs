@@ -54,6 +54,16 @@ impl Series {
     }
 }
 
+/// Reads a record line by line, its header first, as text.
+pub(super) fn lines(path: &Path, mut visit: impl FnMut(&str)) -> Result<(), SeriesError> {
+    let fail = |line: usize, reason: String| SeriesError { path: path.to_owned(), line, reason };
+    let file = File::open(path).map_err(|error| fail(0, error.to_string()))?;
+    for (line, text) in (1..).zip(BufReader::new(file).lines()) {
+        visit(&text.map_err(|error| fail(line, error.to_string()))?);
+    }
+    Ok(())
+}
+
 /// Reads a record line by line and gives the names of its columns. Cells that hold no number are NaN.
 pub(super) fn scan(path: &Path, mut visit: impl FnMut(&[f64])) -> Result<Vec<String>, SeriesError> {
     let fail = |line: usize, reason: String| SeriesError { path: path.to_owned(), line, reason };

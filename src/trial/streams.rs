@@ -7,8 +7,9 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::TrialError;
-use crate::dem::rig::{Body, Rig, Simulation};
-use crate::setup::{Bench, Quantity, RecordPlan};
+use super::events::{self, Events, State};
+use crate::dem::rig::{Body, Simulation, Touching, View};
+use crate::setup::{Bench, Contacts, Intruder, Labels, Quantity, RecordPlan};
 
 /// Names of the axes in `D` dimensions.
 pub(super) const fn axes<const D: usize>() -> &'static [&'static str] {
@@ -27,9 +28,14 @@ pub(super) struct Streams {
     bars: Option<Stream>,
     spheres: Option<Stream>,
     contacts: Option<Stream>,
+    regions: Option<Stream>,
+    intruders: Option<Stream>,
+    events: Option<Events>,
     record: RecordPlan,
-    /// Layer and column of each sphere.
+    /// Layer and column of each sphere of the crystal.
     places: Vec<[u32; 2]>,
+    strikers: Vec<Intruder>,
+    labels: Labels,
     /// Spheres in each layer.
     in_layer: Vec<f64>,
     row: String,
@@ -38,7 +44,7 @@ pub(super) struct Streams {
 impl Streams {
     /// Creates the files, each with its header.
     pub fn begin<const D: usize>(folder: &Path, bench: &Bench<D>) -> Result<Self, TrialError> {
-        let mut streams = Self::open(bench, |name, header| Stream::create(folder.join(name), header))?;
+        let mut streams = Self::open(bench, None, |name, header| Stream::create(folder.join(name), header))?;
         streams.flush()?;
         Ok(streams)
     }
@@ -48,12 +54,14 @@ impl Streams {
         folder: &Path,
         bench: &Bench<D>,
         lengths: &BTreeMap<String, u64>,
+        events: Option<State>,
     ) -> Result<Self, TrialError> {
-        Self::open(bench, |name, _| Stream::take_up(folder.join(name), lengths.get(name).copied().unwrap_or(0)))
+        Self::open(bench, events, |name, _| Stream::take_up(folder.join(name), lengths.get(name).copied().unwrap_or(0)))
     }
 
     fn open<const D: usize>(
         bench: &Bench<D>,
+        state: Option<State>,
         mut stream: impl FnMut(&str, &str) -> Result<Stream, TrialError>,
     ) -> Result<Self, TrialError> {
         let (rig, record) = (&bench.rig, &bench.record);
@@ -76,7 +84,18 @@ impl Streams {
                 Quantity::Velocity => along("v", "m_s"),
                 Quantity::Spin => ",wx_rad_s,wy_rad_s,wz_rad_s".to_owned(),
                 Quantity::Force => along("F", "N"),
+                Quantity::Maxima => ",max_speed_m_s,max_force_N".to_owned(),
+                Quantity::Dissipated => ",dissipated_J".to_owned(),
             }
+        });
+        let regions = record.regions.iter().fold("time_s".to_owned(), |text, region| {
+            let name = &region.name;
+            format!("{text},{name}_velocity_m_s,{name}_kinetic_J,{name}_dissipated_J")
+        });
+        let intruders = bench.intruders.iter().fold("time_s".to_owned(), |text, intruder| {
+            let of = |stem: &str, unit: &str| along(&format!("{}_{stem}", intruder.name), unit);
+            let angle = intruder.cluster.map_or(String::new(), |_| format!(",{}_angle_rad", intruder.name));
+            format!("{text}{}{}{}{angle}", of("u", "m"), of("v", "m_s"), of("F", "N"))
         });
         let spheres = format!("time_s,sphere,layer,column{quantities}");
         let contacts = format!("time_s,{}", contact_header::<D>());
@@ -84,7 +103,10 @@ impl Streams {
         let flats = when(!rig.flats.is_empty(), "flats.csv", &flats)?;
         let bars = when(!rig.bars.is_empty(), "bars.csv", &bars)?;
         let spheres = when(!record.spheres.is_empty(), "spheres.csv", &spheres)?;
-        let contacts = when(record.contacts, "contacts.csv", &contacts)?;
+        let contacts = when(record.contacts != Contacts::None, "contacts.csv", &contacts)?;
+        let regions = when(!record.regions.is_empty(), "regions.csv", &regions)?;
+        let events = when(!record.events.is_empty(), events::FILE, events::HEADER)?;
+        let intruders = when(!bench.intruders.is_empty(), "intruders.csv", &intruders)?;
         let mut in_layer = vec![0.0; bench.layers as usize];
         bench.sites.iter().for_each(|site| in_layer[site.layer as usize - 1] += 1.0);
         Ok(Self {
@@ -94,9 +116,14 @@ impl Streams {
             bars,
             spheres,
             contacts,
+            regions,
+            intruders,
+            events: events.map(|stream| Events::new(bench, stream, state)),
             record: record.clone(),
             places: bench.sites.iter().map(|site| [site.layer, site.column]).collect(),
             in_layer,
+            strikers: bench.intruders.clone(),
+            labels: bench.labels(),
             row: String::new(),
         })
     }
@@ -136,6 +163,10 @@ impl Streams {
             });
             flats.row(row, time, values)?;
         }
+        if let Some(intruders) = &mut self.intruders {
+            let values = self.strikers.iter().flat_map(|intruder| state_of(intruder, &view));
+            intruders.row(row, time, values)?;
+        }
         if let Some(bars) = &mut self.bars {
             let values = rig.bars.iter().flat_map(|bar| {
                 let velocity = match bar.body {
@@ -146,6 +177,27 @@ impl Streams {
                 [velocity, 2.0 * incident - bar.impedance * velocity]
             });
             bars.row(row, time, values)?;
+        }
+        let asked = |quantity| self.spheres.is_some() && self.record.quantities.contains(&quantity);
+        let maxima = match asked(Quantity::Maxima) {
+            true => [simulation.greatest_speed(), simulation.greatest_force()],
+            false => [const { Vec::new() }; 2],
+        };
+        let dissipated = match asked(Quantity::Dissipated) || self.regions.is_some() {
+            true => simulation.dissipated(),
+            false => Vec::new(),
+        };
+        if let Some(regions) = &mut self.regions {
+            let values = self.record.regions.iter().flat_map(|region| {
+                let of = |value: &dyn Fn(usize) -> f64| region.spheres.iter().map(|&i| value(i)).sum::<f64>();
+                let square = |v: [f64; D]| v.iter().map(|v| v * v).sum::<f64>();
+                [
+                    of(&|i| view.velocity(i)[D - 1]) / region.spheres.len() as f64,
+                    of(&|i| 0.5 * view.part(i) * rig.mass[i] * square(view.velocity(i))),
+                    of(&|i| view.part(i) * dissipated[i]),
+                ]
+            });
+            regions.row(row, time, values)?;
         }
         if let Some(spheres) = &mut self.spheres {
             for &i in &self.record.spheres {
@@ -159,25 +211,52 @@ impl Streams {
                         Quantity::Velocity => append(row, view.velocity(i)),
                         Quantity::Spin => append(row, view.spin(i)),
                         Quantity::Force => append(row, view.net_force(i)),
+                        Quantity::Maxima => append(row, [maxima[0][i], maxima[1][i]]),
+                        Quantity::Dissipated => append(row, [dissipated[i]]),
                     }
                 }
                 spheres.line(row)?;
             }
         }
         if let Some(contacts) = &mut self.contacts {
-            for touching in view.contacts() {
+            let all = self.record.contacts == Contacts::All;
+            let chosen = |body: &Body| match body {
+                Body::Sphere(i) => self.record.spheres.binary_search(i).is_ok(),
+                Body::Flat(_) => false,
+            };
+            for touching in view.contacts().filter(|touching| all || touching.bodies.iter().any(chosen)) {
                 row.clear();
                 let _ = write!(row, "{time:?},");
-                contact_row(row, rig, &touching);
+                contact_row(row, &self.labels, &touching);
                 contacts.line(row)?;
             }
         }
         Ok(())
     }
 
+    /// Takes note of how things stand at the start.
+    pub fn begin_events<const D: usize>(&mut self, view: &View<'_, D>) {
+        if let Some(events) = &mut self.events {
+            events.begin(view);
+        }
+    }
+
+    /// What is looked at after every step, if anything is.
+    pub fn events(&mut self) -> Option<&mut Events> {
+        self.events.as_mut()
+    }
+
     fn all(&mut self) -> impl Iterator<Item = &mut Stream> {
-        let some = [&mut self.flats, &mut self.bars, &mut self.spheres, &mut self.contacts];
-        [&mut self.energies, &mut self.layers].into_iter().chain(some.into_iter().flatten())
+        let some = [
+            &mut self.flats,
+            &mut self.bars,
+            &mut self.spheres,
+            &mut self.contacts,
+            &mut self.regions,
+            &mut self.intruders,
+        ];
+        let events = self.events.as_mut().map(|events| &mut events.stream);
+        [&mut self.energies, &mut self.layers].into_iter().chain(some.into_iter().flatten()).chain(events)
     }
 
     /// Hands everything to the disk.
@@ -195,21 +274,33 @@ impl Streams {
 /// Columns of a table of contacts.
 pub(super) fn contact_header<const D: usize>() -> String {
     let normal = axes::<D>().iter().fold(String::new(), |text, axis| format!("{text},n{axis}"));
-    format!("a,b{normal},overlap_m,force_N,tangential_N,overlap_max_m,force_max_N,stored_J,dissipated_J")
+    format!("a,b{normal},overlap_m,closing_m_s,force_N,tangential_N,overlap_max_m,force_max_N,stored_J,dissipated_J")
 }
 
-/// One contact: spheres by their number, flats by their name.
-pub(super) fn contact_row<const D: usize>(row: &mut String, rig: &Rig<D>, touching: &crate::dem::rig::Touching<D>) {
-    let [a, b] = touching.bodies.map(|body| match body {
-        Body::Sphere(i) => (i + 1).to_string(),
-        Body::Flat(k) => rig.flats[k].name.clone(),
-    });
+/// How far an intruder has moved, its velocity, the force of the spheres on the whole of it, and by how much it has turned;
+/// a ball's turning is not followed.
+fn state_of<const D: usize>(intruder: &Intruder, view: &View<'_, D>) -> Vec<f64> {
+    let ball = intruder.members.start;
+    let (moved, velocity, force, angle) = match intruder.cluster {
+        Some(cluster) => {
+            let state = view.cluster(cluster);
+            (state.moved, state.velocity, state.force, Some(state.angle))
+        }
+        None => (view.displacement(ball), view.velocity(ball), view.whole_force(ball), None),
+    };
+    moved.into_iter().chain(velocity).chain(force).chain(angle).collect()
+}
+
+/// One contact, by the labels of its bodies.
+pub(super) fn contact_row<const D: usize>(row: &mut String, labels: &Labels, touching: &Touching<D>) {
+    let [a, b] = touching.bodies.map(|body| labels.of(body));
     let _ = write!(row, "{a},{b}");
     append(row, touching.normal);
     append(
         row,
         [
             touching.overlap,
+            touching.closing_speed,
             touching.force,
             touching.tangential,
             touching.overlap_max,
@@ -228,7 +319,7 @@ pub(super) fn append(row: &mut String, values: impl IntoIterator<Item = f64>) {
 }
 
 /// One file that grows.
-struct Stream {
+pub(super) struct Stream {
     path: PathBuf,
     file: BufWriter<File>,
     length: u64,
@@ -258,7 +349,7 @@ impl Stream {
         }
     }
 
-    fn line(&mut self, text: &str) -> Result<(), TrialError> {
+    pub fn line(&mut self, text: &str) -> Result<(), TrialError> {
         let written = self.file.write_all(text.as_bytes()).and_then(|()| self.file.write_all(b"\n"));
         self.length += text.len() as u64 + 1;
         written.map_err(|error| TrialError::File { path: self.path.clone(), error })

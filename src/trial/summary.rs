@@ -1,13 +1,14 @@
 //! What a run came to.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::tables::threshold_name;
-use super::{Ending, TrialError, series};
+use super::{Ending, TrialError, events, series};
 use crate::dem::rig::{EnergyLedger, Simulation};
-use crate::setup::Bench;
+use crate::setup::{Bench, Intruder};
 
 /// The format of `trial.json`.
 const FORMAT: u32 = 1;
@@ -29,6 +30,9 @@ pub struct Summary {
     pub layers: u32,
     /// Distance of neighbouring sites (m).
     pub diameter_m: f64,
+    /// Seeds of what was drawn by chance, in the order of the rig file; with `--seed` they are not those that it names.
+    #[serde(default)]
+    pub seeds: Vec<u64>,
     /// The step (s).
     pub step_s: f64,
     /// Why this step.
@@ -54,27 +58,33 @@ pub struct Summary {
     /// Greatest speed of any sphere (m/s).
     pub max_speed_m_s: f64,
     /// Flats with what they felt.
-    pub flats: Vec<FlatSummary>,
+    pub flats: Vec<BodySummary>,
+    /// Intruders with what they felt.
+    #[serde(default)]
+    pub intruders: Vec<BodySummary>,
     /// Spheres with a series over time.
     pub recorded: Vec<Recorded>,
+    /// How many events of each kind are in `events.csv`.
+    #[serde(default)]
+    pub events: BTreeMap<String, u64>,
     /// Columns of first arrivals in `spheres-final.csv`.
     pub arrivals: Vec<String>,
     /// What is drawn.
     pub pictures: Vec<String>,
 }
 
-/// A flat in numbers.
+/// A flat or an intruder in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FlatSummary {
+pub struct BodySummary {
     /// Its name.
     pub name: String,
     /// Its mass (kg); none where it is infinite.
     pub mass_kg: Option<f64>,
-    /// Greatest force that pressed on it, of the samples (N).
+    /// Greatest force that pressed on it, of the samples (N); of an intruder the size of the net force.
     pub peak_force_n: f64,
     /// When (s).
     pub peak_time_s: f64,
-    /// Velocity along its normal at the end (m/s).
+    /// Velocity at the end (m/s), of a flat along its normal, of an intruder along the wave.
     pub velocity_m_s: f64,
 }
 
@@ -102,6 +112,7 @@ impl Summary {
             spheres: bench.sites.len(),
             layers: bench.layers,
             diameter_m: bench.diameter,
+            seeds: bench.seeds.clone(),
             step_s: bench.plan.step,
             step_reason: bench.plan.step_reason.clone(),
             window_s: bench.plan.window,
@@ -115,7 +126,9 @@ impl Summary {
             residual: None,
             max_speed_m_s: 0.0,
             flats: Vec::new(),
+            intruders: Vec::new(),
             recorded: bench.record.spheres.iter().map(recorded).collect(),
+            events: BTreeMap::new(),
             arrivals: bench.record.arrivals.iter().map(|&a| format!("arrival_{}_s", threshold_name(a))).collect(),
             pictures: bench.record.pictures.iter().map(|picture| picture.name().to_owned()).collect(),
         }
@@ -140,7 +153,7 @@ impl Summary {
                     peak[2] = state[1];
                 }
             })?;
-            flats.extend(bench.rig.flats.iter().zip(peaks).map(|(flat, [force, time, velocity])| FlatSummary {
+            flats.extend(bench.rig.flats.iter().zip(peaks).map(|(flat, [force, time, velocity])| BodySummary {
                 name: flat.name.clone(),
                 mass_kg: Some(flat.mass).filter(|mass| mass.is_finite()),
                 peak_force_n: force,
@@ -148,18 +161,54 @@ impl Summary {
                 velocity_m_s: velocity,
             }));
         }
+        let mut intruders = Vec::new();
+        if !bench.intruders.is_empty() {
+            let mut peaks = vec![[0.0_f64; 3]; bench.intruders.len()];
+            series::scan(&folder.join("intruders.csv"), |values| {
+                let mut rest = &values[1..];
+                for (peak, intruder) in peaks.iter_mut().zip(&bench.intruders) {
+                    let (state, others) =
+                        rest.split_at((3 * D + usize::from(intruder.cluster.is_some())).min(rest.len()));
+                    rest = others;
+                    let force = state[2 * D..3 * D].iter().map(|f| f * f).sum::<f64>().sqrt();
+                    if force > peak[0] {
+                        (peak[0], peak[1]) = (force, values[0]);
+                    }
+                    peak[2] = state[2 * D - 1];
+                }
+            })?;
+            let of = |(intruder, [force, time, velocity]): (&Intruder, [f64; 3])| BodySummary {
+                name: intruder.name.clone(),
+                mass_kg: Some(intruder.mass),
+                peak_force_n: force,
+                peak_time_s: time,
+                velocity_m_s: velocity,
+            };
+            intruders.extend(bench.intruders.iter().zip(peaks).map(of));
+        }
+        let mut counts: BTreeMap<String, u64> =
+            bench.record.events.iter().map(|event| (event.name().to_owned(), 0)).collect();
+        if !counts.is_empty() {
+            series::lines(&folder.join(events::FILE), |line| {
+                if let Some(count) = line.split(',').nth(1).and_then(|name| counts.get_mut(name)) {
+                    *count += 1;
+                }
+            })?;
+        }
         Ok(Self {
             time_s: simulation.time(),
             steps: simulation.steps(),
             finished: !matches!(ending, Ending::Interrupted { .. }),
             stop: match ending {
-                Ending::Stopped(stop) => Some(stop.to_string()),
+                Ending::Stopped(stop) => Some(stop.words("s", &|body| bench.name_of(body))),
                 _ => None,
             },
             energies: ledger,
             residual: ledger.residual(),
-            max_speed_m_s: simulation.greatest_speed().into_iter().fold(0.0, f64::max),
+            max_speed_m_s: simulation.greatest_speed().into_iter().take(bench.sites.len()).fold(0.0, f64::max),
             flats,
+            intruders,
+            events: counts,
             ..Self::beginning(bench)
         })
     }

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use super::streams::{append, axes, contact_header, contact_row};
 use super::{TrialError, write};
-use crate::dem::rig::{Arrival, Simulation};
-use crate::setup::Bench;
+use crate::dem::rig::{Arrival, Body, Simulation};
+use crate::setup::{Bench, Labels};
 
-/// Writes `spheres-final.csv`, `layers-final.csv`, `contacts-final.csv` and `contacts-ever.csv`.
+/// Writes the tables of spheres, layers and contacts, and that of regions where there are any.
 pub(super) fn write_all<const D: usize>(
     folder: &Path,
     bench: &Bench<D>,
@@ -17,20 +17,24 @@ pub(super) fn write_all<const D: usize>(
     write(&folder.join("spheres-final.csv"), spheres(bench, simulation).as_bytes())?;
     write(&folder.join("layers-final.csv"), layers(bench, simulation).as_bytes())?;
     let mut contacts = contact_header::<D>() + "\n";
+    let labels = bench.labels();
     for touching in simulation.view().contacts() {
-        contact_row(&mut contacts, simulation.rig(), &touching);
+        contact_row(&mut contacts, &labels, &touching);
         contacts.push('\n');
     }
     write(&folder.join("contacts-final.csv"), contacts.as_bytes())?;
-    write(&folder.join("contacts-ever.csv"), contacts_ever(simulation).as_bytes())
+    if !bench.record.regions.is_empty() {
+        write(&folder.join("regions-final.csv"), regions(bench, simulation).as_bytes())?;
+    }
+    write(&folder.join("contacts-ever.csv"), contacts_ever(&labels, simulation).as_bytes())
 }
 
 /// One line per contact of spheres that ever closed: its greatest overlap and force, and what it took.
-fn contacts_ever<const D: usize>(simulation: &Simulation<D>) -> String {
+fn contacts_ever<const D: usize>(labels: &Labels, simulation: &Simulation<D>) -> String {
     let mut text = "sphere_a,sphere_b,max_overlap_m,max_force_N,work_J,stored_J,dissipated_J\n".to_owned();
     for contact in simulation.contacts_ever() {
-        let [a, b] = contact.spheres;
-        let _ = write!(text, "{},{}", a + 1, b + 1);
+        let [a, b] = contact.spheres.map(|i| labels.of(Body::Sphere(i)));
+        let _ = write!(text, "{a},{b}");
         let [work, stored] = [contact.work, contact.stored].map(|energy| contact.weight * energy);
         append(&mut text, [contact.overlap_max, contact.force_max, work, stored, work - stored]);
         text.push('\n');
@@ -87,6 +91,25 @@ fn layers<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> Strin
                 append(&mut text, [came.iter().sum::<f64>() / came.len() as f64]);
             }
         }
+        text.push('\n');
+    }
+    text
+}
+
+/// One line per region: the mean of its spheres' greatest kinetic energies, as the scores of lenses have it, the greatest of
+/// their speeds and forces, and what their simulated parts dissipated.
+fn regions<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> String {
+    let (rig, view) = (simulation.rig(), simulation.view());
+    let [speed, force, dissipated] =
+        [simulation.greatest_speed(), simulation.greatest_force(), simulation.dissipated()];
+    let mut text = "region,spheres,mean_max_kinetic_J,max_speed_m_s,max_force_N,dissipated_J\n".to_owned();
+    for region in &bench.record.regions {
+        let members = &region.spheres;
+        let sum = |value: &dyn Fn(usize) -> f64| members.iter().map(|&i| value(i)).sum::<f64>();
+        let most = |values: &[f64]| members.iter().map(|&i| values[i]).fold(0.0, f64::max);
+        let _ = write!(text, "{},{}", region.name, members.len());
+        let kinetic = sum(&|i| 0.5 * rig.mass[i] * speed[i] * speed[i]) / members.len() as f64;
+        append(&mut text, [kinetic, most(&speed), most(&force), sum(&|i| view.part(i) * dissipated[i])]);
         text.push('\n');
     }
     text

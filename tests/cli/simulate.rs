@@ -61,6 +61,31 @@ fn a_lens_design_is_a_rig_too() {
     assert!(desk.path("lens/x-t.svg").exists());
 }
 
+/// `--seed` reaches patterns by chance, one after the other, and stands in the manifest.
+#[test]
+fn a_seed_reaches_mixes_and_is_recorded() {
+    let desk = Desk::new();
+    let mix = |seed: u32, layers: &str| {
+        format!(
+            "[[pattern]]\nkind = \"mix\"\nmaterials = [\"brass-260\", \"440c\"]\nfractions = [0.5, 0.5]\nseed = {seed}\n\
+             layers = {layers}\n"
+        )
+    };
+    let text = RIG.replace("100 us", "5 us");
+    desk.write("rig.toml", format!("{text}{}{}", mix(7, "[1, 3]"), mix(7, "[4, 6]")));
+    desk.write("twin.toml", format!("{text}{}{}", mix(20, "[1, 3]"), mix(21, "[4, 6]")));
+    let run = |call: &[&str]| desk.run(&[&["simulate"], call, &["--json", "--quiet"]].concat()).ok().json();
+    assert_eq!(run(&["rig.toml", "--out", "a"])["seeds"], serde_json::json!([7, 7]));
+    assert_eq!(run(&["rig.toml", "--out", "b", "--seed", "20"])["seeds"], serde_json::json!([20, 21]));
+    assert_eq!(run(&["twin.toml", "--out", "c"])["seeds"], serde_json::json!([20, 21]));
+    let spheres = |folder: &str| desk.read(&format!("{folder}/spheres-final.csv"));
+    assert!(spheres("b") == spheres("c") && spheres("a") != spheres("b"));
+    // Where nothing is drawn by chance a seed is not passed over in silence.
+    desk.write("plain.toml", text);
+    let ran = desk.run(&["simulate", "plain.toml", "--seed", "5"]).ok();
+    assert!(ran.stderr.contains("nothing in this file is drawn by chance"), "{}", ran.stderr);
+}
+
 #[test]
 fn what_cannot_be_run_is_refused() {
     let desk = Desk::new();

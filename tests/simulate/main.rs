@@ -3,8 +3,12 @@
 //! - `rigs`: the experiments in `designs/`, run and compared with closed forms and published statements
 //! - `resume`: runs that are killed, interrupted and taken up; checkpoints that cannot be used; guards
 //! - `sections`: what each section of a file does, by what moves
+//! - `records`: events, regions, sampled maxima and losses
+//! - `intruders`: bodies that strike, layouts as patterns, springs and dashpots
 //! - `refusals`: what a wrong rig file hears
 
+mod intruders;
+mod records;
 mod refusals;
 mod resume;
 mod rigs;

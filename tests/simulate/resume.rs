@@ -34,9 +34,13 @@ spring = "mindlin"
 window = "120 us"
 [record]
 every = "1 us"
-quantities = ["position", "displacement", "velocity", "spin", "force"]
+quantities = ["position", "displacement", "velocity", "spin", "force", "maxima", "dissipated"]
 contacts = true
+events = ["closes", "opens", "yields", "arrives", "force-peak", "speed-peak"]
 arrivals = ["1 %", "1 % of first", "0.5 m/s", "20 um"]
+[[region]]
+name = "end"
+layers = [7, 8]
 "#;
 
 fn bench() -> Bench<2> {
@@ -170,7 +174,7 @@ fn a_damaged_checkpoint_is_refused_with_the_reason() {
     }
     std::fs::write(&path, &bytes[..bytes.len() - 7]).unwrap();
     assert!(refused(&bench, folder.path(), true).to_string().contains("damaged"));
-    let later = String::from_utf8_lossy(&bytes[..28]).replace('1', "2").into_bytes();
+    let later = String::from_utf8_lossy(&bytes[..28]).replace('2', "3").into_bytes();
     std::fs::write(&path, [&later, &bytes[28..]].concat()).unwrap();
     assert!(refused(&bench, folder.path(), true).to_string().contains("another version"));
     std::fs::write(&path, "what is this?").unwrap();
@@ -188,6 +192,24 @@ fn another_rig_does_not_go_on_with_a_run() {
     let other = sheet(&format!("{HEAD}{}", RIG.replace("10 m/s", "11 m/s")));
     let error = refused(&other, folder.path(), true);
     assert!(error.to_string().contains("changed"), "{error}");
+}
+
+/// Another seed is another rig; it is told apart before anything else.
+#[test]
+fn another_seed_does_not_go_on_with_a_run() {
+    let (bench, folder) = half_way();
+    assert_eq!(bench.seeds, [3]);
+    let file = tempfile::tempdir().unwrap();
+    let path = file.path().join("rig.toml");
+    std::fs::write(&path, format!("{HEAD}{RIG}")).unwrap();
+    let Ok(Setup::Two(other)) = Setup::read_seeded(&path, Some(4)) else { panic!() };
+    assert_eq!(other.seeds, [4]);
+    assert_ne!(bench.rig.sample, other.rig.sample);
+    let error = refused(&other, folder.path(), true).to_string();
+    assert!(error.contains("other seeds (3); give the same --seed"), "{error}");
+    // The file's own seed, given from outside, is the file's rig.
+    let Ok(Setup::Two(same)) = Setup::read_seeded(&path, Some(3)) else { panic!() };
+    assert_eq!(same.rig.sample, bench.rig.sample);
 }
 
 #[test]
@@ -224,6 +246,8 @@ fn a_guard_keeps_what_was_computed() {
     };
     let words = stopped("velocity = \"10 m/s\"", "velocity = \"1000 m/s\"");
     assert!(words.contains("overlap by"), "{words}");
+    // Bodies are called what the file's author calls them.
+    assert!(words.starts_with("flat bar and sphere ") && words.contains("(layer 1, column "), "{words}");
     let words = stopped("window = \"120 us\"", "window = \"120 us\"\nleave = \"0.05 D\"");
     assert!(words.contains("leaves the domain"), "{words}");
     // Stable at rest, not under load.

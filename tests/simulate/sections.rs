@@ -45,6 +45,32 @@ fn pulses_have_their_impulse() {
     }
 }
 
+/// A displacement from a table is followed point by point and between them, to the rounding of some thousand steps; then the body is free and
+/// keeps its velocity.
+#[test]
+fn a_prescribed_displacement_is_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let points = [(0.0, 0.0), (10e-6, 20e-6), (20e-6, 20e-6), (30e-6, 5e-6)];
+    let lines: String = points.iter().map(|(t, u)| format!("{t},{u}\n")).collect();
+    std::fs::write(folder.path().join("path.csv"), format!("time_s,displacement_m\n{lines}")).unwrap();
+    let text = format!(
+        "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"10 mm\"\nlayers = 1\nmaterial = \"440c\"\n\
+         [[load]]\nkind = \"displacement\"\nlayers = 1\npulse = \"table\"\nfile = \"path.csv\"\n\
+         [run]\nwindow = \"40 us\"\nstep = \"0.03 us\"\n[record]\nevery = \"0.3 us\"\n"
+    );
+    let Ok(Setup::One(bench)) = Setup::parse(folder.path().join("rig.toml"), &text) else { panic!() };
+    let series = Ran::of(&bench).series("spheres.csv");
+    let (time, moved) = (series.column("time_s"), series.column("uz_m"));
+    assert!(time.len() > 100);
+    for (t, u) in time.iter().zip(moved) {
+        let expected = match points.windows(2).find(|p| (p[0].0..=p[1].0).contains(t)) {
+            Some(p) => p[0].1 + (p[1].1 - p[0].1) * (t - p[0].0) / (p[1].0 - p[0].0),
+            None => 5e-6 - 1.5 * (t - 30e-6),
+        };
+        assert!((u - expected).abs() < 1e-15, "{t}: {u} {expected}");
+    }
+}
+
 /// A wall is a mirror: a sphere that runs into a wall feels what two equal spheres feel that meet at twice its speed.
 #[test]
 fn a_wall_is_an_equal_sphere() {
@@ -171,6 +197,32 @@ fn flats_fall_and_bars_brake() {
     let (time, velocity) = last(&text("velocity = \"3 m/s\"\n[[bar]]\nflat = \"ram\"\nimpedance = \"4000 kg/s\"\n"));
     // h Z/m = 2e-3 a step, of second order: (2e-3)²/12 over 1000 steps of it.
     assert!((velocity / (3.0 * (-4000.0 * time / 2.0).exp()) - 1.0).abs() < 1e-6, "{velocity}");
+}
+
+/// Loads on flats: a force from a table gives the flat its impulse (here 1 kN rising and falling over 20 us: 10 mN s on 2 kg), a
+/// velocity pulse its velocity while it lasts and nothing after it.
+#[test]
+fn loads_act_on_flats() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("force.csv"), "time_s,force_N\n0,0\n1e-5,1000\n2e-5,0\n").unwrap();
+    let velocity = |load: &str| {
+        let text = format!(
+            "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"10 mm\"\nlayers = 1\nmaterial = \"440c\"\n\
+             [[flat]]\nname = \"ram\"\npoint = [\"-1 m\"]\nnormal = [1.0]\nmass = \"2 kg\"\n[[load]]\nflat = \"ram\"\n{load}\n\
+             [run]\nwindow = \"40 us\"\nstep = \"0.1 us\"\n[record]\nevery = \"1 us\"\n"
+        );
+        let Ok(Setup::One(bench)) = Setup::parse(folder.path().join("rig.toml"), &text) else { panic!() };
+        let series = Ran::of(&bench).series("flats.csv");
+        (series.column("time_s").to_vec(), series.column("ram_velocity_m_s").to_vec())
+    };
+    let (_, pushed) = velocity("kind = \"force\"\npulse = \"table\"\nfile = \"force.csv\"");
+    assert!((pushed.last().unwrap() / (0.01 / 2.0) - 1.0).abs() < 1e-9, "{:?}", pushed.last());
+    let (time, led) = velocity("kind = \"velocity\"\npulse = \"half-sine\"\npeak = \"3 m/s\"\nduration = \"20 us\"");
+    for (t, v) in time.iter().zip(led) {
+        // At the end the flat is free with the velocity that it has: none.
+        let expected = if *t < 20e-6 { 3.0 * (std::f64::consts::PI * t / 20e-6).sin() } else { 0.0 };
+        assert!((v - expected).abs() < 1e-8, "{t}: {v} {expected}");
+    }
 }
 
 /// Friction needs a spin: two spheres that graze turn.

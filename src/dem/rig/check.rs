@@ -1,13 +1,14 @@
 //! What can be wrong with a rig before it is set in motion.
 
+use std::fmt;
+
 use super::pairs::Finder;
 use super::{Body, LoadKind, Rig};
 
 /// A rig that cannot be set in motion.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum RigError {
     /// Two bodies overlap before anything happens, and the rig is not said to be squeezed.
-    #[error("{} and {} overlap by {overlap:.3e} m before the impact", .bodies[0], .bodies[1])]
     Overlap {
         /// The two.
         bodies: [Body; 2],
@@ -15,7 +16,6 @@ pub enum RigError {
         overlap: f64,
     },
     /// A period within which a sphere would meet two images of another.
-    #[error("a period of {period:.3e} m is too short; these spheres need {least:.3e} m")]
     Period {
         /// The period (m).
         period: f64,
@@ -23,10 +23,8 @@ pub enum RigError {
         least: f64,
     },
     /// An array of the rig has not one entry per sphere.
-    #[error("{0} has not one entry per sphere")]
     Shape(&'static str),
     /// A number of the rig is not finite, or not positive where it must be.
-    #[error("{what} of {body} is {value}, which cannot be simulated")]
     Value {
         /// What it is.
         what: &'static str,
@@ -36,7 +34,6 @@ pub enum RigError {
         value: f64,
     },
     /// A load or bar names a body that is not there.
-    #[error("a load or bar acts on {body}, and there are only {count}")]
     Missing {
         /// The body.
         body: Body,
@@ -44,7 +41,6 @@ pub enum RigError {
         count: usize,
     },
     /// The step is not positive, or too large for the contacts present at the start.
-    #[error("a step of {step:.3e} s cannot be used; it must be positive and below {limit:.3e} s")]
     Step {
         /// The step (s).
         step: f64,
@@ -52,14 +48,50 @@ pub enum RigError {
         limit: f64,
     },
     /// A member of a cluster that does not exist, belongs to two, is held, moved or loaded by itself; or a cluster that makes no sense.
-    #[error("cluster {0} cannot be simulated: {1}")]
     Cluster(usize, &'static str),
     /// Friction in space between mirrors, on which spheres could spin about one axis only.
-    #[error("friction in space does not go with mirrors; simulate the whole crystal")]
     MirroredFriction,
     /// A body is fixed to a bar and has its velocity prescribed.
-    #[error("{0} is fixed to a bar, so that its velocity cannot be prescribed")]
     Bound(Body),
+}
+
+impl std::error::Error for RigError {}
+
+impl fmt::Display for RigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.words(&|body| body.to_string()))
+    }
+}
+
+impl RigError {
+    /// In words, with bodies as `name` calls them.
+    pub fn words(&self, name: &dyn Fn(Body) -> String) -> String {
+        match self {
+            Self::Overlap { bodies: [a, b], overlap } => {
+                format!("{} and {} overlap by {overlap:.3e} m before the impact", name(*a), name(*b))
+            }
+            Self::Period { period, least } => {
+                format!("a period of {period:.3e} m is too short; these spheres need {least:.3e} m")
+            }
+            Self::Shape(what) => format!("{what} has not one entry per sphere"),
+            Self::Value { what, body, value } => {
+                format!("{what} of {} is {value}, which cannot be simulated", name(*body))
+            }
+            Self::Missing { body, count } => {
+                format!("a load or bar acts on {}, and there are only {count}", name(*body))
+            }
+            Self::Step { step, limit } => {
+                format!("a step of {step:.3e} s cannot be used; it must be positive and below {limit:.3e} s")
+            }
+            Self::Cluster(which, why) => format!("cluster {which} cannot be simulated: {why}"),
+            Self::MirroredFriction => {
+                "friction in space does not go with mirrors; simulate the whole crystal".to_owned()
+            }
+            Self::Bound(body) => {
+                format!("{} is fixed to a bar, so that its velocity cannot be prescribed", name(*body))
+            }
+        }
+    }
 }
 
 /// What can be wrong with a rig by itself.

@@ -34,6 +34,9 @@ pub enum Curve {
     },
     /// Linear between points (time, value); times increase.
     Table(Table),
+    /// The rate at which a quantity changes that is linear between points: constant from each to the next. For displacements
+    /// that are prescribed, as their velocity.
+    Path(Table),
 }
 
 /// Points of a curve that is linear between them.
@@ -65,6 +68,20 @@ impl Curve {
     /// # Errors
     /// See [`CurveError`]; points are counted from 1.
     pub fn table(points: &[(f64, f64)]) -> Result<Self, CurveError> {
+        Table::new(points).map(Self::Table)
+    }
+
+    /// The rate of change of what lies on lines through points (time in s, value).
+    ///
+    /// # Errors
+    /// See [`CurveError`]; points are counted from 1.
+    pub fn path(points: &[(f64, f64)]) -> Result<Self, CurveError> {
+        Table::new(points).map(Self::Path)
+    }
+}
+
+impl Table {
+    fn new(points: &[(f64, f64)]) -> Result<Self, CurveError> {
         if points.len() < 2 {
             return Err(CurveError::Short(points.len()));
         }
@@ -79,14 +96,28 @@ impl Curve {
             integrals.push(integrals[integrals.len() - 1] + 0.5 * (w[1].0 - w[0].0) * (w[0].1 + w[1].1));
         }
         let (times, values) = points.iter().copied().unzip();
-        Ok(Self::Table(Table { times, values, integrals }))
+        Ok(Self { times, values, integrals })
     }
 
+    /// Slope from the k-th point to the next.
+    fn slope(&self, k: usize) -> f64 {
+        (self.values[k + 1] - self.values[k]) / (self.times[k + 1] - self.times[k])
+    }
+
+    /// The points between which a time lies, as the index of the first; none before the first and from the last on.
+    fn segment(&self, time: f64) -> Option<usize> {
+        let after = self.times.partition_point(|&t| t <= time);
+        (after > 0 && after < self.times.len()).then(|| after - 1)
+    }
+}
+
+impl Curve {
     /// Its greatest value, without the sign.
     pub fn peak(&self) -> f64 {
         match self {
             Self::Square { peak, .. } | Self::HalfSine { peak, .. } | Self::Triangle { peak, .. } => peak.abs(),
             Self::Table(table) => table.values.iter().fold(0.0, |most, value| value.abs().max(most)),
+            Self::Path(table) => (1..table.times.len()).fold(0.0, |most, k| table.slope(k - 1).abs().max(most)),
         }
     }
 
@@ -96,7 +127,7 @@ impl Curve {
             Self::Square { start, duration, .. }
             | Self::HalfSine { start, duration, .. }
             | Self::Triangle { start, duration, .. } => start + duration,
-            Self::Table(table) => table.times[table.times.len() - 1],
+            Self::Table(table) | Self::Path(table) => table.times[table.times.len() - 1],
         }
     }
 
@@ -115,6 +146,7 @@ impl Curve {
                 let x = share(*start, *duration);
                 if (0.0..=1.0).contains(&x) { peak * (PI * x).sin() } else { 0.0 }
             }
+            Self::Path(table) => table.segment(time).map_or(0.0, |k| table.slope(k)),
             Self::Triangle { peak, start, duration } => {
                 peak * (1.0 - (2.0 * share(*start, *duration) - 1.0).abs()).max(0.0)
             }
@@ -143,6 +175,14 @@ impl Curve {
     pub fn integral(&self, time: f64) -> f64 {
         let share = |start: f64, duration: f64| ((time - start) / duration).clamp(0.0, 1.0);
         match self {
+            Self::Path(table) => {
+                let (first, last) = (table.values[0], table.values[table.values.len() - 1]);
+                match table.segment(time) {
+                    Some(k) => table.values[k] + table.slope(k) * (time - table.times[k]) - first,
+                    None if time < table.times[0] => 0.0,
+                    None => last - first,
+                }
+            }
             Self::Square { peak, start, duration } => peak * duration * share(*start, *duration),
             Self::HalfSine { peak, start, duration } => {
                 let half = (0.5 * PI * share(*start, *duration)).sin();
@@ -204,6 +244,18 @@ mod tests {
             let parts: f64 = (0..700).map(|k| curve.mean(f64::from(k) * 0.01, f64::from(k + 1) * 0.01) * 0.01).sum();
             assert!((parts - curve.integral(7.0)).abs() < 1e-12);
         }
+    }
+
+    /// A path is followed exactly: its integral is what the points say, its value the slope between them.
+    #[test]
+    fn a_path_has_its_slopes() {
+        let path = Curve::path(&[(1.0, 0.5), (1.5, 3.0), (2.5, -1.0), (3.0, 0.25)]).unwrap();
+        let at = [0.0, 1.0, 1.25, 1.5, 2.0, 2.5, 2.75, 3.0, 4.0].map(|t| (path.value(t), path.integral(t)));
+        let slopes = [0.0, 5.0, 5.0, -4.0, -4.0, 2.5, 2.5, 0.0, 0.0];
+        let places = [0.0, 0.0, 1.25, 2.5, 0.5, -1.5, -0.875, -0.25, -0.25];
+        assert_eq!(at.map(|(slope, _)| slope), slopes);
+        assert_eq!(at.map(|(_, place)| place), places);
+        assert_eq!((path.peak(), path.end()), (5.0, 3.0));
     }
 
     #[test]

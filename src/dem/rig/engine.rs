@@ -69,7 +69,10 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
         let Account { overlap, force, work, slid, wound, .. } = contacts.account[c];
         let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
         let [overlap_max, force_max] = L::greatest(&contacts.memory[c]).unwrap_or([overlap, force]);
+        let closing_speed = contacts.closing_speed(&self.bodies, c, &normal);
         Some(Touching {
+            closing_speed,
+            yields: contacts.normal_law(c).yields(overlap, closing_speed, &contacts.memory[c]),
             bodies: contacts.bodies(c),
             normal,
             overlap,

@@ -17,6 +17,13 @@ pub enum Arrival {
     Displacement(f64),
 }
 
+impl Arrival {
+    /// Whether it is known at once that a sphere is reached, without waiting for a greatest speed.
+    pub fn is_absolute(self) -> bool {
+        matches!(self, Self::Speed(_) | Self::Displacement(_))
+    }
+}
+
 /// Greatest speeds and forces over accepted steps, and first arrivals.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Felt {
@@ -30,6 +37,15 @@ pub(super) struct Felt {
     pub moved: Vec<Vec<f64>>,
     /// Squared displacement one accepted step before (m²).
     pub moved_before: Vec<f64>,
+}
+
+/// Square of the net contact force (N²) on the simulated part of a sphere.
+pub(super) fn net_force_squared<const D: usize>(i: usize, bodies: &Bodies<D>, sums: &Sums<D>) -> f64 {
+    // Across a mirror that a sphere lies on its other half pushes back.
+    let mirrored = bodies.weight[i] < 1.0;
+    let felt = |k: usize| if mirrored && bodies.inverse_mass[i][k] == 0.0 { 0.0 } else { sums.force[i][k] };
+    let force: [f64; D] = std::array::from_fn(felt);
+    dot(&force, &force)
 }
 
 impl Felt {
@@ -67,11 +83,7 @@ impl Felt {
             let speed = speed_squared.sqrt();
             let floor = (own * speed).min(of_first * first).min(fixed);
             self.rises[i].push(time, speed, is_maximum, floor);
-            // Across a mirror that a sphere lies on its other half pushes back.
-            let mirrored = bodies.weight[i] < 1.0;
-            let felt = |k: usize| if mirrored && bodies.inverse_mass[i][k] == 0.0 { 0.0 } else { sums.force[i][k] };
-            let force: [f64; D] = std::array::from_fn(felt);
-            self.force_squared[i] = dot(&force, &force).max(self.force_squared[i]);
+            self.force_squared[i] = net_force_squared(i, bodies, sums).max(self.force_squared[i]);
         }
         if self.moved_before.is_empty() {
             return;

@@ -69,33 +69,38 @@ impl std::error::Error for RigStop {}
 
 impl fmt::Display for RigStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.words("s"))
+        f.write_str(&self.words("s", &|body| body.to_string()))
     }
 }
 
 impl RigStop {
-    /// In words, with times in a unit of this name.
-    pub fn words(&self, unit: &str) -> String {
+    /// In words, with times in a unit of this name and bodies as `name` calls them.
+    pub fn words(&self, unit: &str, name: &dyn Fn(Body) -> String) -> String {
+        let both = |[a, b]: &[Body; 2]| format!("{} and {}", name(*a), name(*b));
         match self {
             Self::Interrupted { time } => format!("interrupted at {time:.4e} {unit}"),
             Self::NotFinite { body, time } => {
+                let body = name(*body);
                 format!("the velocity of {body} is not finite at {time:.4e} {unit}; try a smaller step")
             }
-            Self::Overlap { bodies: [a, b], ratio, limit, time } => format!(
-                "{a} and {b} overlap by {:.1} % of their radii at {time:.4e} {unit}, beyond the contact law's range of {:.1} %; \
+            Self::Overlap { bodies, ratio, limit, time } => format!(
+                "{} overlap by {:.1} % of their radii at {time:.4e} {unit}, beyond the contact law's range of {:.1} %; \
                  the impact is too strong for these spheres",
+                both(bodies),
                 100.0 * ratio,
                 100.0 * limit
             ),
-            Self::Step { step, limit, stiffness, bodies: [a, b], time } => format!(
-                "a step of {step:.3e} {unit} is unstable with the contact of {a} and {b} ({stiffness:.3e} N/m) at {time:.4e} \
-                 {unit}; it must stay below {limit:.3e} {unit}"
+            Self::Step { step, limit, stiffness, bodies, time } => format!(
+                "a step of {step:.3e} {unit} is unstable with the contact of {} ({stiffness:.3e} N/m) at {time:.4e} {unit}; it \
+                 must stay below {limit:.3e} {unit}",
+                both(bodies)
             ),
             Self::Residual { residual, limit, time } => format!(
                 "the energy ledger does not close at {time:.4e} {unit}: residual {residual:.2e} of what was put in, above \
                  {limit:.0e}; try half the step"
             ),
             Self::Escaped { body, time } => {
+                let body = name(*body);
                 format!("{body} leaves the domain at {time:.4e} {unit}; widen the domain or hold it")
             }
         }

@@ -37,6 +37,25 @@ pub enum Law {
     Named(LawKind),
     /// Force over overlap from a table.
     Tabulated(Arc<Tabulated>),
+    /// A linear spring and a dashpot.
+    SpringDashpot(SpringDashpot),
+}
+
+/// F = k δ + γ m̄ v of any two spheres: the dashpot is given per reduced mass (Kondic et al. 2012).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringDashpot {
+    /// k (N/m)
+    pub stiffness: f64,
+    /// γ (1/s)
+    pub rate: f64,
+    /// Whether the force is cut at zero, so that contacts never pull.
+    pub cut: bool,
+}
+
+impl SpringDashpot {
+    fn of(self, reduced: f64) -> Dashpot {
+        Dashpot { stiffness: self.stiffness, damping: self.rate * reduced, cut: self.cut }
+    }
 }
 
 /// Friction at a contact: F_t = −k_t ξ − γ_t m̄ v_t, at most μ |F_n|, with ξ the tangential spring (Cundall and Strack 1979;
@@ -63,6 +82,16 @@ pub enum Spring {
 }
 
 impl LawBook {
+    /// Whether a dashpot acts at any contact: its force begins and ends with a jump, which the trapezoids of the energy ledger
+    /// resolve to some percent of what it takes.
+    pub fn has_dashpots(&self) -> bool {
+        let viscous = |law: &Law| matches!(law, Law::SpringDashpot(law) if law.rate > 0.0);
+        match self {
+            Self::Materials { law, pairs, .. } => viscous(law) || pairs.iter().any(|(_, law)| viscous(law)),
+            Self::Dashpot { .. } => true,
+        }
+    }
+
     /// Whether any contact has friction, so that spheres turn.
     pub fn has_friction(&self) -> bool {
         match self {
@@ -87,6 +116,8 @@ pub(super) trait Bonding: Clone + Send + Sync + 'static {
     fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &Self::Memory) -> (f64, Self::Memory);
     /// Energy (J) that the contact would give back.
     fn stored(&self, overlap: f64, memory: &Self::Memory) -> f64;
+    /// Whether the contact is yielding, with the memory after the step.
+    fn yields(&self, overlap: f64, closing_speed: f64, memory: &Self::Memory) -> bool;
     /// Greatest overlap (m) and force (N) so far, where they are remembered.
     fn greatest(memory: &Self::Memory) -> Option<[f64; 2]>;
     /// The greatest stiffness (N/m) after having carried `force_max` (N).
@@ -99,27 +130,36 @@ pub(super) trait Bonding: Clone + Send + Sync + 'static {
     fn from_numbers(numbers: &[f64]) -> Self::Memory;
 }
 
-/// A named or tabulated law.
+/// A law of [`Law`], for two given spheres.
 #[derive(Clone, Debug)]
 pub(super) enum Solid {
     Named(AnyLaw),
     Tabulated(Arc<Tabulated>),
+    SpringDashpot(SpringDashpot),
 }
 
 impl Bonding for Solid {
     type Memory = History;
     const NUMBERS: usize = 3;
 
-    fn respond(&self, overlap: f64, closing_speed: f64, _: f64, memory: &History) -> (f64, History) {
+    fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &History) -> (f64, History) {
         match self {
+            Self::SpringDashpot(law) => law.of(reduced).respond(overlap, closing_speed, memory),
             Self::Named(law) => law.respond(overlap, closing_speed, memory),
             Self::Tabulated(law) => law.respond(overlap, closing_speed, memory),
         }
     }
     fn stored(&self, overlap: f64, memory: &History) -> f64 {
         match self {
+            Self::SpringDashpot(law) => law.of(0.0).stored(overlap, memory),
             Self::Named(law) => law.stored(overlap, memory),
             Self::Tabulated(law) => law.stored(overlap, memory),
+        }
+    }
+    fn yields(&self, overlap: f64, closing_speed: f64, memory: &History) -> bool {
+        match self {
+            Self::Named(law) => law.yields(overlap, closing_speed, memory),
+            Self::Tabulated(_) | Self::SpringDashpot(_) => false,
         }
     }
     fn greatest(memory: &History) -> Option<[f64; 2]> {
@@ -127,13 +167,14 @@ impl Bonding for Solid {
     }
     fn stiffness_max(&self, force_max: f64) -> f64 {
         match self {
+            Self::SpringDashpot(law) => law.stiffness,
             Self::Named(law) => law.stiffness_max(force_max),
             Self::Tabulated(law) => law.stiffness_max(force_max),
         }
     }
     fn range(&self) -> f64 {
         match self {
-            Self::Named(_) => f64::INFINITY,
+            Self::Named(_) | Self::SpringDashpot(_) => f64::INFINITY,
             Self::Tabulated(law) => law.range(),
         }
     }
@@ -145,26 +186,20 @@ impl Bonding for Solid {
     }
 }
 
-/// Spring and dashpot of any two grains: the dashpot is given per reduced mass.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Viscous {
-    stiffness: f64,
-    /// γ (1/s)
-    rate: f64,
-    cut: bool,
-}
-
-impl Bonding for Viscous {
+/// Without memory, for beds.
+impl Bonding for SpringDashpot {
     type Memory = ();
     const NUMBERS: usize = 0;
 
     #[inline(always)]
     fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, (): &()) -> (f64, ()) {
-        let law = Dashpot { stiffness: self.stiffness, damping: self.rate * reduced, cut: self.cut };
-        (law.force(overlap, closing_speed, &History::new()), ())
+        (self.of(reduced).force(overlap, closing_speed, &History::new()), ())
     }
     fn stored(&self, overlap: f64, (): &()) -> f64 {
         0.5 * self.stiffness * overlap * overlap
+    }
+    fn yields(&self, _: f64, _: f64, (): &()) -> bool {
+        false
     }
     fn greatest((): &()) -> Option<[f64; 2]> {
         None
@@ -246,6 +281,7 @@ impl Binder<Solid> for ByMaterial {
         let normal = match self.pairs.iter().find(named).map_or(&self.law, |(_, law)| law) {
             Law::Named(kind) => Solid::Named(AnyLaw::new(*kind, &pair)),
             Law::Tabulated(table) => Solid::Tabulated(Arc::clone(table)),
+            Law::SpringDashpot(law) => Solid::SpringDashpot(*law),
         };
         let slip = self.friction.map_or(Slip::default(), |friction| {
             let compliance = |m: &Material| 2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.youngs_modulus;
@@ -263,12 +299,12 @@ pub(super) struct ByDashpot {
     pub cut: bool,
 }
 
-impl Binder<Viscous> for ByDashpot {
+impl Binder<SpringDashpot> for ByDashpot {
     const BY_SIZE: bool = false;
 
-    fn bond(&self, ends: [End; 2]) -> Bond<Viscous> {
+    fn bond(&self, ends: [End; 2]) -> Bond<SpringDashpot> {
         let (rate, friction) = self.materials[ends[0].material.max(ends[1].material)];
-        let normal = Viscous { stiffness: self.stiffness, rate, cut: self.cut };
+        let normal = SpringDashpot { stiffness: self.stiffness, rate, cut: self.cut };
         Bond { normal, slip: friction.map_or(Slip::default(), |friction| friction.slip(0.0)) }
     }
 }

@@ -43,7 +43,7 @@ pub use felt::Arrival;
 pub use flat::{Face, Flat};
 pub use guard::RigStop;
 pub use impact::simulate_as_rig;
-pub use law::{Friction, Law, LawBook, Spring};
+pub use law::{Friction, Law, LawBook, Spring, SpringDashpot};
 pub use ledger::EnergyLedger;
 pub use simulation::Simulation;
 pub use view::{FlatState, Touching, View};

@@ -2,6 +2,7 @@
 
 use super::cluster::ClusterState;
 use super::engine::Engine;
+use super::felt::net_force_squared;
 use super::{Body, Rig};
 
 /// State of a flat.
@@ -26,6 +27,10 @@ pub struct Touching<const D: usize> {
     pub overlap: f64,
     /// Normal force (N).
     pub force: f64,
+    /// How fast the overlap grows (m/s).
+    pub closing_speed: f64,
+    /// Whether it is yielding: loaded as never before, beyond the onset of yield of its law.
+    pub yields: bool,
     /// Force of the tangential spring (N).
     pub tangential: f64,
     /// Greatest overlap (m) and force (N) so far, where the law remembers them; else the present ones.
@@ -74,6 +79,18 @@ impl<const D: usize> View<'_, D> {
     /// Net force of contacts on the simulated part of a sphere (N).
     pub fn net_force(&self, sphere: usize) -> [f64; D] {
         self.engine.sums().force[sphere]
+    }
+    /// Size of the net contact force (N) on the simulated part of a sphere; across a mirror that it lies on its other half
+    /// pushes back.
+    pub fn net_force_size(&self, sphere: usize) -> f64 {
+        net_force_squared(sphere, self.engine.bodies(), self.engine.sums()).sqrt()
+    }
+    /// Net force of contacts on the whole of a sphere (N), also where only a part of it is simulated.
+    pub fn whole_force(&self, sphere: usize) -> [f64; D] {
+        let (bodies, force) = (self.engine.bodies(), self.net_force(sphere));
+        let weight = bodies.weight[sphere];
+        let balanced = |k: usize| weight < 1.0 && bodies.inverse_mass[sphere][k] == 0.0;
+        std::array::from_fn(|k| if balanced(k) { 0.0 } else { force[k] / weight })
     }
     /// State of a flat.
     pub fn flat(&self, flat: usize) -> FlatState<D> {

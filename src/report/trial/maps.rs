@@ -18,22 +18,21 @@ pub fn x_t(title: &str, times: &[f64], layers: &[Vec<f64>]) -> String {
     let [left, top, right, bottom] = MARGIN;
     let mut svg = Svg::new(left + ROOM[0] + right, top + ROOM[1] + bottom, title);
     svg.text([left, 22.0], 14.0, Anchor::Start, r#"font-weight="bold""#, title);
-    let greatest = layers.iter().flatten().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let scale = Scale::linear(greatest);
+    let known = || layers.iter().flatten().copied().filter(|v| v.is_finite());
+    let scale = Scale::diverging(known().fold(0.0, f64::min), known().fold(0.0, f64::max));
     let end = times.last().copied().filter(|&t| t > 0.0).unwrap_or(1.0);
     let [columns, rows] = [times.len().min(CELLS[0]).max(1), layers.len().min(CELLS[1]).max(1)];
     let mut shapes = vec![Shapes::default(); LEVELS];
     let [width, height] = [ROOM[0] / columns as f64, ROOM[1] / rows as f64];
-    let mut negative = false;
     for row in 0..rows {
         let within = row * layers.len() / rows..((row + 1) * layers.len() / rows).max(row * layers.len() / rows + 1);
         for column in 0..columns {
             // Samples are equally far apart, up to the last.
             let at = (column as f64 + 0.5) / columns as f64 * end;
             let k = times.partition_point(|&t| t < at).min(times.len().saturating_sub(1));
-            // The fastest of the layers of a cell: a thin front must not vanish.
-            let value = layers[within.clone()].iter().map(|layer| layer[k]).fold(f64::NEG_INFINITY, f64::max);
-            negative |= value < -0.01 * greatest;
+            // The fastest of the layers of a cell, either way: a thin front must not vanish.
+            let faster = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+            let value = layers[within.clone()].iter().map(|layer| layer[k]).fold(0.0, faster);
             let [w, h] = [width, height];
             let corner = [left + column as f64 * width, top + row as f64 * height];
             shapes[scale.level(value)].closed(corner, &[[w, 0.0], [0.0, h], [-w, 0.0]]);
@@ -41,7 +40,7 @@ pub fn x_t(title: &str, times: &[f64], layers: &[Vec<f64>]) -> String {
     }
     for (k, shapes) in shapes.iter().enumerate() {
         // Crisp edges leave no seams between cells.
-        svg.path(shapes.data(), &format!(r#"fill="{}" shape-rendering="crispEdges""#, level(k)));
+        svg.path(shapes.data(), &format!(r#"fill="{}" shape-rendering="crispEdges""#, scale.colour(k)));
     }
     for tick in ticks(0.0, end * 1e6, 8) {
         let at = left + tick / (end * 1e6) * ROOM[0];
@@ -55,10 +54,10 @@ pub fn x_t(title: &str, times: &[f64], layers: &[Vec<f64>]) -> String {
         svg.text([left - 9.0, at + 4.0], 11.0, Anchor::End, "", &layer.to_string());
     }
     svg.rectangle([left, top], ROOM, r##"fill="none" stroke="#555""##);
-    svg.text([left + ROOM[0] / 2.0, top + ROOM[1] + 40.0], 12.0, Anchor::Middle, "", "time [µs]");
+    svg.text([left + ROOM[0] / 2.0, top + ROOM[1] + 40.0], 12.0, Anchor::Middle, "", "time (µs)");
     svg.text_upwards([18.0, top + ROOM[1] / 2.0], 12.0, "", "layer, counted along the wave");
-    let words = "mean velocity along the wave [m/s]";
-    scale.bar(&mut svg, [left + ROOM[0] + 18.0, top], ROOM[1], words, 1.0, [false, negative]);
+    let words = "mean velocity along the wave (m/s); blue: back";
+    scale.bar(&mut svg, [left + ROOM[0] + 18.0, top], ROOM[1], words, 1.0, [false; 2]);
     svg.finish()
 }
 
@@ -154,7 +153,7 @@ pub fn arrivals(title: &str, threshold: &str, times: &Times, spheres: &[Sphere])
         }
     }
     let height = room[1].clamp(140.0, 400.0);
-    colours.bar(&mut svg, [left + room[0] + 6.0, top], height, "arrival time [µs]", 1e-6, [late, false]);
+    colours.bar(&mut svg, [left + room[0] + 6.0, top], height, "arrival time (µs)", 1e-6, [late, false]);
     svg.finish()
 }
 

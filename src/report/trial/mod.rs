@@ -75,9 +75,12 @@ pub fn draw_trial(folder: &Path) -> Result<Vec<String>, TrialReportError> {
                     pictures.push(("velocities.svg".to_owned(), velocities(&summary, &record).svg()));
                 }
             }
-            "flats" if folder.join("flats.csv").exists() => {
-                let record = Series::read(&folder.join("flats.csv"), POINTS)?;
-                pictures.push(("flats.svg".to_owned(), flats(&summary, &record).svg()));
+            "flats" if !summary.flats.is_empty() || !summary.intruders.is_empty() => {
+                let read =
+                    |name: &str, wanted: bool| wanted.then(|| Series::read(&folder.join(name), POINTS)).transpose();
+                let flats = read("flats.csv", !summary.flats.is_empty())?;
+                let intruders = read("intruders.csv", !summary.intruders.is_empty())?;
+                pictures.push(("flats.svg".to_owned(), pressed(&summary, flats.as_ref(), intruders.as_ref()).svg()));
             }
             "energies" => {
                 let record = Series::read(&folder.join("energies.csv"), POINTS)?;
@@ -142,25 +145,34 @@ fn velocities(summary: &Summary, record: &Series) -> Chart {
     });
     Chart {
         title: format!("{}: velocity along the wave", summary.name),
-        labels: ["time [µs]".to_owned(), "velocity [m/s]".to_owned()],
+        labels: ["time (µs)".to_owned(), "velocity (m/s)".to_owned()],
         lines: lines.collect(),
     }
 }
 
-fn flats(summary: &Summary, record: &Series) -> Chart {
-    let time = record.column("time_s");
-    let lines = summary.flats.iter().take(LINES).enumerate().map(|(k, flat)| Line {
-        name: flat.name.clone(),
+/// Forces on flats, along their normals, and on intruders, against the wave.
+fn pressed(summary: &Summary, flats: Option<&Series>, intruders: Option<&Series>) -> Chart {
+    let of = |record: Option<&Series>, column: String, sign: f64| -> Vec<[f64; 2]> {
+        let Some(record) = record else { return Vec::new() };
+        let points = over_time(record.column("time_s"), record.column(&column));
+        points.into_iter().map(|[t, force]| [t, sign * force * 1e-3]).collect()
+    };
+    let on_flats = summary.flats.iter().map(|flat| (&flat.name, of(flats, format!("{}_force_N", flat.name), 1.0)));
+    let against = summary.intruders.iter().map(|body| (&body.name, of(intruders, format!("{}_Fz_N", body.name), -1.0)));
+    let lines = against.chain(on_flats).take(LINES).enumerate().map(|(k, (name, points))| Line {
+        name: name.clone(),
         colour: COLOURS[k % COLOURS.len()].to_owned(),
         dashed: k >= COLOURS.len(),
-        points: over_time(time, record.column(&format!("{}_force_N", flat.name)))
-            .into_iter()
-            .map(|[t, force]| [t, force * 1e-3])
-            .collect(),
+        points,
     });
+    let words = match (summary.flats.is_empty(), summary.intruders.is_empty()) {
+        (false, true) => "forces that press on flats",
+        (true, _) => "forces on intruders, against the wave",
+        (false, false) => "forces on flats, and on intruders against the wave",
+    };
     Chart {
-        title: format!("{}: forces that press on flats", summary.name),
-        labels: ["time [µs]".to_owned(), "force [kN]".to_owned()],
+        title: format!("{}: {words}", summary.name),
+        labels: ["time (µs)".to_owned(), "force (kN)".to_owned()],
         lines: lines.collect(),
     }
 }
@@ -183,7 +195,7 @@ fn energies(summary: &Summary, record: &Series) -> Chart {
     });
     Chart {
         title: format!("{}: where the energy is and went", summary.name),
-        labels: ["time [µs]".to_owned(), "energy [J]".to_owned()],
+        labels: ["time (µs)".to_owned(), "energy (J)".to_owned()],
         lines: lines.collect(),
     }
 }

@@ -274,20 +274,21 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         self.reduced.clear();
         let class = |i: u32| if B::BY_SIZE { self.class[i as usize] } else { self.ends[i as usize].material as u32 };
         for c in 0..self.near.len() + self.faces.len() {
-            let (key, ends) = match self.near.get(c) {
-                Some(pair) => (pair.ends.map(class), pair.ends.map(|i| self.ends[i as usize])),
+            let (key, ends, counted) = match self.near.get(c) {
+                Some(pair) => (pair.ends.map(class), pair.ends.map(|i| self.ends[i as usize]), 1.0),
                 None => {
                     let face = &self.faces[c - self.near.len()];
                     let end = self.ends[face.sphere as usize];
-                    let mass = match face.facing {
-                        Facing::Flat(f) => rig.flats[f as usize].mass,
-                        Facing::Mirror(_) => end.mass,
+                    // Where a flat stands for an equal sphere the closing speed counts double, and the mass that is slowed half.
+                    let (mass, counted) = match face.facing {
+                        Facing::Flat(f) => (rig.flats[f as usize].mass, self.face_factor),
+                        Facing::Mirror(_) => (end.mass, 1.0),
                     };
                     // A face counts as a sphere like the one that it meets.
-                    ([class(face.sphere); 2], [end, End { mass, ..end }])
+                    ([class(face.sphere); 2], [end, End { mass, ..end }], counted)
                 }
             };
-            self.reduced.push(reduced_mass(ends));
+            self.reduced.push(reduced_mass(ends) / counted);
             let next = self.bonds.len() as u32;
             let place = *self.known_bonds.entry(key).or_insert(next);
             if place == next {
@@ -409,6 +410,24 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         let between: [f64; D] = std::array::from_fn(|k| offset[k] + to[k] - from[k]);
         let distance = dot(&between, &between).sqrt();
         (self.account[c].overlap > 0.0).then(|| between.map(|x| x / distance))
+    }
+
+    /// How fast a contact's overlap grows (m/s), with the normal from its first body to its second.
+    pub fn closing_speed(&self, bodies: &Bodies<D>, c: usize, normal: &[f64; D]) -> f64 {
+        let along = |velocity: &[f64; D]| dot(velocity, normal);
+        match c.checked_sub(self.near.len()) {
+            Some(f) => {
+                let speed = -along(&bodies.velocity[self.faces[f].sphere as usize]);
+                match self.faces[f].facing {
+                    Facing::Flat(flat) => self.face_factor * (speed + along(&bodies.flat_velocity[flat as usize])),
+                    Facing::Mirror(_) => 2.0 * speed,
+                }
+            }
+            None => {
+                let [a, b] = self.near[c].ends.map(|i| along(&bodies.velocity[i as usize]));
+                a - b
+            }
+        }
     }
 
     /// Force (N) of a contact's tangential spring.
