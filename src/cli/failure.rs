@@ -222,7 +222,9 @@ impl From<StudyError> for Failure {
             StudyError::Evaluator(EvaluatorError::Plan(error)) => {
                 Self::input_with_help(format!("the study's {error}."), error.help())
             }
-            StudyError::Evaluator(EvaluatorError::Batch(error)) => Self::input(error.to_string()),
+            StudyError::Evaluator(
+                error @ (EvaluatorError::Batch(_) | EvaluatorError::Overlap(_) | EvaluatorError::Rig(_)),
+            ) => Self::input(error.to_string()),
             StudyError::Evaluator(error @ EvaluatorError::Friction(_)) => Self::input_with_help(
                 error.to_string(),
                 "Take crystal.friction out of the design for the search, and check what it finds with friction.",

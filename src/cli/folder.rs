@@ -12,11 +12,16 @@ use super::failure::Failure;
 
 /// Writes a file by way of a temporary one beside it, so that a file that was there stays until the new one is whole.
 pub fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// The same for what is no text.
+pub fn write_bytes(path: &Path, contents: &[u8]) -> Result<(), Failure> {
     let attempt = || -> io::Result<()> {
         let parent = parent_of(path);
         fs::create_dir_all(&parent)?;
         let temporary = tempfile::NamedTempFile::new_in(&parent)?;
-        fs::write(temporary.path(), text)?;
+        fs::write(temporary.path(), contents)?;
         make_readable(temporary.path())?;
         temporary.persist(path)?;
         Ok(())

@@ -142,7 +142,7 @@ impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, 
         let spheres = samples[0].spheres.len();
         let mut grains = Grains::<V, D>::at_rest(samples, &impact.mirrors);
         let mut contacts = Contacts::new(touching.clone(), &grains, laws, false);
-        let mut drive = Drive::new(impact.pulse, &impact.struck);
+        let mut drive = Drive::new(impact.pulse, impact.slope, &impact.struck);
         let mut stepper = Stepper::new(impact.integrator, Sweep::Accept, impact.step, spheres);
         grains.set_moving(&impact.moving);
         let mut fastest = Fastest(vec![V::splat(0.0); spheres]);

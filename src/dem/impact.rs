@@ -30,6 +30,9 @@ pub struct Impact {
     pub constants: Constants,
     /// The load on each struck sphere.
     pub pulse: ForcePulse,
+    /// The load's component along the first axis over that along the last, which is the pulse's: the tangent of the angle at
+    /// which it strikes. Without effect in one dimension.
+    pub slope: f64,
     /// Indices of the struck spheres.
     pub struck: Vec<usize>,
     /// Spheres that move at the start, with their speed along the last axis (m/s).
@@ -160,7 +163,7 @@ fn follow<const D: usize, L: NormalLaw + Copy + Sync>(
     let laws = LawTable::new(sample, &touching, impact.constants, law);
     let mut grains = Grains::<f64, D>::at_rest(&[sample], &impact.mirrors);
     let mut contacts = Contacts::new(touching, &grains, laws, true);
-    let mut drive = Drive::new(impact.pulse, &impact.struck);
+    let mut drive = Drive::new(impact.pulse, impact.slope, &impact.struck);
     grains.set_moving(&impact.moving);
     for &(i, speed) in &impact.moving {
         // What moves at the start has been put in before it.

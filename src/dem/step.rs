@@ -14,6 +14,8 @@ use crate::real::Real;
 /// The load on the struck spheres, and the work it has done.
 pub(super) struct Drive<V> {
     pub pulse: ForcePulse,
+    /// Load along the first axis over that along the last.
+    slope: f64,
     pub struck: Vec<usize>,
     /// One more than the last struck sphere.
     reach: usize,
@@ -22,9 +24,15 @@ pub(super) struct Drive<V> {
 }
 
 impl<V: Real> Drive<V> {
-    pub fn new(pulse: ForcePulse, struck: &[usize]) -> Self {
+    pub fn new(pulse: ForcePulse, slope: f64, struck: &[usize]) -> Self {
         let reach = struck.iter().max().map_or(0, |last| last + 1);
-        Self { pulse, struck: struck.to_vec(), reach, work: V::splat(0.0) }
+        Self { pulse, slope, struck: struck.to_vec(), reach, work: V::splat(0.0) }
+    }
+
+    /// The axes along which a load acts, with its components; a straight one acts along the last alone.
+    #[inline(always)]
+    fn components<const D: usize>(&self, load: f64) -> [(usize, f64); 2] {
+        [(D - 1, load), (0, if D > 1 { self.slope * load } else { 0.0 })]
     }
 }
 
@@ -99,12 +107,18 @@ impl<V: Real, const D: usize> Stepper<V, D> {
         }
         if load > 0.0 {
             for &i in &drive.struck {
-                let push = V::splat(load) * grains.inverse_mass[i];
-                let (velocity, acceleration) = (grains.velocity[i][D - 1], grains.acceleration[i][D - 1]);
-                let moved = h * (velocity + half * (acceleration + push));
-                drive.work = drive.work + V::splat(load * grains.weight[i]) * moved;
-                grains.displacement[i][D - 1] = grains.displacement[i][D - 1] + h * half * push;
-                self.trial[i][D - 1] = self.trial[i][D - 1] + h * push;
+                for (k, load) in drive.components::<D>(load) {
+                    // What lies on a mirror does not move across it.
+                    if load == 0.0 || grains.mobility[i][k] == 0.0 {
+                        continue;
+                    }
+                    let push = V::splat(load) * grains.inverse_mass[i];
+                    let (velocity, acceleration) = (grains.velocity[i][k], grains.acceleration[i][k]);
+                    let moved = h * (velocity + half * (acceleration + push));
+                    drive.work = drive.work + V::splat(load * grains.weight[i]) * moved;
+                    grains.displacement[i][k] = grains.displacement[i][k] + h * half * push;
+                    self.trial[i][k] = self.trial[i][k] + h * push;
+                }
             }
         }
         contacts.sweep(&grains.displacement, &self.trial, &mut self.force, &mut grains.reached, self.accept);
@@ -117,8 +131,13 @@ impl<V: Real, const D: usize> Stepper<V, D> {
         }
         if load > 0.0 {
             for &i in &drive.struck {
-                let push = V::splat(load) * grains.inverse_mass[i];
-                grains.velocity[i][D - 1] = grains.velocity[i][D - 1] + h * push;
+                for (k, load) in drive.components::<D>(load) {
+                    if load == 0.0 || grains.mobility[i][k] == 0.0 {
+                        continue;
+                    }
+                    let push = V::splat(load) * grains.inverse_mass[i];
+                    grains.velocity[i][k] = grains.velocity[i][k] + h * push;
+                }
             }
         }
     }
@@ -145,7 +164,11 @@ impl<V: Real, const D: usize> Stepper<V, D> {
             for i in 0..grains.reached {
                 let mut acceleration = grains.acceleration_of(i, &self.force[i]);
                 if load > 0.0 && drive.struck.contains(&i) {
-                    acceleration[D - 1] = acceleration[D - 1] + V::splat(load) * grains.inverse_mass[i];
+                    for (k, load) in drive.components::<D>(load) {
+                        if load != 0.0 && grains.mobility[i][k] != 0.0 {
+                            acceleration[k] = acceleration[k] + V::splat(load) * grains.inverse_mass[i];
+                        }
+                    }
                 }
                 for k in 0..D {
                     let velocity = self.trial[i][k];
@@ -160,8 +183,12 @@ impl<V: Real, const D: usize> Stepper<V, D> {
         for i in 0..grains.reached {
             for k in 0..D {
                 let moved = sixth * stages.velocity_sum[i][k];
-                if k == D - 1 && load > 0.0 && drive.struck.contains(&i) {
-                    drive.work = drive.work + V::splat(load * grains.weight[i]) * moved;
+                if load > 0.0 && drive.struck.contains(&i) {
+                    for (_, load) in
+                        drive.components::<D>(load).into_iter().filter(|&(axis, load)| axis == k && load != 0.0)
+                    {
+                        drive.work = drive.work + V::splat(load * grains.weight[i]) * moved;
+                    }
                 }
                 grains.displacement[i][k] = grains.displacement[i][k] + moved;
                 grains.velocity[i][k] = grains.velocity[i][k] + sixth * stages.acceleration_sum[i][k];

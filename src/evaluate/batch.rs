@@ -4,12 +4,15 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::{Overrides, Plan, PlanError, impact};
-use crate::dem::{BatchError, ForcePulse, Impact, Stop, simulate_batch};
+use super::blow::{Blow, Case, Field, Flaw};
+use super::felt::Felt;
+use super::{Overrides, Plan, PlanError};
+use crate::dem::rig::{RigError, simulate_as_rig};
+use crate::dem::{BatchError, OverlapAtRest, Record, Stop, simulate, simulate_batch};
 use crate::design::Design;
-use crate::layout::Layout;
 use crate::material::Material;
 use crate::real::Width;
+use crate::sample::Sample;
 use crate::score::{means, ratio};
 
 /// Scores of one layout under one impact, as a search needs them.
@@ -25,8 +28,27 @@ pub struct Marks {
     pub focal_gain: Option<f64>,
     /// Q = P/P(all lens material)
     pub protection: Option<f64>,
+    /// What else was felt, where that is asked for.
+    pub felt: Option<Felt>,
     /// Why the run ended early, if it did; its numbers are then not to be trusted.
     pub stop: Option<Stop>,
+}
+
+/// How much is recorded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// Energies only, many layouts side by side.
+    #[default]
+    Energies,
+    /// All of [`Felt`] too, one layout at a time; some four times the work.
+    Everything,
+}
+
+/// One run, in numbers of the half's sites.
+struct Brief {
+    max_kinetic: Vec<f64>,
+    felt: Option<Felt>,
+    stop: Option<Stop>,
 }
 
 /// A design that cannot be evaluated in batches.
@@ -38,6 +60,12 @@ pub enum EvaluatorError {
     /// Layouts that do not go together, or spheres that overlap at rest.
     #[error(transparent)]
     Batch(#[from] BatchError),
+    /// Spheres that overlap at rest.
+    #[error(transparent)]
+    Overlap(#[from] OverlapAtRest),
+    /// A crystal with spheres of several sizes cannot be simulated.
+    #[error(transparent)]
+    Rig(#[from] RigError),
     /// A guard stopped a uniform crystal, to which others are compared.
     #[error("the crystal of {material} alone, to which layouts are compared, cannot be simulated: {stop}")]
     Baseline {
@@ -59,10 +87,14 @@ pub enum EvaluatorError {
 pub struct Evaluator<'a> {
     design: &'a Design,
     plan: Plan,
-    impacts: Vec<Impact>,
+    /// What is simulated under each different blow.
+    fields: Vec<Field>,
+    /// For each member of the set its field and its flaw.
+    cases: Vec<(usize, Flaw)>,
     palette: Vec<Material>,
     width: Width,
-    /// For each impact F of the crystal of host alone, P of that of lens material alone (J); the latter 0 where there is none.
+    detail: Detail,
+    /// For each field F of the crystal of host alone, P of that of lens material alone (J); the latter 0 where there is none.
     uniform: Vec<[f64; 2]>,
     no_protection: Option<EvaluatorError>,
 }
@@ -73,13 +105,13 @@ pub struct Evaluator<'a> {
 /// A step or window with which one of them cannot be simulated.
 pub fn common_plan(
     design: &Design,
-    pulses: &[ForcePulse],
+    blows: &[Blow],
     overrides: Overrides,
     palette: &[Material],
 ) -> Result<Plan, PlanError> {
     let mut common: Option<Plan> = None;
-    for &pulse in pulses {
-        let plan = Plan::new(&Design { impact: pulse, ..design.clone() }, overrides, palette)?;
+    for blow in blows {
+        let plan = Plan::new(&Design { impact: blow.pulse, ..design.clone() }, overrides, palette)?;
         let Some(common) = &mut common else {
             common = Some(plan);
             continue;
@@ -100,14 +132,14 @@ pub fn common_plan(
 }
 
 impl<'a> Evaluator<'a> {
-    /// Chooses step and window, and simulates the two uniform crystals under each impact. `palette` holds host, lens material,
-    /// and others.
+    /// Chooses step and window, and simulates the two uniform crystals under each impact. `cases` are impacts, or impacts on
+    /// crystals with flaws; `palette` holds host, lens material, and others.
     ///
     /// # Errors
     /// See [`EvaluatorError`].
-    pub fn new(
+    pub fn new<C: Clone + Into<Case>>(
         design: &'a Design,
-        pulses: &[ForcePulse],
+        cases: &[C],
         palette: Vec<Material>,
         overrides: Overrides,
         interrupt: &AtomicBool,
@@ -115,12 +147,22 @@ impl<'a> Evaluator<'a> {
         if let Some(coefficient) = design.friction {
             return Err(EvaluatorError::Friction(coefficient));
         }
-        let plan = common_plan(design, pulses, overrides, &palette)?;
-        let struck = |&pulse: &ForcePulse| Impact { pulse, ..impact(design, &plan) };
-        let impacts: Vec<Impact> = pulses.iter().map(struck).collect();
-        let uniform = vec![[1.0; 2]; impacts.len()];
-        let width = Width::widest();
-        let mut evaluator = Self { design, plan, impacts, palette, width, uniform, no_protection: None };
+        let mut blows: Vec<Blow> = Vec::new();
+        let mut members = Vec::new();
+        for Case { blow, flaw } in cases.iter().cloned().map(Into::into) {
+            let known = blows.iter().position(|known| *known == blow);
+            members.push((known.unwrap_or(blows.len()), flaw));
+            if known.is_none() {
+                blows.push(blow);
+            }
+        }
+        let plan = common_plan(design, &blows, overrides, &palette)?;
+        let fields: Vec<Field> = blows.iter().map(|blow| Field::new(design, &plan, blow)).collect();
+        let uniform = vec![[1.0; 2]; fields.len()];
+        let flawless = (0..fields.len()).map(|field| (field, Flaw::default())).collect();
+        let (width, detail) = (Width::widest(), Detail::Energies);
+        let mut evaluator =
+            Self { design, plan, fields, cases: flawless, palette, width, detail, uniform, no_protection: None };
         let lens = usize::from(evaluator.palette.len() > 1);
         let layouts = [0, lens].map(|material| vec![material as u8; design.lattice.len()]);
         let marks = evaluator.marks(&layouts, interrupt)?;
@@ -140,7 +182,15 @@ impl<'a> Evaluator<'a> {
         let protected = |marks: &Marks| if marks.stop.is_none() { marks.protected_mean } else { 0.0 };
         evaluator.uniform =
             marks[0].iter().zip(&marks[1]).map(|(host, lens)| [host.focal_mean, protected(lens)]).collect();
+        evaluator.cases = members;
         Ok(evaluator)
+    }
+
+    /// With as much recorded of every layout as is said.
+    #[must_use]
+    pub fn recording(mut self, detail: Detail) -> Self {
+        self.detail = detail;
+        self
     }
 
     /// Why there is no Q under one of the impacts, if so: a guard stopped the crystal of lens material alone, as it does where
@@ -154,46 +204,82 @@ impl<'a> Evaluator<'a> {
         &self.plan
     }
 
-    /// Scores of layouts, each an index into the palette for every site of the lattice: for each layout the marks under each
-    /// impact. The bits of a layout's scores depend neither on the number of threads nor on the layouts beside it.
+    /// Scores of layouts, each an index into the palette for every site of the lattice: for each layout the marks in each
+    /// case. The bits of a layout's scores depend neither on the number of threads nor on the layouts beside it.
     ///
     /// # Errors
     /// More kinds of contacts than fit into a table; see [`BatchError`].
-    pub fn marks(&self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Vec<Marks>>, BatchError> {
-        let lattice = self.design.lattice;
-        // Groups of as many layouts as there are lanes, each under each impact.
-        let groups: Vec<(usize, &[Vec<u8>])> = (0..self.impacts.len())
-            .flat_map(|impact| layouts.chunks(self.width.lanes()).map(move |group| (impact, group)))
+    pub fn marks(&self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Vec<Marks>>, EvaluatorError> {
+        // Groups of as many layouts as there are lanes, each in each case; one by one where that cannot be.
+        let groups: Vec<(usize, &[Vec<u8>])> = (0..self.cases.len())
+            .flat_map(|case| {
+                let lanes = if self.is_alone(case) { 1 } else { self.width.lanes() };
+                layouts.chunks(lanes).map(move |group| (case, group))
+            })
             .collect();
         let simulated = groups
             .par_iter()
-            .map(|(impact, group)| {
-                let sample = |materials: &Vec<u8>| {
-                    Layout { lattice, palette: self.palette.clone(), materials: materials.clone() }.sample()
-                };
-                let samples: Vec<_> = group.iter().map(sample).collect();
-                simulate_batch(&samples, &self.impacts[*impact], self.width, interrupt)
-            })
-            .collect::<Result<Vec<_>, BatchError>>()?;
+            .map(|(case, group)| self.follow(*case, group, interrupt))
+            .collect::<Result<Vec<_>, EvaluatorError>>()?;
         let mut briefs: Vec<_> = simulated.into_iter().flatten().collect();
-        let mut of_layout: Vec<Vec<Marks>> = layouts.iter().map(|_| Vec::with_capacity(self.impacts.len())).collect();
-        for uniform in &self.uniform {
+        let mut of_layout: Vec<Vec<Marks>> = layouts.iter().map(|_| Vec::with_capacity(self.cases.len())).collect();
+        for (field, _) in &self.cases {
             for (marks, brief) in of_layout.iter_mut().zip(briefs.drain(..layouts.len())) {
-                marks.push(self.score(&brief.max_kinetic, brief.stop, uniform));
+                marks.push(self.score(brief, &self.uniform[*field]));
             }
         }
         Ok(of_layout)
     }
 
-    fn score(&self, max_kinetic: &[f64], stop: Option<Stop>, uniform: &[f64; 2]) -> Marks {
-        let [focal_mean, protected_mean] = means(max_kinetic, &self.design.lattice, &self.design.target);
+    /// Whether each layout of a case needs a run of its own.
+    fn is_alone(&self, case: usize) -> bool {
+        self.detail == Detail::Everything || !self.cases[case].1.radii.is_empty()
+    }
+
+    fn follow(&self, case: usize, group: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Brief>, EvaluatorError> {
+        let (field, flaw) = (&self.fields[self.cases[case].0], &self.cases[case].1);
+        let diameter = self.design.lattice.diameter();
+        let sample = |layout: &Vec<u8>| field.sample(&self.palette, diameter, layout, flaw);
+        if self.is_alone(case) {
+            return group.iter().map(|layout| self.follow_alone(field, flaw, &sample(layout), interrupt)).collect();
+        }
+        let samples: Vec<_> = group.iter().map(sample).collect();
+        let briefs = simulate_batch(&samples, &field.impact, self.width, interrupt)?;
+        Ok(briefs
+            .into_iter()
+            .map(|brief| Brief { max_kinetic: field.folded(&brief.max_kinetic), felt: None, stop: brief.stop })
+            .collect())
+    }
+
+    /// One layout with full records. Spheres of several sizes do not all touch at rest: their contacts are found as they come.
+    fn follow_alone(
+        &self,
+        field: &Field,
+        flaw: &Flaw,
+        sample: &Sample<2>,
+        interrupt: &AtomicBool,
+    ) -> Result<Brief, EvaluatorError> {
+        let record: Record<2> = if flaw.radii.is_empty() {
+            simulate(sample, &field.impact, interrupt)?
+        } else {
+            simulate_as_rig(sample, &field.impact, None, interrupt)?
+        };
+        let felt = (self.detail == Detail::Everything).then(|| {
+            Felt::new(&record, field, &self.design.lattice, &self.design.target, |sphere| sample.mass(sphere))
+        });
+        Ok(Brief { max_kinetic: field.folded(&record.max_kinetic), felt, stop: record.stop })
+    }
+
+    fn score(&self, brief: Brief, uniform: &[f64; 2]) -> Marks {
+        let [focal_mean, protected_mean] = means(&brief.max_kinetic, &self.design.lattice, &self.design.target);
         Marks {
             focal_mean,
             protected_mean,
             contrast: ratio(focal_mean, protected_mean),
             focal_gain: ratio(focal_mean, uniform[0]),
             protection: ratio(protected_mean, uniform[1]),
-            stop,
+            felt: brief.felt,
+            stop: brief.stop,
         }
     }
 }

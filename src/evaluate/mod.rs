@@ -4,18 +4,26 @@
 //! - `compare`: the lens and its baselines, in parallel
 //! - `decay`: how waves decay in the uniform crystals of a design
 //! - `traced`: what rays and first arrivals say, without a simulation
-//! - `batch`: many layouts at once, in vector lanes, for those who search
+//! - `batch`: many layouts at once, in vector lanes, for those who search; `blow`: what strikes them, straight or at an angle, and
+//!   what is built otherwise than drawn; `felt`: what is recorded beyond energies
+//! - `glance`: what is guessed without a simulation
 
 mod batch;
+mod blow;
 mod compare;
 mod decay;
+mod felt;
+mod glance;
 mod plan;
 mod stiffest;
 mod traced;
 
-pub use batch::{Evaluator, EvaluatorError, Marks, common_plan};
+pub use batch::{Detail, Evaluator, EvaluatorError, Marks, common_plan};
+pub use blow::{Blow, Case, Flaw};
 pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use decay::{calibrate, decay};
+pub use felt::Felt;
+pub use glance::Glance;
 pub use plan::{Overrides, Plan, PlanError};
 pub use traced::{trace_arrivals, trace_lens};
 
@@ -100,6 +108,7 @@ pub fn impact(design: &Design, plan: &Plan) -> Impact {
         law: design.law,
         constants: design.constants,
         pulse: design.impact,
+        slope: 0.0,
         struck: row(1),
         moving: Vec::new(),
         exit: row(lattice.rows()),

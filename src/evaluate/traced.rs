@@ -90,14 +90,14 @@ pub fn trace_arrivals(design: &Design, layout: &Layout, interval: Option<f64>) -
     trace_layout(design, layout, &times(interval.unwrap_or_else(|| round(latest / 20.0)), latest))
 }
 
-fn eikonal(design: &Design, layout: &Layout) -> Eikonal {
+pub(super) fn eikonal(design: &Design, layout: &Layout) -> Eikonal {
     let lattice = &layout.lattice;
     Eikonal::of_plane_wave(lattice, &local_speeds(layout, design.constants), MESH)
 }
 
 /// Speed at each site: that of a random mixture of what it and its neighbours are made of. A wave is several spheres long
 /// and cannot tell single ones apart.
-fn local_speeds(layout: &Layout, constants: Constants) -> Vec<f64> {
+pub(super) fn local_speeds(layout: &Layout, constants: Constants) -> Vec<f64> {
     let lattice = &layout.lattice;
     let kinds = layout.palette.len();
     // Few mixtures occur, and each takes some microseconds.

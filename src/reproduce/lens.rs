@@ -184,6 +184,7 @@ fn felt(layout: Layout, law: LawKind, force: f64, window: f64, interrupt: &Atomi
         law,
         constants: Constants::Code,
         pulse: ForcePulse { force, duration: 20e-6 },
+        slope: 0.0,
         struck: (0..sheet.columns(1) as usize).collect(),
         moving: Vec::new(),
         exit: Vec::new(),

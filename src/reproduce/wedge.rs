@@ -112,6 +112,7 @@ impl Wedge {
             law: self.law,
             constants: Constants::Code,
             pulse: ForcePulse { force, duration: PULSE },
+            slope: 0.0,
             struck: struck.clone(),
             moving: Vec::new(),
             exit: Vec::new(),

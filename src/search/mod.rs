@@ -9,6 +9,7 @@
 //! - `genetic`: a population that exchanges rectangles; `breed`: how it has children
 //! - `cma`: CMA-ES on real parameters; `painted`: choices that follow from such; `level_set`: low-order fields, whose signs
 //!   decide each site
+//! - `simplices`, `swarm`: other ways to search real parameters, by argmin; `lockstep`: its solvers by ask and tell
 //! - `nsga`: several losses at once; `front`: who dominates whom, volume and knee of a front, rank correlation
 //! - `rounds`: each of these as a method without an end
 
@@ -19,9 +20,12 @@ mod front;
 mod genetic;
 mod level_set;
 mod local;
+mod lockstep;
 mod nsga;
 mod painted;
 mod rounds;
+mod simplices;
+mod swarm;
 
 pub use anneal::Annealing;
 pub use cma::Cma;
@@ -30,8 +34,10 @@ pub use genetic::Genetic;
 pub use level_set::{Waves, level_set};
 pub use local::{LocalSearch, Reach};
 pub use nsga::Nsga;
-pub use painted::{Paint, Painted, Painter};
-pub use rounds::{Method, Rounds};
+pub use painted::{Driver, Guess, Paint, Painted, Painter};
+pub use rounds::{LEVEL_SET_ORDER, Method, Rounds};
+pub use simplices::Simplices;
+pub use swarm::Swarm;
 
 use crate::real::Real;
 

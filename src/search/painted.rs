@@ -1,9 +1,9 @@
-//! Choices that follow from a few real parameters, searched by CMA-ES.
+//! Choices that follow from a few real parameters, searched by CMA-ES or by what argmin has.
 
 use std::sync::Arc;
 
 use super::level_set::Waves;
-use super::{Choice, Cma, Dice, Search, Space, sane};
+use super::{Choice, Cma, Dice, Search, Simplices, Space, Swarm, sane};
 
 /// From parameters, of any finite values, to a choice.
 pub type Paint = dyn Fn(&[f64]) -> Choice + Send + Sync;
@@ -15,31 +15,63 @@ pub struct Painter {
     pub start: Vec<f64>,
     /// First standard deviation of every parameter.
     pub spread: f64,
+    /// The least and the greatest value of every parameter that simplices and swarms ask for.
+    pub bounds: Vec<[f64; 2]>,
     /// From parameters, of any finite values, to a choice.
     pub paint: Arc<Paint>,
+    /// What a choice is guessed to be worth, more being better, where somebody can guess.
+    pub guess: Option<Arc<Guess>>,
 }
+
+/// From a choice to what it is guessed to be worth.
+pub type Guess = dyn Fn(&[u8]) -> f64 + Send + Sync;
 
 impl Painter {
     /// Level sets with up to `order` - 1 half waves each way, from the one that comes nearest to `start`.
     pub fn level_sets(space: &Space, order: usize, start: &[u8]) -> Self {
         let waves = Waves::new(space, order);
         let fit = waves.fit(start);
-        Self { start: fit, spread: 0.5, paint: Arc::new(move |weights| waves.choice(weights)) }
+        // As far as restarts of CMA-ES commonly begin.
+        let bounds = fit.iter().map(|weight| [weight.min(0.0) - 1.5, weight.max(0.0) + 1.5]).collect();
+        Self { start: fit, spread: 0.5, bounds, paint: Arc::new(move |weights| waves.choice(weights)), guess: None }
     }
 }
 
-/// CMA-ES over a painter's parameters. When it has converged it begins anew with twice as many points a generation, from
-/// the best parameters so far and from random ones in turn, without end (IPOP: A. Auger & N. Hansen, CEC 2005).
+/// How a painter's parameters are searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Driver {
+    /// CMA-ES
+    Cma,
+    /// Nelder-Mead, several simplices side by side
+    Simplices,
+    /// A particle swarm
+    Swarm,
+    /// Random parameters, of which those are asked for that a guess likes best
+    Screen,
+}
+
+enum Engine {
+    Cma(Box<Cma>),
+    Simplices(Simplices),
+    Swarm(Box<Swarm>),
+    Screen,
+}
+
+/// A search of a painter's parameters, without end. When CMA-ES has converged it begins anew with twice as many points a
+/// generation, from the best parameters so far and from random ones in turn (IPOP: A. Auger & N. Hansen, CEC 2005).
 pub struct Painted {
     painter: Painter,
-    cma: Cma,
+    engine: Engine,
     dice: Dice,
     points: Vec<Vec<f64>>,
     asked: Vec<Choice>,
     best: Option<(Choice, Vec<f64>, f64)>,
-    /// How often it has begun anew.
+    /// How often CMA-ES has begun anew.
     restarts: u64,
 }
+
+/// Points that are guessed at for one that is asked for.
+const SCREENED: usize = 16;
 
 /// Points of a generation at first: two registers of eight.
 const POINTS: usize = 16;
@@ -49,25 +81,54 @@ const DOUBLINGS: u64 = 4;
 
 impl Painted {
     /// Begins at the painter's start.
-    pub fn new(painter: Painter, seed: u64) -> Self {
+    pub fn new(painter: Painter, driver: Driver, seed: u64) -> Self {
         let mut dice = Dice::new(seed);
-        let cma = Cma::new(painter.start.clone(), painter.spread, POINTS, dice.bits());
-        Self { painter, cma, dice, points: Vec::new(), asked: Vec::new(), best: None, restarts: 0 }
+        let Painter { start, spread, bounds, .. } = &painter;
+        let seed = dice.bits();
+        let engine = match driver {
+            Driver::Cma => Engine::Cma(Box::new(Cma::new(start.clone(), *spread, POINTS, seed))),
+            Driver::Simplices => Engine::Simplices(Simplices::new(start, bounds.clone(), *spread, seed)),
+            Driver::Swarm => Engine::Swarm(Box::new(Swarm::new(start, bounds.clone(), seed))),
+            Driver::Screen => Engine::Screen,
+        };
+        Self { painter, engine, dice, points: Vec::new(), asked: Vec::new(), best: None, restarts: 0 }
     }
 
     /// How often it has begun anew.
     pub fn restarts(&self) -> u64 {
-        self.restarts
+        match &self.engine {
+            Engine::Cma(_) | Engine::Screen => self.restarts,
+            Engine::Simplices(simplices) => simplices.restarts(),
+            Engine::Swarm(swarm) => swarm.restarts(),
+        }
     }
 
-    fn begin_anew(&mut self) {
+    /// The first of halvings: of so many random points the sixteenth part whose choices are guessed to be best; the start with
+    /// the first of them.
+    fn screened(&mut self) -> Vec<Vec<f64>> {
+        let Painter { start, bounds, paint, guess, .. } = &self.painter;
+        let dice = &mut self.dice;
+        let drawn: Vec<Vec<f64>> = (0..POINTS * SCREENED)
+            .map(|_| bounds.iter().map(|[from, to]| from + (to - from) * dice.unit()).collect())
+            .collect();
+        let worth = |point: &Vec<f64>| guess.as_ref().map_or(0.0, |guess| guess(&paint(point)));
+        let mut ranked: Vec<(f64, Vec<f64>)> = drawn.into_iter().map(|point| (worth(&point), point)).collect();
+        // Stable: of two that are alike, the first.
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let first = (self.restarts == 0).then(|| start.clone());
+        self.restarts += 1;
+        first.into_iter().chain(ranked.into_iter().map(|(_, point)| point)).take(POINTS).collect()
+    }
+
+    /// CMA-ES anew, with larger generations.
+    fn begin_anew(&mut self) -> Cma {
         self.restarts += 1;
         let near = match &self.best {
             Some((_, point, _)) if self.restarts.is_multiple_of(2) => point.clone(),
             _ => self.painter.start.iter().map(|_| 2.0 * self.painter.spread * self.dice.bell()).collect(),
         };
         let points = POINTS << self.restarts.min(DOUBLINGS);
-        self.cma = Cma::new(near, self.painter.spread, points, self.dice.bits());
+        Cma::new(near, self.painter.spread, points, self.dice.bits())
     }
 }
 
@@ -76,16 +137,26 @@ impl Search for Painted {
         if self.painter.start.is_empty() {
             return Vec::new();
         }
-        if self.cma.has_converged() {
-            self.begin_anew();
+        if matches!(&self.engine, Engine::Cma(cma) if cma.has_converged()) {
+            self.engine = Engine::Cma(Box::new(self.begin_anew()));
         }
-        self.points = self.cma.ask();
+        self.points = match &mut self.engine {
+            Engine::Cma(cma) => cma.ask(),
+            Engine::Simplices(simplices) => simplices.ask(),
+            Engine::Swarm(swarm) => swarm.ask(),
+            Engine::Screen => self.screened(),
+        };
         self.asked = self.points.iter().map(|point| (self.painter.paint)(point)).collect();
         self.asked.clone()
     }
 
     fn tell(&mut self, losses: &[f64]) {
-        self.cma.tell(losses);
+        match &mut self.engine {
+            Engine::Cma(cma) => cma.tell(losses),
+            Engine::Simplices(simplices) => simplices.tell(losses),
+            Engine::Swarm(swarm) => swarm.tell(losses),
+            Engine::Screen => {}
+        }
         for ((choice, point), &loss) in self.asked.drain(..).zip(self.points.drain(..)).zip(losses) {
             let loss = sane(loss);
             if self.best.as_ref().is_none_or(|(_, _, best)| loss < *best) {

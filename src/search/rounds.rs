@@ -3,7 +3,8 @@
 use std::str::FromStr;
 
 use super::{
-    Annealing, Choice, Dice, Genetic, LocalSearch, Loss, Nsga, Painted, Painter, Proof, Reach, Search, Space, sane,
+    Annealing, Choice, Dice, Driver, Genetic, LocalSearch, Loss, Nsga, Painted, Painter, Proof, Reach, Search, Space,
+    sane,
 };
 
 /// Choices that a local search asks for at a time: two registers of eight.
@@ -12,8 +13,8 @@ const BATCH: usize = 16;
 /// Changes that an annealing tries, times the number of flips.
 const ANNEALING: usize = 10;
 
-/// Half waves each way of a level set, and one more.
-const ORDER: usize = 6;
+/// Half waves each way of a level set, and one more, where nobody says how many.
+pub const LEVEL_SET_ORDER: usize = 6;
 
 /// How to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,15 +29,15 @@ pub enum Method {
     Anneal,
     /// CMA-ES over the coefficients of level sets, the first from that which is nearest to the start.
     LevelSet,
-    /// CMA-ES over the parameters of a painter that whoever asks brings along.
-    Painter,
+    /// Over the parameters of a painter that whoever asks brings along.
+    Painter(Driver),
     /// NSGA-II, for several losses.
     Nsga,
 }
 
 impl Method {
     /// Names as they are written in files.
-    pub const NAMES: [(&str, Self); 9] = [
+    pub const NAMES: [(&str, Self); 12] = [
         ("genetic", Self::Genetic),
         ("local", Self::Local(Reach::Flips)),
         ("local-swaps", Self::Local(Reach::Swaps)),
@@ -44,7 +45,10 @@ impl Method {
         ("genetic+local", Self::GeneticLocal),
         ("anneal", Self::Anneal),
         ("level-set", Self::LevelSet),
-        ("lens-family", Self::Painter),
+        ("lens-family", Self::Painter(Driver::Cma)),
+        ("lens-family-simplex", Self::Painter(Driver::Simplices)),
+        ("lens-family-swarm", Self::Painter(Driver::Swarm)),
+        ("lens-family-screen", Self::Painter(Driver::Screen)),
         ("nsga2", Self::Nsga),
     ];
 
@@ -113,7 +117,8 @@ pub struct Rounds {
 
 impl Rounds {
     /// Begins with `starts`, of which those that need one take the first; it is the first letter everywhere where there is none.
-    /// `painter` is what [`Method::Painter`] searches; without one it searches level sets.
+    /// `painter` is what [`Method::Painter`] and [`Method::LevelSet`] search; without one both search level sets of
+    /// [`LEVEL_SET_ORDER`].
     pub fn new(method: Method, space: &Space, mut starts: Vec<Choice>, painter: Option<Painter>, seed: u64) -> Self {
         let mut dice = Dice::new(seed);
         if starts.is_empty() {
@@ -126,10 +131,10 @@ impl Rounds {
             }
             Method::Genetic | Method::GeneticLocal => Stage::Genetic(Genetic::new(space, starts, seed)),
             Method::Anneal => Stage::Anneal(annealing(space, starts.swap_remove(0), seed)),
-            Method::LevelSet | Method::Painter => {
-                let given = painter.filter(|_| method == Method::Painter);
-                let painter = given.unwrap_or_else(|| Painter::level_sets(space, ORDER, &starts[0]));
-                Stage::Painted(Painted::new(painter, seed))
+            Method::LevelSet | Method::Painter(_) => {
+                let driver = if let Method::Painter(driver) = method { driver } else { Driver::Cma };
+                let painter = painter.unwrap_or_else(|| Painter::level_sets(space, LEVEL_SET_ORDER, &starts[0]));
+                Stage::Painted(Painted::new(painter, driver, seed))
             }
             Method::Nsga => Stage::Nsga(Nsga::new(space, starts, seed)),
         };
@@ -167,7 +172,7 @@ impl Rounds {
                 Stage::Local(LocalSearch::new(&self.space, start, None, BATCH, reach, seed))
             }
             Method::Anneal => Stage::Anneal(annealing(&self.space, self.so_far(), seed)),
-            Method::LevelSet | Method::Painter | Method::Nsga => return None,
+            Method::LevelSet | Method::Painter(_) | Method::Nsga => return None,
         })
     }
 

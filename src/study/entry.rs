@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluate::Marks;
+use crate::evaluate::{Felt, Marks};
 
 /// One evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +35,9 @@ pub struct Scored {
     /// Q = P/P(all lens material), under the same impact
     #[serde(rename = "Q")]
     pub protection: Option<f64>,
+    /// What else was felt, where the study asks for it.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub felt: Option<Felt>,
 }
 
 impl Entry {
@@ -49,6 +52,7 @@ impl Entry {
             contrast: ratio(marks.contrast),
             focal_gain: ratio(marks.focal_gain),
             protection: ratio(marks.protection),
+            felt: marks.felt,
         };
         let stop = marks.iter().find_map(|marks| marks.stop.as_ref()).map(ToString::to_string);
         Self { key, layout, impacts: marks.iter().map(scored).collect(), stop }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Study;
+use crate::evaluate::Glance;
 use crate::lens::{Lens, LensRequest, propose};
 use crate::material::Material;
 use crate::search::Painter;
@@ -42,6 +43,10 @@ impl Study {
             lens.axis / (AXIS * diameter),
         ];
         let has_radius = lens.radius.is_some();
+        // Of the rows and the axis what there is; a quarter of the design's curvature to four times as much.
+        let rows = [f64::from(first) / ROWS, f64::from(last) / ROWS];
+        let bent = if has_radius { [start[2] / 4.0, start[2] * 4.0] } else { [-1.0, 1.0] };
+        let bounds = vec![rows, rows, bent, [0.0, design.lattice.half_width() / (AXIS * diameter)]];
         let paint = move |x: &[f64]| {
             let row = |x: f64| (x * ROWS).round().clamp(f64::from(first), f64::from(last)) as u32;
             // Half the width of the crystal bends nothing, and a sphere's own radius is as round as it gets.
@@ -62,7 +67,9 @@ impl Study {
             let place = |lens: &Lens, i: usize| letters.get(usize::from(lens.materials[i])).copied().unwrap_or(host);
             free.iter().map(|&i| lens.as_ref().map_or(host, |lens| place(lens, i))).collect()
         };
-        Some(Painter { start, spread: SPREAD, paint: Arc::new(paint) })
+        let study = self.clone();
+        let guess = move |choice: &[u8]| Glance::Bound.delay(&study.design, &study.layout(choice));
+        Some(Painter { start, spread: SPREAD, bounds, paint: Arc::new(paint), guess: Some(Arc::new(guess)) })
     }
 }
 

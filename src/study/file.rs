@@ -5,23 +5,21 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::measure::{Loom, Over};
+use super::prices;
+use super::set::{self, ImpactFile, Tolerance, ToleranceFile};
 use super::source::Source;
 use super::stage::{self, MOST_EVALUATIONS, Stage, StageFile, Work};
 use super::start::{self, Start};
 use super::{Objective, StudyError};
-use crate::dem::ForcePulse;
 use crate::design::Design;
-use crate::evaluate::{Overrides, Plan, PlanError, common_plan};
+use crate::evaluate::{Blow, Detail, Overrides, Plan, PlanError, common_plan};
 use crate::layout::Layout;
 use crate::material::Material;
 use crate::search::{Choice, Dice, Method, Space, level_set};
-use crate::units::Dimension::{Force, Time};
+use crate::units::Dimension::Time;
 
 /// More materials have more kinds of pairs than the evaluator's tables hold.
 const MOST_MATERIALS: usize = 5;
-
-/// More are taken for a slip.
-const MOST_IMPACTS: usize = 64;
 
 #[derive(Deserialize)]
 struct FormatOnly {
@@ -50,15 +48,10 @@ struct StudyFile {
     over: Over,
     #[serde(default)]
     impact: Vec<ImpactFile>,
+    tolerance: Option<ToleranceFile>,
+    prices: Option<toml::Table>,
     #[serde(default)]
     stage: Vec<StageFile>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ImpactFile {
-    force: String,
-    duration: String,
 }
 
 #[derive(Deserialize)]
@@ -96,7 +89,9 @@ pub struct Study {
     /// Material of every site at each start, as places in the palette; sites that are not free keep that of the first.
     pub bases: Vec<Vec<u8>>,
     /// What strikes the crystal, one after the other; the design's own impact if the study names none.
-    pub impacts: Vec<ForcePulse>,
+    pub impacts: Vec<Blow>,
+    /// How crystals that are built differ from the drawing, where that counts.
+    pub tolerance: Option<Tolerance>,
     /// What is wanted.
     pub objective: Objective,
     /// What is done, one after the other.
@@ -149,8 +144,9 @@ impl Study {
             return Err(source.fail("rows", message));
         }
         let (stages, rungs) = read_stages(&source, &file)?;
-        let impacts = read_impacts(&source, &file.impact, &design)?;
+        let impacts = set::read_impacts(&source, &file.impact, &design)?;
         let seed = seed.unwrap_or(file.seed);
+        let tolerance = file.tolerance.as_ref().map(|file| Tolerance::read(&source, file, seed)).transpose()?;
 
         let mut named = Vec::new();
         for name in &file.materials {
@@ -202,7 +198,8 @@ impl Study {
             None => Ok(None),
         };
         let (window, time) = (time("window", &file.window)?, time("time", &file.time)?);
-        let loom = Loom::new(&lattice, &free, &palette);
+        let prices = prices::read(&source, file.prices.as_ref(), &design, &palette, &objective)?;
+        let loom = Loom::new(&lattice, &free, &palette, &prices);
         let mut study = Self {
             path: path.to_owned(),
             design,
@@ -212,6 +209,7 @@ impl Study {
             starts,
             bases,
             impacts,
+            tolerance,
             objective,
             stages,
             rungs,
@@ -247,12 +245,11 @@ impl Study {
                 format!("start: number {} differs from the first outside of rows, which do not change.", k + 1);
             return Err(source.fail("start", message));
         }
-        let asks = |stage: &Stage| stage.work == Work::Search(Method::Painter);
+        let asks = |stage: &Stage| matches!(stage.work, Work::Search(Method::Painter(_)));
         if let Some(k) = self.stages.iter().position(asks)
             && self.painter().is_none()
         {
-            let message =
-                "method = \"lens-family\" needs a design with a [lens], and its material and the host among materials.";
+            let message = "methods of the lens-family need a design with a [lens], and its material and the host among materials.";
             return Err(source.fail_in("stage", k, "method", message.to_owned()));
         }
         Ok(())
@@ -281,6 +278,12 @@ impl Study {
     /// A step or window with which an impact cannot be simulated.
     pub fn plan(&self, rung: usize) -> Result<Plan, PlanError> {
         common_plan(&self.design, &self.impacts, self.overrides(rung), &self.palette)
+    }
+
+    /// How much has to be recorded for what is wanted.
+    pub fn detail(&self) -> Detail {
+        let felt = self.objective.wishes.iter().any(|wish| wish.measure.is_felt());
+        if felt { Detail::Everything } else { Detail::Energies }
     }
 
     /// What is searched.
@@ -331,26 +334,4 @@ fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec
         return Err(source.fail(key, message));
     }
     stage::read(source, &file.stage)
-}
-
-fn read_impacts(source: &Source<'_>, files: &[ImpactFile], design: &Design) -> Result<Vec<ForcePulse>, StudyError> {
-    if files.len() > MOST_IMPACTS {
-        let message = format!("{} impacts are given; at most {MOST_IMPACTS} can be.", files.len());
-        return Err(source.fail_in("impact", MOST_IMPACTS, "", message));
-    }
-    let mut impacts = Vec::new();
-    for (k, file) in files.iter().enumerate() {
-        let fail = |key: &'static str| move |message: String| source.fail_in("impact", k, key, message);
-        let force = source.quantity(Force, "force", &file.force, fail("force"))?;
-        let duration = source.quantity(Time, "duration", &file.duration, fail("duration"))?;
-        let impact = ForcePulse { force, duration };
-        if impacts.contains(&impact) {
-            return Err(fail("force")("the impact is given twice.".to_owned()));
-        }
-        impacts.push(impact);
-    }
-    if impacts.is_empty() {
-        impacts.push(design.impact);
-    }
-    Ok(impacts)
 }

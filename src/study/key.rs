@@ -1,7 +1,7 @@
 //! What an evaluation depends on, hashed.
 
 use super::{Entry, Study};
-use crate::evaluate::Plan;
+use crate::evaluate::{Detail, Plan};
 use crate::search::Choice;
 
 /// Hashes what the scores of a study's layouts depend on.
@@ -15,9 +15,22 @@ impl Key {
         key.add(study.design.text.as_bytes());
         key.add(format!("{:?}", study.palette).as_bytes());
         key.add(plan.integrator.to_string().as_bytes());
-        let impacts = study.impacts.iter().flat_map(|impact| [impact.force, impact.duration]);
+        let impacts = study.impacts.iter().flat_map(|impact| [impact.pulse.force, impact.pulse.duration]);
         for number in impacts.chain([plan.step, plan.window]) {
             key.add(&number.to_bits().to_le_bytes());
+        }
+        // Only where they are there, so that journals from before keep their meaning.
+        for (k, impact) in study.impacts.iter().enumerate().filter(|(_, impact)| !impact.is_symmetric()) {
+            key.add(
+                format!("{k} {:?} {:?}", impact.angle.to_bits(), impact.place.map(|x| x.map(f64::to_bits))).as_bytes(),
+            );
+        }
+        for case in study.cases().into_iter().skip(study.impacts.len()) {
+            key.add(format!("{:?}", case.flaw.wrong).as_bytes());
+            case.flaw.radii.iter().for_each(|radius| key.add(&radius.to_bits().to_le_bytes()));
+        }
+        if study.detail() == Detail::Everything {
+            key.add(b"felt");
         }
         key
     }
@@ -38,9 +51,10 @@ impl Key {
     /// The entries of a journal that belong to the study as it is now, by choice.
     pub fn own<'a>(self, study: &Study, entries: &'a [Entry]) -> Vec<(Choice, &'a Entry)> {
         let letters = study.letters.len() as u8;
+        let cases = study.cases().len();
         let own = |entry: &'a Entry| {
             let choice = entry.choice(study.free.len(), letters)?;
-            (self.of(&study.layout(&choice).materials) == entry.key && entry.impacts.len() == study.impacts.len())
+            (self.of(&study.layout(&choice).materials) == entry.key && entry.impacts.len() == cases)
                 .then_some((choice, entry))
         };
         entries.iter().filter_map(own).collect()

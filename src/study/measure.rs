@@ -20,8 +20,28 @@ pub enum Measure {
     FocalEnergy,
     /// P (J)
     ProtectedEnergy,
+    /// Mean over the focal region of each sphere's greatest momentum (kg m/s)
+    FocalMomentum,
+    /// The same over the protected region (kg m/s)
+    ProtectedMomentum,
+    /// Greatest force at one contact of the focal region (N)
+    FocalForce,
+    /// Greatest force at one contact of the protected region (N)
+    ProtectedForce,
+    /// When the wave arrives in the focal region (s)
+    FocalArrival,
+    /// When it arrives in the protected region (s)
+    ProtectedArrival,
+    /// Greatest momentum of the last row along the axis (kg m/s)
+    FarMomentum,
+    /// Greatest total contact force on the last row along the axis (N)
+    FarForce,
+    /// The part of the work of the load that contacts dissipate
+    Dissipation,
     /// Mass of the simulated half (kg)
     Mass,
+    /// Price of all spheres of the simulated half, those on its mirror lines counting as halves
+    Cost,
     /// Spheres that are not of the host
     Spheres,
     /// Spheres in the free rows that touch no other of their material
@@ -32,13 +52,23 @@ pub enum Measure {
 
 impl Measure {
     /// Names as they are written in files.
-    pub const NAMES: [(&str, Self); 9] = [
+    pub const NAMES: [(&str, Self); 19] = [
         ("contrast", Self::Contrast),
         ("focal-gain", Self::FocalGain),
         ("protection", Self::Protection),
         ("focal-energy", Self::FocalEnergy),
         ("protected-energy", Self::ProtectedEnergy),
+        ("focal-momentum", Self::FocalMomentum),
+        ("protected-momentum", Self::ProtectedMomentum),
+        ("focal-force", Self::FocalForce),
+        ("protected-force", Self::ProtectedForce),
+        ("focal-arrival", Self::FocalArrival),
+        ("protected-arrival", Self::ProtectedArrival),
+        ("far-momentum", Self::FarMomentum),
+        ("far-force", Self::FarForce),
+        ("dissipation", Self::Dissipation),
         ("mass", Self::Mass),
+        ("cost", Self::Cost),
         ("spheres", Self::Spheres),
         ("lone", Self::Lone),
         ("islands", Self::Islands),
@@ -47,6 +77,22 @@ impl Measure {
     /// The name as it is written in files.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, measure)| *measure == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether it needs a run with full records.
+    pub fn is_felt(self) -> bool {
+        matches!(
+            self,
+            Self::FocalMomentum
+                | Self::ProtectedMomentum
+                | Self::FocalForce
+                | Self::ProtectedForce
+                | Self::FocalArrival
+                | Self::ProtectedArrival
+                | Self::FarMomentum
+                | Self::FarForce
+                | Self::Dissipation
+        )
     }
 
     /// Whether it is a number of things, which may be zero.
@@ -81,6 +127,9 @@ pub struct Fabric {
     /// Mass of the simulated half, spheres on its mirror lines counting as halves (kg)
     #[serde(rename = "mass_kg")]
     pub mass: f64,
+    /// Price of the same spheres; 0 where a study has no prices.
+    #[serde(default)]
+    pub cost: f64,
     /// Spheres that are not of the host.
     pub spheres: u64,
     /// Spheres in the free rows that touch no other of their material.
@@ -101,11 +150,14 @@ pub struct Loom {
     free: Vec<bool>,
     /// Mass of a sphere of each material of the palette (kg).
     mass: Vec<f64>,
+    /// Price of one.
+    price: Vec<f64>,
 }
 
 impl Loom {
-    /// For layouts on a lattice whose `free` sites may change. The first of the palette is the host.
-    pub fn new(lattice: &HexagonalSheet, free: &[usize], palette: &[Material]) -> Self {
+    /// For layouts on a lattice whose `free` sites may change. The first of the palette is the host; `prices` are those of a
+    /// sphere of each of the palette.
+    pub fn new(lattice: &HexagonalSheet, free: &[usize], palette: &[Material], prices: &[f64]) -> Self {
         let (sites, diameter, far) = (lattice.sites(), lattice.diameter(), lattice.half_width());
         let mut beside = vec![Vec::new(); sites.len()];
         for (i, a) in sites.iter().enumerate() {
@@ -124,7 +176,7 @@ impl Loom {
         let mut is_free = vec![false; sites.len()];
         free.iter().for_each(|&i| is_free[i] = true);
         let mass = palette.iter().map(|material| material.sphere_mass(diameter)).collect();
-        Self { beside, mirrored, weight, free: is_free, mass }
+        Self { beside, mirrored, weight, free: is_free, mass, price: prices.to_vec() }
     }
 
     /// Of a layout, an index into the palette for every site.
@@ -149,8 +201,11 @@ impl Loom {
                 }
             }
         }
+        let weighed =
+            |each: &[f64]| materials.iter().zip(&self.weight).map(|(&m, weight)| weight * each[usize::from(m)]).sum();
         Fabric {
-            mass: materials.iter().zip(&self.weight).map(|(&m, weight)| weight * self.mass[usize::from(m)]).sum(),
+            mass: weighed(&self.mass),
+            cost: weighed(&self.price),
             spheres: materials.iter().filter(|&&m| m != 0).count() as u64,
             lone: (0..materials.len()).filter(lone).count() as u64,
             islands,
@@ -166,7 +221,17 @@ pub fn value(measure: Measure, entry: &Entry, fabric: &Fabric, over: Over, side:
         Measure::Protection => |scored| scored.protection,
         Measure::FocalEnergy => |scored| Some(scored.focal_mean),
         Measure::ProtectedEnergy => |scored| Some(scored.protected_mean),
+        Measure::FocalMomentum => |scored| Some(scored.felt?.momentum[0]),
+        Measure::ProtectedMomentum => |scored| Some(scored.felt?.momentum[1]),
+        Measure::FocalForce => |scored| Some(scored.felt?.force[0]),
+        Measure::ProtectedForce => |scored| Some(scored.felt?.force[1]),
+        Measure::FocalArrival => |scored| scored.felt?.arrival[0],
+        Measure::ProtectedArrival => |scored| scored.felt?.arrival[1],
+        Measure::FarMomentum => |scored| Some(scored.felt?.far_momentum),
+        Measure::FarForce => |scored| Some(scored.felt?.far_force),
+        Measure::Dissipation => |scored| Some(scored.felt?.dissipation),
         Measure::Mass => return Some(fabric.mass),
+        Measure::Cost => return Some(fabric.cost),
         Measure::Spheres => return Some(fabric.spheres as f64),
         Measure::Lone => return Some(fabric.lone as f64),
         Measure::Islands => return Some(fabric.islands as f64),
@@ -191,7 +256,7 @@ mod tests {
         let palette = ["440c", "brass"].map(|name| material::find(name, &[]).unwrap());
         let at = |row, column| lattice.index(row, column).unwrap();
         let free: Vec<usize> = (at(3, 1)..=at(6, 4)).collect();
-        let loom = Loom::new(&lattice, &free, &palette);
+        let loom = Loom::new(&lattice, &free, &palette, &[0.5, 2.0]);
         let mut layout = vec![0; lattice.len()];
         assert_eq!(loom.fabric(&layout).islands, 0);
         // One in the midst, one that touches its image in the axis, two that touch across rows.
@@ -206,5 +271,7 @@ mod tests {
         let all = loom.fabric(&vec![0; lattice.len()]);
         let half = (lattice.len() as f64 - 4.0) * palette[0].sphere_mass(6.35e-3);
         assert!((all.mass / half - 1.0).abs() < 1e-12);
+        assert_eq!(all.cost, 0.5 * (lattice.len() as f64 - 4.0));
+        assert_eq!(fabric.cost, all.cost + 1.5 * 2.0 + 0.75 * 0.0 + 1.5);
     }
 }

@@ -8,6 +8,7 @@
 //!   one after the other; `start`: where that begins; `family`: the
 //!   design's lens as real parameters
 //! - `measure`: what can be measured of a layout; `objective`: measures to one number, or to several that are traded
+//! - `set`: impacts, and crystals that are not built as drawn; `tolerance`: what a layout loses then; `prices`: what spheres cost
 //! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
 //! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with
 //! - `run`: ask, evaluate, write down, tell
@@ -20,12 +21,15 @@ mod journal;
 mod key;
 mod measure;
 mod objective;
+mod prices;
 mod run;
 mod rung;
+mod set;
 mod source;
 mod stage;
 mod start;
 mod state;
+mod tolerance;
 
 pub use baselines::{BaselineScores, Spread};
 pub use entry::{Entry, Scored};
@@ -36,9 +40,11 @@ pub use measure::{Fabric, Loom, Measure, Over};
 pub use objective::{Aim, Objective, Wish};
 pub use run::{Watch, run};
 pub use rung::{Judged, Rung, Summary};
+pub use set::Tolerance;
 pub use stage::{Stage, Work};
 pub use start::Start;
-pub use state::{Ended, Found, Front, Improvement, RungState, StageState, State};
+pub use state::{Ended, Found, Front, GlanceState, Improvement, RungState, StageState, State};
+pub use tolerance::{Loses, Quantiles};
 
 use std::path::PathBuf;
 

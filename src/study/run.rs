@@ -9,10 +9,11 @@ use super::entry::pack;
 use super::rung::{Judged, Rung, Summary, order};
 use super::stage::{Stage, Work};
 use super::state::{self, Ended, Found, RungState, StageState, State};
+use super::tolerance::{self, Loses};
 use super::{Entry, Improvement, Journal, Key, Measure, Study, StudyError, baselines};
 use crate::dem::Stop;
 use crate::evaluate::Evaluator;
-use crate::search::{Choice, Dice, Loss, Proof, Rounds, Search as _};
+use crate::search::{Choice, Dice, Loss, Method, Painter, Proof, Rounds, Search as _};
 
 /// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
 const STALE: u32 = 1000;
@@ -41,9 +42,11 @@ pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut im
     // Errors of the study are found before anything is written.
     let evaluators = (0..study.rungs.len())
         .map(|rung| {
-            Evaluator::new(&study.design, &study.impacts, study.palette.clone(), study.overrides(rung), interrupt)
+            let overrides = study.overrides(rung);
+            let evaluator = Evaluator::new(&study.design, &study.cases(), study.palette.clone(), overrides, interrupt)?;
+            Ok(evaluator.recording(study.detail()))
         })
-        .collect::<Result<Vec<_>, _>>()?;
+        .collect::<Result<Vec<_>, StudyError>>()?;
     let missing = evaluators.iter().find_map(Evaluator::no_protection);
     if let Some(missing) =
         missing.filter(|_| study.objective.wishes.iter().any(|wish| wish.measure == Measure::Protection))
@@ -74,9 +77,11 @@ pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut im
         best: None,
         nearest: None,
         rungs: Vec::new(),
+        glances: Vec::new(),
         front: None,
         history: Vec::new(),
         baselines: Vec::new(),
+        tolerance: None,
     };
     let first = study.first();
     let run =
@@ -142,9 +147,24 @@ impl Run<'_> {
                 self.state.ended = Ended::Interrupted;
             } else {
                 self.state.baselines = baselines;
+                self.state.tolerance = self.tolerance(finest)?;
+                self.state.glances = self.rungs[finest].glances(self.study);
             }
         }
         Ok(self.state)
+    }
+
+    /// What the best or nearest layout loses where it is not built as drawn.
+    fn tolerance(&mut self, finest: usize) -> Result<Option<Loses>, StudyError> {
+        let Some(found) = self.state.found() else { return Ok(None) };
+        let letters = self.study.letters.len() as u8;
+        let Some(choice) = found.entry.choice(self.study.free.len(), letters) else { return Ok(None) };
+        let loses = tolerance::evaluate(self.study, &choice, finest, self.interrupt)?;
+        if self.interrupt.load(Ordering::Relaxed) {
+            self.state.ended = Ended::Interrupted;
+            return Ok(None);
+        }
+        Ok(loses)
     }
 
     /// The best `count` of the stages before this one, at the step of the last of them; the starts before there is any.
@@ -175,8 +195,13 @@ impl Run<'_> {
         let starts = self.promoted(k);
         let mut search = match stage.work {
             Work::Search(method) => {
-                let painter = self.study.painter();
-                Some(Rounds::new(method, &self.study.space(), starts.clone(), painter, seed))
+                let space = self.study.space();
+                let painter = match method {
+                    Method::Painter(_) => self.study.painter(),
+                    Method::LevelSet => starts.first().map(|start| Painter::level_sets(&space, stage.order, start)),
+                    _ => None,
+                };
+                Some(Rounds::new(method, &space, starts.clone(), painter, seed))
             }
             Work::Rescore => None,
         };

@@ -2,11 +2,16 @@
 
 use std::collections::HashMap;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::measure::{Fabric, Measure, Side, value};
-use super::{Entry, Study};
+use super::{Entry, GlanceState, Study};
+use crate::evaluate::Glance;
 use crate::search::{Choice, Loss, rank_correlation};
+
+/// Layouts that are guessed at, so that it takes a second or two.
+const GLANCED: usize = 256;
 
 /// One evaluation, judged.
 #[derive(Clone, Debug)]
@@ -58,6 +63,24 @@ impl Rung {
         let mut ranked: Vec<&Judged> = self.all.iter().filter(|judged| judged.loss.is_finite()).collect();
         ranked.sort_by(|a, b| order(&a.loss).partial_cmp(&order(&b.loss)).unwrap_or(std::cmp::Ordering::Equal));
         ranked
+    }
+
+    /// What guesses without a simulation would have said of some of the layouts, evenly over their order.
+    pub fn glances(&self, study: &Study) -> Vec<GlanceState> {
+        let finished: Vec<&Judged> = self.all.iter().filter(|judged| judged.loss.is_finite()).collect();
+        let count = finished.len().min(GLANCED);
+        let some: Vec<&Judged> = (0..count).map(|k| finished[k * finished.len() / count]).collect();
+        let losses: Vec<f64> = some.iter().map(|judged| judged.loss.total).collect();
+        let worth = |glance: Glance| {
+            let early: Vec<f64> =
+                some.par_iter().map(|judged| -glance.delay(&study.design, &study.layout(&judged.choice))).collect();
+            GlanceState {
+                name: glance.name().to_owned(),
+                rank_correlation: rank_correlation(&early, &losses),
+                shared: count as u64,
+            }
+        };
+        Glance::ALL.map(worth).to_vec()
     }
 
     /// The rank correlation of the losses here and there, over the layouts known at both, and how many these are.

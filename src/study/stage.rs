@@ -4,11 +4,14 @@ use serde::Deserialize;
 
 use super::StudyError;
 use super::source::Source;
-use crate::search::Method;
+use crate::search::{LEVEL_SET_ORDER, Method};
 use crate::units::Dimension::Time;
 
 /// More is taken for a slip: all evaluations are held in memory.
 pub(super) const MOST_EVALUATIONS: u64 = 10_000_000;
+
+/// Finer fields than sites.
+const MOST_ORDER: usize = 12;
 
 /// What a stage does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +46,8 @@ pub struct Stage {
     /// How many layouts, evenly over the ranks of what the stages before evaluated, are evaluated with them, so that the rank
     /// correlation of the two steps is that of all and not of the best alone.
     pub sample: usize,
+    /// Half waves each way of the fields of a level set, and one more.
+    pub order: usize,
 }
 
 #[derive(Clone, Deserialize)]
@@ -53,6 +58,7 @@ pub(super) struct StageFile {
     step: Option<String>,
     promote: Option<usize>,
     sample: Option<usize>,
+    order: Option<usize>,
 }
 
 /// Stages, and the different steps at which they simulate (s), none being the design's own; in order of first use.
@@ -89,6 +95,13 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
         if work != Work::Rescore && sample > 0 {
             return Err(fail("sample", "sample belongs to stages with method = \"rescore\".".to_owned()));
         }
+        let order = file.order.unwrap_or(LEVEL_SET_ORDER);
+        if file.order.is_some() && !matches!(work, Work::Search(Method::LevelSet)) {
+            return Err(fail("order", "order belongs to stages with method = \"level-set\".".to_owned()));
+        }
+        if !(2..=MOST_ORDER).contains(&order) {
+            return Err(fail("order", format!("order = {order} must be 2 to {MOST_ORDER} cosines each way.")));
+        }
         let evaluations = match (work, file.evaluations) {
             (Work::Rescore, None) => promote as u64 + sample as u64,
             (Work::Rescore, Some(_)) => {
@@ -105,12 +118,12 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
         if !(1..=MOST_EVALUATIONS).contains(&evaluations) {
             return Err(fail("evaluations", format!("evaluations = {evaluations} must be 1 to {MOST_EVALUATIONS}.")));
         }
-        stages.push(Stage { work, evaluations, rung, promote: promote.max(1), sample });
+        stages.push(Stage { work, evaluations, rung, promote: promote.max(1), sample, order });
     }
     Ok((stages, rungs))
 }
 
 /// The one stage of a study that names its method at the top.
 pub(super) fn single(method: Method, evaluations: u64) -> Stage {
-    Stage { work: Work::Search(method), evaluations, rung: 0, promote: 1, sample: 0 }
+    Stage { work: Work::Search(method), evaluations, rung: 0, promote: 1, sample: 0, order: LEVEL_SET_ORDER }
 }

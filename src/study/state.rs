@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::rung::{Judged, Rung, Summary};
-use super::{BaselineScores, Entry, Study};
+use super::{BaselineScores, Entry, Loses, Study};
 use crate::search::{Proof, front, hypervolume, knee};
 
 /// A layout that was found.
@@ -88,6 +88,17 @@ pub struct RungState {
     pub shared: u64,
 }
 
+/// What a guess without a simulation is worth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GlanceState {
+    /// Which: see [`Glance`](crate::evaluate::Glance).
+    pub name: String,
+    /// Spearman's rank correlation of its order, late on the axis first, with that of the objective at the finest step.
+    pub rank_correlation: Option<f64>,
+    /// Over how many layouts.
+    pub shared: u64,
+}
+
 /// The layouts that no other dominates, where several measures are traded.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Front {
@@ -135,12 +146,18 @@ pub struct State {
     pub nearest: Option<Found>,
     /// The different steps, in the order in which the stages use them.
     pub rungs: Vec<RungState>,
+    /// What guesses without a simulation are worth; at the end.
+    #[serde(default)]
+    pub glances: Vec<GlanceState>,
     /// Where several measures are traded: the front at the finest step that is reached.
     pub front: Option<Front>,
     /// Every evaluation that was the best so far, or the nearest to the limits.
     pub history: Vec<Improvement>,
     /// What layouts are compared with, at the finest step that is reached; simulated at the end.
     pub baselines: Vec<BaselineScores>,
+    /// What the best layout, or the nearest, loses where it is not built as drawn, at the finest step that is reached.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<Loses>,
 }
 
 impl State {

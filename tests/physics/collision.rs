@@ -22,6 +22,7 @@ pub fn collide(names: [&str; 2], speed: f64, change: impl Fn(&mut Impact)) -> (S
         law: LawKind::Thesis,
         constants: Constants::Code,
         pulse: ForcePulse { force: 0.0, duration: 1e-6 },
+        slope: 0.0,
         struck: Vec::new(),
         moving: vec![(0, speed)],
         exit: vec![1],
@@ -52,6 +53,40 @@ fn elastic_plastic_collisions_repeat_the_independent_ones() {
         ] {
             let theirs = table.number(row, column);
             assert!(difference(ours, theirs, 0.0) < 1e-9, "row {row} {column}: {ours} and {theirs}");
+        }
+    }
+}
+
+/// A free sphere under a force at an angle: m v = F t in each direction, and the work is its kinetic energy. The same as a rig.
+#[test]
+fn a_load_at_an_angle_gives_its_impulse_in_both_directions() {
+    let sample = Sample::<2> {
+        materials: vec![material("440c")],
+        spheres: vec![Sphere { centre: [0.0; 2], radius: 0.5 * DIAMETER, material: 0 }],
+    };
+    for integrator in [Integrator::Verlet, Integrator::Rk4] {
+        let impact = Impact {
+            mirrors: Vec::new(),
+            law: LawKind::Thesis,
+            constants: Constants::Code,
+            pulse: ForcePulse { force: 100.0, duration: 20e-6 },
+            slope: -0.75,
+            struck: vec![0],
+            moving: Vec::new(),
+            exit: vec![0],
+            integrator,
+            step: 3e-7,
+            window: 50e-6,
+        };
+        let never = std::sync::atomic::AtomicBool::new(false);
+        let as_rig = granulens::dem::rig::simulate_as_rig(&sample, &impact, None, &never).unwrap();
+        for record in [run(&sample, &impact), as_rig] {
+            let wanted = 100.0 * 20e-6 / sample.mass(0);
+            let [x, z] = record.velocity[0];
+            // Rounding of some seventy steps.
+            assert!((z / wanted - 1.0).abs() < 1e-12 && (x / (-0.75 * wanted) - 1.0).abs() < 1e-12, "{x} {z}");
+            let kinetic = 0.5 * sample.mass(0) * (x * x + z * z);
+            assert!((record.ledger.work_in / kinetic - 1.0).abs() < 1e-12);
         }
     }
 }

@@ -3,14 +3,18 @@
 //! - `optimum`: every method finds what brute force finds, within the limits
 //! - `stages`: several impacts, several steps, one after the other
 //! - `resume`: the same bits whatever ends a run and on any number of threads
+//! - `kill`: the program itself, killed while it writes
 //! - `journal`: torn, damaged, foreign, of other settings
 //! - `files`: what a wrong study file hears, and the repository's own
+//! - `set`: impacts at an angle and off the axis, crystals that are not built as drawn, measures beyond energies
 //! - `stored`: the layouts in `studies/`, against what is said about them
 
 mod files;
 mod journal;
+mod kill;
 mod optimum;
 mod resume;
+mod set;
 mod stages;
 mod stored;
 
@@ -148,5 +152,5 @@ fn with_threads<T: Send>(threads: usize, job: impl FnOnce() -> T + Send) -> T {
 
 fn evaluator(study: &Study) -> Evaluator<'_> {
     let never = AtomicBool::new(false);
-    Evaluator::new(&study.design, &study.impacts, study.palette.clone(), study.overrides(0), &never).unwrap()
+    Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(0), &never).unwrap()
 }

@@ -1,13 +1,12 @@
 //! `granulens study export`: the best layout, and the journal as a table.
 
-use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use granulens::study::{Entry, Fabric, Rung, Scored, Study as Studied};
 use serde_json::json;
 
 use super::best_layout;
 use super::show::{Known, find};
+use super::table::{Table, journal};
 use super::words::scores;
 use crate::cli::Common;
 use crate::cli::console::{emit_json, note};
@@ -21,7 +20,8 @@ pub struct Export {
     /// Where to write the best layout, as CSV
     #[arg(long, value_name = "FILE", required_unless_present = "journal")]
     layout: Option<PathBuf>,
-    /// Where to write the journal, as CSV: a line for each evaluation and impact
+    /// Where to write the journal: a line for each evaluation and each case it was judged by. FILE.csv, or FILE.parquet where
+    /// granulens is built with the feature parquet
     #[arg(long, value_name = "FILE")]
     journal: Option<PathBuf>,
 }
@@ -36,7 +36,7 @@ impl Export {
         }
         let evaluations: usize = rungs.iter().map(|(_, rung)| rung.all().len()).sum();
         if let Some(path) = &self.journal {
-            write_file(path, &table(&study, &rungs))?;
+            write(path, &journal(&study, &rungs))?;
             note(common, &format!("{}: {evaluations} evaluations", path.display()));
         }
         if common.json {
@@ -49,32 +49,19 @@ impl Export {
     }
 }
 
-/// A journal as CSV, a line for each evaluation and impact: no score where there is none.
-fn table(study: &Studied, rungs: &[(f64, Rung)]) -> String {
-    let mut text =
-        "step_s,evaluation,force_N,duration_s,F_J,P_J,C,G,Q,loss,miss,mass_kg,spheres,lone,islands,stop,layout\n"
-            .to_owned();
-    let show = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    let finite = |value: f64| if value.is_finite() { value.to_string() } else { String::new() };
-    for (step, rung) in rungs {
-        for (k, judged) in rung.all().iter().enumerate() {
-            let Entry { impacts, stop, layout, .. } = &judged.entry;
-            let stop = stop.as_ref().map_or_else(String::new, |stop| format!("\"{}\"", stop.replace('"', "\"\"")));
-            let Fabric { mass, spheres, lone, islands } = judged.fabric;
-            let [loss, miss] = [judged.loss.total, judged.loss.miss].map(finite);
-            for (impact, scored) in study.impacts.iter().zip(impacts) {
-                let Scored { focal_mean, protected_mean, .. } = scored;
-                let ratios = [scored.contrast, scored.focal_gain, scored.protection].map(show).join(",");
-                let _ = writeln!(
-                    text,
-                    "{step},{},{},{},{focal_mean},{protected_mean},{ratios},{loss},{miss},{mass},{spheres},{lone},\
-                     {islands},{stop},{layout}",
-                    k + 1,
-                    impact.force,
-                    impact.duration
-                );
-            }
-        }
+/// As the file's name says: CSV unless it ends with .parquet.
+fn write(path: &Path, table: &Table) -> Result<(), Failure> {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("parquet")) {
+        return write_file(path, &table.csv());
     }
-    text
+    #[cfg(feature = "parquet")]
+    {
+        let bytes = table.parquet().map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
+        crate::cli::folder::write_bytes(path, &bytes)
+    }
+    #[cfg(not(feature = "parquet"))]
+    Err(Failure::input_with_help(
+        format!("{}: this granulens is built without the feature parquet.", path.display()),
+        "Write FILE.csv, which pandas.read_csv takes, or build with cargo build --release --features parquet.",
+    ))
 }

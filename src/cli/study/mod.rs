@@ -1,7 +1,7 @@
 //! `granulens study`: search for the best layout, evaluation by evaluation, and look at what was found.
 //!
 //! - `run`: run a study or go on with it; `events`: progress, as a bar or as lines of JSON
-//! - `show`: what a journal holds; `export`: the best layout, and the journal as a table
+//! - `show`: what a journal holds; `export`: the best layout, and the journal as a table (`table`)
 //! - `compare`: several studies side by side
 //! - `words`: what a study has come to, in words
 
@@ -10,6 +10,7 @@ mod events;
 mod export;
 mod run;
 mod show;
+mod table;
 mod words;
 
 use std::path::{Path, PathBuf};

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use granulens::study::{BaselineScores, Ended, Fabric, Found, Spread, StageState, State, Summary};
+use granulens::study::{
+    BaselineScores, Ended, Fabric, Found, GlanceState, Loses, Quantiles, Spread, StageState, State, Summary,
+};
 use granulens::units::Dimension::Time;
 
 /// What a study has come to.
@@ -42,6 +44,15 @@ pub fn words(state: &State) -> String {
             }
         }
     }
+    for glance in &state.glances {
+        if let Some(correlation) = glance.rank_correlation {
+            let GlanceState { name, shared, .. } = glance;
+            let _ = writeln!(
+                text,
+                "{name}, without a simulation: rank correlation with the finest {correlation:.3}, over {shared} layouts"
+            );
+        }
+    }
     if let Some(front) = &state.front {
         let volume = front.hypervolume.map_or_else(|| "-".to_owned(), |volume| format!("{volume:.4}"));
         let _ = writeln!(
@@ -53,6 +64,9 @@ pub fn words(state: &State) -> String {
         if let Some(knee) = front.knee.and_then(|knee| front.layouts.get(knee)) {
             let _ = writeln!(text, "  knee {}", scores(&knee.summary));
         }
+    }
+    if let Some(loses) = &state.tolerance {
+        text.push_str(&loses_words(loses));
     }
     state.baselines.iter().for_each(|baseline| text.push_str(&baseline_words(baseline)));
     text
@@ -67,6 +81,21 @@ fn baseline_words(baseline: &BaselineScores) -> String {
     };
     let BaselineScores { name, contrast, focal_gain, protection, .. } = baseline;
     format!("  {name:22} C {}  G {}  Q {}\n", show(contrast), show(focal_gain), show(protection))
+}
+
+/// What is lost by half and by nine tenths of the crystals that are not as drawn, at most.
+fn loses_words(loses: &Loses) -> String {
+    let show = |quantiles: Option<Quantiles>| {
+        let percent = |Quantiles { median, ninety }| format!("{:.1} % ({:.1} %)", 100.0 * median, 100.0 * ninety);
+        quantiles.map_or_else(|| "-".to_owned(), percent)
+    };
+    let Loses { crystals, stopped, contrast, focal_gain, protection } = *loses;
+    format!(
+        "built otherwise than drawn, {crystals} crystals, {stopped} stopped: median loss (90 %) C {}  G {}  Q {}\n",
+        show(contrast),
+        show(focal_gain),
+        show(protection)
+    )
 }
 
 fn remarks(best: &Found) -> String {

@@ -22,13 +22,17 @@ pub fn simulate_as_rig<const D: usize>(
     let mut rig = Rig::new(sample.clone(), laws);
     rig.mirrors.clone_from(&impact.mirrors);
     let mut direction = [0.0; D];
-    direction[D - 1] = 1.0;
     let pulse = impact.pulse;
+    // A load has one direction; the slope makes it longer than its part along the last axis.
+    let slope = if D > 1 { impact.slope } else { 0.0 };
+    let length = (1.0 + slope * slope).sqrt();
+    direction[0] = slope / length;
+    direction[D - 1] = 1.0 / length;
     rig.loads = vec![Load {
         bodies: impact.struck.iter().map(|&i| Body::Sphere(i)).collect(),
         direction,
         kind: LoadKind::Force,
-        curve: Curve::Square { peak: pulse.force, start: 0.0, duration: pulse.duration },
+        curve: Curve::Square { peak: pulse.force * length, start: 0.0, duration: pulse.duration },
     }];
     for &(i, speed) in &impact.moving {
         rig.velocity[i][D - 1] = speed;

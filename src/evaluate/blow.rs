@@ -1,0 +1,174 @@
+//! What strikes a crystal and what is built of a drawing: the members of a set that a layout is judged by.
+
+use crate::dem::{ForcePulse, Impact, Mirror};
+use crate::design::Design;
+use crate::material::Material;
+use crate::sample::{Sample, Sphere};
+
+use super::{Plan, impact};
+
+/// One impact of a set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blow {
+    /// The force on each struck sphere, along the direction of the blow, and how long it lasts.
+    pub pulse: ForcePulse,
+    /// Angle (rad) between the blow and the axis, positive towards +x; below a right angle.
+    pub angle: f64,
+    /// Which spheres of row 1 are struck: those between these two distances from the axis (m), negative to its left. All where
+    /// there is none.
+    pub place: Option<[f64; 2]>,
+}
+
+impl From<ForcePulse> for Blow {
+    fn from(pulse: ForcePulse) -> Self {
+        Self { pulse, angle: 0.0, place: None }
+    }
+}
+
+impl Blow {
+    /// Whether the motion is that of its mirror image, so that one half of the crystal says all.
+    pub fn is_symmetric(&self) -> bool {
+        self.angle == 0.0 && self.place.is_none()
+    }
+}
+
+/// How what is built differs from what is drawn; both halves of the crystal alike.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Flaw {
+    /// The materials, places in the palette, among which a wrong sphere is.
+    pub letters: Vec<u8>,
+    /// Sites, indices, that hold a wrong sphere, and how many places further on in `letters` its material stands.
+    pub wrong: Vec<(usize, u8)>,
+    /// For every site its sphere's radius over the nominal one, at most 1; none where all are nominal.
+    pub radii: Vec<f64>,
+}
+
+impl Flaw {
+    /// The material of a site where the drawing says `drawn`.
+    fn laid(&self, site: usize, drawn: u8) -> u8 {
+        let Some(&(_, shift)) = self.wrong.iter().find(|(wrong, _)| *wrong == site) else { return drawn };
+        let place = self.letters.iter().position(|&letter| letter == drawn);
+        place.map_or(drawn, |place| self.letters[(place + usize::from(shift)) % self.letters.len()])
+    }
+
+    /// What is built where `drawn` is wanted: a material for every site.
+    pub fn built(&self, drawn: &[u8]) -> Vec<u8> {
+        drawn.iter().enumerate().map(|(site, &drawn)| self.laid(site, drawn)).collect()
+    }
+}
+
+/// One member of a set: what strikes, and how what is struck was built.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// The impact.
+    pub blow: Blow,
+    /// What is built otherwise than drawn.
+    pub flaw: Flaw,
+}
+
+impl From<Blow> for Case {
+    fn from(blow: Blow) -> Self {
+        Self { blow, flaw: Flaw::default() }
+    }
+}
+
+impl From<ForcePulse> for Case {
+    fn from(pulse: ForcePulse) -> Self {
+        Blow::from(pulse).into()
+    }
+}
+
+/// The part of a crystal that has to be simulated under a blow: its half, or, where the blow is not symmetric, the whole
+/// between smooth walls at both far sides. Under a symmetric blow the two say the same.
+pub(super) struct Field {
+    /// What strikes it.
+    pub impact: Impact,
+    /// Centre of each sphere (m), and its site in the half.
+    spheres: Vec<([f64; 2], usize)>,
+    /// The one or two spheres that stand on each site of the half and on its image.
+    images: Vec<[usize; 2]>,
+}
+
+impl Field {
+    pub fn new(design: &Design, plan: &Plan, blow: &Blow) -> Self {
+        let lattice = &design.lattice;
+        let sites = lattice.sites();
+        let mut impact = impact(design, plan);
+        impact.pulse = ForcePulse { force: blow.pulse.force * blow.angle.cos(), ..blow.pulse };
+        if blow.is_symmetric() {
+            let spheres = sites.iter().enumerate().map(|(i, site)| ([site.x, site.z], i)).collect();
+            let images = (0..sites.len()).map(|i| [i, i]).collect();
+            return Self { impact, spheres, images };
+        }
+        impact.slope = blow.angle.tan();
+        let mut spheres = Vec::new();
+        let mut first = 0;
+        for row in sites.chunk_by(|a, b| a.row == b.row) {
+            let numbered = || row.iter().zip(first..first + row.len());
+            spheres.extend(numbered().rev().filter(|(site, _)| site.x > 0.0).map(|(site, i)| ([-site.x, site.z], i)));
+            spheres.extend(numbered().map(|(site, i)| ([site.x, site.z], i)));
+            first += row.len();
+        }
+        let mut images = vec![[usize::MAX, 0]; sites.len()];
+        for (k, &(_, site)) in spheres.iter().enumerate() {
+            images[site] = [images[site][0].min(k), k];
+        }
+        let on = |row: u32| {
+            let of: Vec<usize> = (0..spheres.len()).filter(|&k| sites[spheres[k].1].row == row).collect();
+            of
+        };
+        let slack = 1e-9 * lattice.diameter();
+        let is_struck = |&k: &usize| {
+            let x = spheres[k].0[0];
+            blow.place.is_none_or(|[from, to]| (from - slack..=to + slack).contains(&x))
+        };
+        impact.struck = on(1).into_iter().filter(is_struck).collect();
+        impact.exit = on(lattice.rows());
+        impact.mirrors =
+            [-1.0, 1.0].map(|side| Mirror { axis: 0, position: side * lattice.half_width(), inward: -side }).to_vec();
+        Self { impact, spheres, images }
+    }
+
+    /// Whether both halves of the crystal are simulated.
+    pub fn is_whole(&self) -> bool {
+        self.spheres.len() > self.images.len()
+    }
+
+    /// The spheres to simulate where a layout is built with its flaw.
+    pub fn sample(&self, palette: &[Material], diameter: f64, layout: &[u8], flaw: &Flaw) -> Sample<2> {
+        let built = flaw.built(layout);
+        let spheres = self
+            .spheres
+            .iter()
+            .map(|&(centre, site)| Sphere {
+                centre,
+                radius: 0.5 * diameter * flaw.radii.get(site).unwrap_or(&1.0),
+                material: usize::from(built[site]),
+            })
+            .collect();
+        Sample { materials: palette.to_vec(), spheres }
+    }
+
+    /// A number of every sphere to one of every site of the half: the mean of a site and its image.
+    pub fn folded(&self, values: &[f64]) -> Vec<f64> {
+        self.images.iter().map(|&[a, b]| if a == b { values[a] } else { 0.5 * (values[a] + values[b]) }).collect()
+    }
+
+    /// The spheres on a site and on its image.
+    pub fn on(&self, site: usize) -> [usize; 2] {
+        self.images[site]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_sphere_is_of_another_of_the_letters() {
+        let flaw = Flaw { letters: vec![0, 2, 3], wrong: vec![(1, 1), (2, 2), (3, 1)], radii: Vec::new() };
+        // A material that may not be chosen stays.
+        assert_eq!(flaw.built(&[0, 0, 0, 1, 2]), [0, 2, 3, 1, 2]);
+        assert_eq!(flaw.built(&[3, 3, 3, 3, 3]), [3, 0, 2, 0, 3]);
+    }
+}

@@ -1,0 +1,99 @@
+//! What a layout loses where it is not built as drawn.
+
+use std::sync::atomic::AtomicBool;
+
+use serde::{Deserialize, Serialize};
+
+use super::rung::Summary;
+use super::{Entry, Study, StudyError};
+use crate::evaluate::{Evaluator, Flaw, Marks};
+
+/// Losses over crystals that are built with flaws, each a part of what the crystal as drawn has; negative where something is
+/// gained.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Loses {
+    /// How many crystals were built.
+    pub crystals: u64,
+    /// How many of them a guard stopped; these count as having lost all.
+    pub stopped: u64,
+    /// Of C
+    #[serde(rename = "C")]
+    pub contrast: Option<Quantiles>,
+    /// Of G
+    #[serde(rename = "G")]
+    pub focal_gain: Option<Quantiles>,
+    /// Of Q: by how much it rises
+    #[serde(rename = "Q")]
+    pub protection: Option<Quantiles>,
+}
+
+/// Losses that a half and nine tenths of the crystals do not exceed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quantiles {
+    /// Half of them lose no more.
+    pub median: f64,
+    /// Nine tenths of them lose no more.
+    #[serde(rename = "90_percent")]
+    pub ninety: f64,
+}
+
+impl Quantiles {
+    /// The least values that are not below a half and nine tenths of all; none of no value.
+    pub fn of(mut values: Vec<f64>) -> Option<Self> {
+        values.sort_by(f64::total_cmp);
+        let at = |part: f64| values.get((part * values.len() as f64).ceil() as usize - 1).copied();
+        if values.is_empty() { None } else { Some(Self { median: at(0.5)?, ninety: at(0.9)? }) }
+    }
+}
+
+/// Builds a layout with the tolerance's reported crystals and judges each under all impacts; none without a tolerance.
+pub(super) fn evaluate(
+    study: &Study,
+    choice: &[u8],
+    rung: usize,
+    interrupt: &AtomicBool,
+) -> Result<Option<Loses>, StudyError> {
+    let Some(tolerance) = study.tolerance.filter(|tolerance| tolerance.reported > 0) else { return Ok(None) };
+    let mut flaws = vec![Flaw::default()];
+    flaws.extend(study.flaws(1, tolerance.reported));
+    let cases = study.under_each_impact(&flaws);
+    let overrides = study.overrides(rung);
+    let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, interrupt)?;
+    let layout = study.layout(choice).materials;
+    let marks = evaluator.marks(std::slice::from_ref(&layout), interrupt)?.concat();
+    let fabric = study.loom.fabric(&layout);
+    let summary = |marks: &[Marks]| {
+        let entry = Entry::new(String::new(), String::new(), marks);
+        entry.stop.is_none().then(|| Summary::new(study, &entry, fabric))
+    };
+    let mut built = marks.chunks(study.impacts.len()).map(summary);
+    let Some(drawn) = built.next().flatten() else { return Ok(None) };
+    let built: Vec<Option<Summary>> = built.collect();
+    let losses = |score: fn(&Summary) -> Option<f64>, lost: fn(f64) -> f64| {
+        let drawn = score(&drawn)?;
+        // What a guard stopped has lost all.
+        let of = |built: &Option<Summary>| built.as_ref().and_then(score).map_or(1.0, |value| lost(value / drawn));
+        Quantiles::of(built.iter().map(of).collect())
+    };
+    Ok(Some(Loses {
+        crystals: built.len() as u64,
+        stopped: built.iter().filter(|built| built.is_none()).count() as u64,
+        contrast: losses(|summary| summary.contrast, |kept| 1.0 - kept),
+        focal_gain: losses(|summary| summary.focal_gain, |kept| 1.0 - kept),
+        protection: losses(|summary| summary.protection, |kept| kept - 1.0),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Quantiles;
+
+    /// Of ten values the fifth and the ninth; of one that one.
+    #[test]
+    fn quantiles_are_values() {
+        let of = |values: &[f64]| Quantiles::of(values.to_vec()).map(|q| (q.median, q.ninety));
+        assert_eq!(of(&[9.0, 1.0, 8.0, 2.0, 7.0, 3.0, 6.0, 4.0, 5.0, 10.0]), Some((5.0, 9.0)));
+        assert_eq!(of(&[3.0]), Some((3.0, 3.0)));
+        assert_eq!(of(&[]), None);
+    }
+}
