@@ -94,8 +94,8 @@ impl Outline {
         (2.0 * self.half_width()).powi(2)
     }
 
-    /// Points of the outline `inset` inside it, evenly spaced along it, about `apart` from each other.
-    fn points(&self, inset: f64, apart: f64) -> Vec<[f64; 2]> {
+    /// Points of the outline `inset` inside it, evenly spaced along it, about `apart` from each other, a multiple of so many.
+    fn points(&self, inset: f64, apart: f64, multiple: usize) -> Vec<[f64; 2]> {
         let [a, b] = [self.half_width() - inset, self.half_height() - inset];
         // A fine polygon once around, then even steps along it.
         const FINE: usize = 7200;
@@ -118,13 +118,16 @@ impl Outline {
             along.push(along[k] + (q[0] - p[0]).hypot(q[1] - p[1]));
         }
         let length = along[FINE];
-        let count = (length / apart).ceil().max(3.0) as usize;
+        let count = ((length / apart).ceil().max(3.0) as usize).next_multiple_of(multiple);
         (0..count).map(|n| at(along.partition_point(|&s| s < n as f64 * length / count as f64))).collect()
     }
 
-    /// Centres of the disks of its shell, from its centre (d): half a diameter apart, so that no grain finds its way between two.
+    /// Centres of the disks of its shell, from its centre (d): half a diameter apart, so that no grain finds its way between two,
+    /// and each with its mirror image about the upright axis, on which both ends lie.
     pub(crate) fn shell(&self) -> Vec<[f64; 2]> {
-        self.points(0.5 * SHELL, 0.5 * SHELL)
+        let (right, axis): (Vec<_>, Vec<_>) =
+            self.points(0.5 * SHELL, 0.5 * SHELL, 4).into_iter().filter(|p| p[0] > -1e-9).partition(|p| p[0] > 1e-9);
+        axis.iter().map(|p| [0.0, p[1]]).chain(right.iter().flat_map(|&[x, y]| [[x, y], [-x, y]])).collect()
     }
 
     /// Square of the radius of gyration (d²): moment of inertia over mass.
@@ -151,7 +154,7 @@ impl Outline {
                 second / area
             }
             (_, Body::Hollow) => {
-                let ring = self.points(0.5 * SHELL, 0.1);
+                let ring = self.points(0.5 * SHELL, 0.1, 1);
                 ring.iter().map(|[x, y]| x * x + y * y).sum::<f64>() / ring.len() as f64
             }
         }
@@ -189,7 +192,9 @@ impl Intruder {
                 ..Flat::wall("intruder", centre, [0.0, -1.0])
             }),
             Outline::Ellipse { .. } | Outline::Ogive { .. } => {
-                let members = (self.outline.shell().into_iter())
+                // Half a diameter apart, so that no grain finds its way between two.
+                let shell = self.outline.points(0.5 * SHELL, 0.5 * SHELL, 1);
+                let members = (shell.into_iter())
                     .map(|[dx, dy]| add(rig, Disk { centre: [x + dx, centre[1] + dy], diameter: SHELL }))
                     .collect();
                 rig.clusters.push(Cluster {
@@ -224,13 +229,22 @@ mod tests {
             Outline::Ellipse { half_width: 4.0, half_height: 9.0 },
             Outline::Ogive { half_width: 4.0, half_height: 9.0 },
         ] {
-            let points = outline.points(0.5, 0.5);
+            let points = outline.points(0.5, 0.5, 1);
             let extent = |k: usize| points.iter().map(|p| p[k].abs()).fold(0.0, f64::max) + 0.5;
             assert!((extent(0) - 4.0).abs() < 0.02 && (extent(1) - 9.0).abs() < 0.05, "{outline:?}");
             for (k, p) in points.iter().enumerate() {
                 let q = points[(k + 1) % points.len()];
                 assert!((p[0] - q[0]).hypot(p[1] - q[1]) < 0.51, "{outline:?}: no gaps");
             }
+            // A shell is its own mirror image, and its ends lie on the axis.
+            let shell = outline.shell();
+            assert!(shell.iter().all(|p| shell.contains(&[0.0 - p[0], p[1]])), "{outline:?}");
+            assert_eq!(shell.iter().filter(|p| p[0] == 0.0 && (p[1].abs() - 8.5).abs() < 1e-9).count(), 2);
+            let nearest = |p: &[f64; 2]| {
+                let others = shell.iter().filter(|q| *q != p);
+                others.map(|q| (p[0] - q[0]).hypot(p[1] - q[1])).fold(f64::INFINITY, f64::min)
+            };
+            assert!(shell.iter().all(|p| (0.4..0.51).contains(&nearest(p))), "{outline:?}");
         }
     }
 }

@@ -99,6 +99,26 @@ fn an_ogive_hands_over_its_momentum() {
     assert!((impulse / (0.05 * (last(&ogive, "ogive_vz_m_s") - v[0])) - 1.0).abs() < 0.02, "{impulse}");
 }
 
+/// An upright outline on the axis of a symmetric sheet moves straight, and both halves of the sheet alike: to rounding, which the
+/// crystal multiplies by less than a thousand in this time.
+#[test]
+fn an_outline_on_the_axis_moves_straight() {
+    let bench = sheet(&format!(
+        "{HEAD}[crystal]\npacking = \"hexagonal\"\ndiameter = \"6 mm\"\nlayers = 8\nx = [\"-4 D\", \"4 D\"]\nmaterial = \"brass\"\n\
+         [[intruder]]\nname = \"ogive\"\nshape = \"ogive\"\nmaterial = \"440c\"\nhalf_width = \"2 D\"\nhalf_height = \"4 D\"\n\
+         mass = \"50 g\"\nx = \"0 D\"\nvelocity = \"10 m/s\"\nturns = true\n[run]\nwindow = \"80 us\"\n"
+    ));
+    let ran = Ran::of(&bench);
+    let ogive = ran.series("intruders.csv");
+    assert!(last(&ogive, "ogive_vz_m_s") < 9.9);
+    assert!(ogive.column("ogive_vx_m_s").iter().all(|v| v.abs() < 1e-9));
+    let (x, layer, speed) = (ran.spheres("x_m"), ran.spheres("layer"), ran.spheres("max_speed_m_s"));
+    for i in 0..x.len() {
+        let image = (0..x.len()).find(|&j| layer[j] == layer[i] && (x[j] + x[i]).abs() < 1e-9).unwrap();
+        assert!((speed[i] - speed[image]).abs() < 1e-9, "{i}: {} {}", speed[i], speed[image]);
+    }
+}
+
 /// A layout's file in a rig is the lens of its design, half and whole.
 #[test]
 fn a_layout_is_a_pattern() {
