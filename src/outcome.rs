@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 mod traced;
 
-pub use traced::{Front, Traced, TracedRay, TracedSpot};
+pub use traced::{Front, Traced, TracedDecay, TracedRay, TracedSpot};
 
 use crate::dem::Stop;
 use crate::lattice::Site;

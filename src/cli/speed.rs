@@ -1,8 +1,8 @@
 //! `granulens speed`: the closed-form bound of the wave speed.
 
-use granulens::contact::Constants;
+use granulens::contact::{Constants, Pair};
 use granulens::material::find;
-use granulens::wave::{Dimension, bound};
+use granulens::wave::{Dimension, REACHED_ERROR, bound, speed_reached};
 use serde_json::json;
 
 use super::console::{emit, emit_json};
@@ -27,6 +27,9 @@ pub struct Speed {
     /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
     #[arg(long, default_value_t = Constants::Code)]
     constants: Constants,
+    /// Contact force in F_p, from 0.35: the speed to be expected there, beside the bound
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    amplitude: Option<f64>,
 }
 
 impl Speed {
@@ -47,6 +50,20 @@ impl Speed {
             2 => Dimension::Two,
             _ => Dimension::Three,
         };
+        let contact = Pair::new(pair, [0.5 * self.diameter; 2], self.constants);
+        let density = 0.5 * (pair[0].density + pair[1].density);
+        let reached = match self.amplitude {
+            Some(amplitude) => Some((
+                amplitude,
+                speed_reached(&contact, density, amplitude).ok_or_else(|| {
+                    Failure::input_with_help(
+                        format!("--amplitude {amplitude}: contacts stay mostly elastic, and no speed is known"),
+                        "Give the contact force as a multiple of F_p, from 0.35.",
+                    )
+                })?,
+            )),
+            None => None,
+        };
         let bound = bound(dimension, pair, self.diameter, self.constants);
         let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
         let numbers = json!({
@@ -58,6 +75,8 @@ impl Speed {
             "speed_m_s": bound.speed,
             "stiffness_N_m": bound.stiffness,
             "fully_plastic_force_N": bound.plastic_force,
+            "amplitude_F_p": reached.map(|(amplitude, _)| amplitude),
+            "expected_speed_m_s": reached.map(|(_, part)| part * bound.speed),
         });
         write_json(common, &numbers)?;
         if common.json {
@@ -73,6 +92,15 @@ impl Speed {
                 bound.plastic_force,
                 self.constants
             ));
+            if let Some((amplitude, part)) = reached {
+                emit(&format!(
+                    "at {amplitude} F_p, {:.1} N on each contact, a steady wave runs at {:.1} m/s, {part:.3} of the bound \
+                     (to {} %)",
+                    amplitude * bound.plastic_force,
+                    part * bound.speed,
+                    100.0 * REACHED_ERROR
+                ));
+            }
         }
         Ok(())
     }

@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{trace_arrivals, trace_lens};
+use granulens::evaluate::{Overrides, Plan, calibrate, trace_arrivals, trace_lens};
+use granulens::material::Material;
 use granulens::outcome::Traced;
 use granulens::report;
-use granulens::units::Dimension::{Length, Time};
+use granulens::units::Dimension::{Force, Length, Time};
+use granulens::wave::Decay;
 
-use super::console::{emit, emit_json, note};
+use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
 use super::folder::write_file;
 use super::{Common, propose, time};
@@ -29,6 +31,10 @@ pub struct Trace {
     /// Time between wavefronts, such as "20 us" [default: a round time]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     interval: Option<f64>,
+    /// First arrivals of a wave that decays: the uniform crystal of each material is struck first, which takes a part of a second,
+    /// and every site runs at the part of the bound that is reached there
+    #[arg(long)]
+    decay: bool,
 }
 
 impl Trace {
@@ -37,9 +43,14 @@ impl Trace {
         let traced = match &self.layout {
             Some(path) => {
                 let layout = super::compare::read_layout(&design, path)?;
-                trace_arrivals(&design, &layout, self.interval)
+                let decays = self.decays(&design, &layout.palette)?;
+                trace_arrivals(&design, &layout, self.interval, decays.as_deref())
             }
-            None => trace_lens(&design, &propose(&design)?, usize::from(self.rays), self.interval),
+            None => {
+                let lens = propose(&design)?;
+                let decays = self.decays(&design, &lens.palette)?;
+                trace_lens(&design, &lens, usize::from(self.rays), self.interval, decays.as_deref())
+            }
         };
         let picture = report::trace(&traced);
         if let Some(path) = &common.out {
@@ -55,6 +66,31 @@ impl Trace {
             }
         }
         Ok(())
+    }
+}
+
+impl Trace {
+    /// How the wave decays in each material, where that is asked for.
+    fn decays(&self, design: &Design, palette: &[Material]) -> Result<Option<Vec<Decay>>, Failure> {
+        if !self.decay {
+            return Ok(None);
+        }
+        let overrides = Overrides::default();
+        let plan =
+            Plan::new(design, overrides, palette).map_err(|error| Failure::of_plan(design, &overrides, &error))?;
+        let found = calibrate(design, &plan, palette, interrupt())?;
+        let named = found.into_iter().zip(palette).map(|(decay, material)| {
+            decay.ok_or_else(|| {
+                Failure::input_with_help(
+                    format!(
+                        "--decay: the impact sends no wave down a uniform crystal of {}: it is too weak for it, or too strong",
+                        material.name
+                    ),
+                    "Change impact.force or impact.duration, or trace without --decay.",
+                )
+            })
+        });
+        Ok(Some(named.collect::<Result<_, _>>()?))
     }
 }
 
@@ -86,5 +122,16 @@ fn words(traced: &Traced) -> String {
         "first arrival in the focal row: {by_rays}{} by the eikonal equation on the lattice",
         shown(eikonal)
     ));
+    if let Some(decaying) = traced.focal_arrival_decaying {
+        let every = (traced.decays[0].reached.len() / 5).max(1);
+        let told = |k: usize, decay: &granulens::outcome::TracedDecay| {
+            format!("{:.2} in row {} ({})", decay.reached[k], k + 1, Force.show(decay.force[k]))
+        };
+        lines.push(format!("in a wave that decays: {} by the eikonal equation", Time.show(decaying)));
+        for decay in &traced.decays {
+            let rows: Vec<String> = (every / 2..decay.reached.len()).step_by(every).map(|k| told(k, decay)).collect();
+            lines.push(format!("{}: of the bound {}", decay.material, rows.join(", ")));
+        }
+    }
     lines.join("\n")
 }

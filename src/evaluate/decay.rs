@@ -1,16 +1,29 @@
-//! How the design's wave decays in the uniform crystals of its materials.
+//! How an impact's wave decays in the uniform crystals of a palette.
 
 use std::sync::atomic::AtomicBool;
 
-use super::{EvaluateError, Plan, evaluate};
+use super::{EvaluateError, Plan, simulated};
+use crate::contact::Constants;
 use crate::dem::Record;
 use crate::design::Design;
+use crate::lattice::HexagonalSheet;
 use crate::layout::Layout;
 use crate::material::Material;
 use crate::wave::{Decay, Dimension, RowPassage, bound};
 
-/// Simulates the uniform crystal of each material of a palette under the design's impact and fits its decay; none for one whose
-/// wave says nothing of it, see [`Decay::fit`].
+/// Half width of the crystals that are simulated (diameters): across a plane wave all spheres move alike, and mirrors make it as
+/// wide as one likes.
+const HALF_WIDTH: f64 = 1.0;
+
+/// Times that a wave at the bound takes to the last row, for which a crystal is watched: no wave of an impact strong enough for
+/// the bound comes below half of it.
+const CROSSINGS: f64 = 2.5;
+
+/// Simulates the uniform crystal of each material of a palette under the design's impact, as a narrow strip: a few hundred
+/// spheres each, whatever the design's width.
+///
+/// None for a material of which a guard stops the run, since the impact is too strong for it, or in which the wave does not come
+/// to the second row.
 ///
 /// # Errors
 /// See [`EvaluateError`].
@@ -20,18 +33,25 @@ pub fn calibrate(
     palette: &[Material],
     interrupt: &AtomicBool,
 ) -> Result<Vec<Option<Decay>>, EvaluateError> {
+    let lattice = &design.lattice;
+    // A narrower crystal of as many rows is one if the design's is.
+    let Ok(strip) = HexagonalSheet::new(lattice.diameter(), lattice.rows(), HALF_WIDTH) else { return Ok(Vec::new()) };
+    let design = Design { lattice: strip, ..design.clone() };
     palette
         .iter()
         .map(|material| {
-            let layout = Layout::new(design.lattice, vec![material.clone()], |_| 0);
-            Ok(decay(design, material, &evaluate(design, &layout, plan, interrupt)?.record))
+            let layout = Layout::new(strip, vec![material.clone()], |_| 0);
+            let speed = bound(Dimension::Two, [material, material], strip.diameter(), design.constants).speed;
+            let window = CROSSINGS * strip.depth(f64::from(strip.rows())) / speed + design.impact.duration;
+            let plan = Plan { window: window.max(plan.window), ..plan.clone() };
+            let record = simulated(&design, &layout, &plan, interrupt)?;
+            Ok(if record.stop.is_some() { None } else { decay(&strip, material, design.constants, &record) })
         })
         .collect()
 }
 
 /// The decay that the record of a uniform crystal shows, from the means of its rows.
-pub fn decay(design: &Design, material: &Material, record: &Record<2>) -> Option<Decay> {
-    let lattice = &design.lattice;
+pub fn decay(lattice: &HexagonalSheet, material: &Material, constants: Constants, record: &Record<2>) -> Option<Decay> {
     let passage = |row: u32| {
         let start = lattice.index(row, 1)?;
         let sites = start..start + lattice.columns(row) as usize;
@@ -42,6 +62,6 @@ pub fn decay(design: &Design, material: &Material, record: &Record<2>) -> Option
     };
     // A window that ends early leaves the last rows out.
     let rows: Vec<RowPassage> = (1..=lattice.rows()).map_while(passage).collect();
-    let bound = bound(Dimension::Two, [material, material], lattice.diameter(), design.constants).speed;
-    Decay::fit(bound, &rows)
+    let bound = bound(Dimension::Two, [material, material], lattice.diameter(), constants).speed;
+    Decay::measured(bound, &rows)
 }

@@ -1,7 +1,7 @@
 //! What can be guessed of a layout before anything is simulated: how much later the wave comes down on the focus than beside
 //! it, by the speeds that the bound gives.
 
-use super::traced::{eikonal, local_speeds};
+use super::traced::eikonal;
 use crate::design::Design;
 use crate::layout::Layout;
 
@@ -33,8 +33,8 @@ impl Glance {
         let row = target.focus.rows[0].min(target.protect.rows[0]).saturating_sub(1).max(1);
         let sites = lattice.sites();
         let times: Vec<f64> = match self {
-            Self::Eikonal => eikonal(design, layout).at_sites(),
-            Self::Bound => straight_down(layout, &local_speeds(layout, design.constants)),
+            Self::Eikonal => eikonal(design, layout, None).at_sites(),
+            Self::Bound => straight_down(layout, &site_speeds(layout, design.constants, None)),
         };
         let mean = |x: [f64; 2]| {
             let slack = 1e-9 * lattice.diameter();
@@ -86,8 +86,8 @@ mod tests {
             assert!(glance.delay(&design, &host).abs() < 1e-12, "{}", glance.name());
             assert!(glance.delay(&design, &layout) > 1e-6, "{}", glance.name());
         }
-        let speeds = local_speeds(&layout, design.constants);
-        let (straight, first) = (straight_down(&layout, &speeds), eikonal(&design, &layout).at_sites());
+        let speeds = site_speeds(&layout, design.constants, None);
+        let (straight, first) = (straight_down(&layout, &speeds), eikonal(&design, &layout, None).at_sites());
         // The mesh of first arrivals takes speeds between sites as it finds them: two percent.
         assert!(first.iter().zip(&straight).all(|(first, straight)| *first <= 1.02 * straight + 1e-7));
     }

@@ -38,7 +38,7 @@ use crate::design::Design;
 use crate::layout::Layout;
 use crate::score::Scores;
 use crate::units::Dimension::{Length, Time};
-use crate::wave::{self, Dimension, Validity};
+use crate::wave::Validity;
 
 /// One arrangement, simulated and scored.
 #[derive(Clone, Debug)]
@@ -80,6 +80,19 @@ pub fn evaluate(
     plan: &Plan,
     interrupt: &AtomicBool,
 ) -> Result<Evaluation, EvaluateError> {
+    let record = simulated(design, layout, plan, interrupt)?;
+    let scores = Scores::new(&record, &layout.lattice, &design.target);
+    let doubts = Doubts::of(&record, layout, design);
+    Ok(Evaluation { scores, record, doubts })
+}
+
+/// What each sphere of a layout feels under a design's impact.
+fn simulated(
+    design: &Design,
+    layout: &Layout,
+    plan: &Plan,
+    interrupt: &AtomicBool,
+) -> Result<Record<2>, EvaluateError> {
     let (sample, impact) = (layout.sample(), impact(design, plan));
     let friction = design.friction.map(Friction::mindlin);
     let mut record = match friction {
@@ -90,9 +103,7 @@ pub fn evaluate(
         record = simulate_as_rig(&sample, &impact, None, interrupt)?;
         record.missed_contact = Some(met);
     }
-    let scores = Scores::new(&record, &layout.lattice, &design.target);
-    let doubts = Doubts::of(&record, layout, design);
-    Ok(Evaluation { scores, record, doubts })
+    Ok(record)
 }
 
 /// The design's impact: a pulse on row 1, mirrors on both sides, the far end free.
@@ -120,8 +131,7 @@ pub fn impact(design: &Design, plan: &Plan) -> Impact {
 
 /// How strong the impact is for each material: contact force over F_p, and what that means for the wave-speed bound.
 pub fn validity(design: &Design, material: &crate::material::Material) -> Validity {
-    let bound = wave::bound(Dimension::Two, [material, material], design.lattice.diameter(), design.constants);
-    Validity::new(design.impact.force, &bound)
+    Validity::new(design.impact.force, material, design.lattice.diameter(), design.constants)
 }
 
 /// What limits the trust in one run's numbers, as measured on it.

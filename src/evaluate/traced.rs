@@ -1,16 +1,12 @@
 //! What rays and first arrivals say of a design, without a simulation.
 
-use std::collections::HashMap;
-
 use super::proposal;
-use crate::contact::Constants;
 use crate::design::Design;
-use crate::lattice::Site;
 use crate::layout::Layout;
 use crate::lens::Lens;
-use crate::outcome::{FORMAT, Front, Traced, TracedRay, TracedSpot};
+use crate::outcome::{FORMAT, Front, Traced, TracedDecay, TracedRay, TracedSpot};
 use crate::ray::{Eikonal, Spot, Trace, caustic, fan, least_spot, spot, wavefront};
-use crate::wave::{Dimension, mixture_speed};
+use crate::wave::{Decay, site_speeds};
 
 /// Rays behind spots, caustic and wavefronts.
 const FINE: usize = 601;
@@ -19,7 +15,16 @@ const FINE: usize = 601;
 const MESH: u32 = 4;
 
 /// Traces a design's lens with `rays` rays to be drawn; wavefronts every `interval` (s), or at some round time.
-pub fn trace_lens(design: &Design, lens: &Lens, rays: usize, interval: Option<f64>) -> Traced {
+///
+/// With `decays`, one for each material of the lens's palette, first arrivals are those of a wave that decays; rays always run at
+/// the bound.
+pub fn trace_lens(
+    design: &Design,
+    lens: &Lens,
+    rays: usize,
+    interval: Option<f64>,
+    decays: Option<&[Decay]>,
+) -> Traced {
     let optics = lens.optics();
     let fine = fan(&*optics, FINE);
     let latest = fine.iter().filter_map(|trace| trace.path.times.last().copied()).fold(0.0, f64::max);
@@ -36,7 +41,8 @@ pub fn trace_lens(design: &Design, lens: &Lens, rays: usize, interval: Option<f6
     let [depth, end] =
         [design.target.focus.mid_row(), f64::from(design.lattice.rows())].map(|row| design.lattice.depth(row));
     let behind = lens.faces().into_iter().flatten().map(|point| point[1]).fold(0.0, f64::max);
-    let traced = trace_layout(design, &lens.layout(), &times);
+    let layout = lens.layout();
+    let traced = trace_layout(design, &layout, &eikonal(design, &layout, None), decays, |_| times.clone());
     Traced {
         proposal: Some(proposal(design, lens)),
         rays: fan(&*optics, rays).into_iter().map(ray).collect(),
@@ -48,11 +54,19 @@ pub fn trace_lens(design: &Design, lens: &Lens, rays: usize, interval: Option<f6
     }
 }
 
-/// First arrivals in any layout, and where they are at the given times (s).
-fn trace_layout(design: &Design, layout: &Layout, times: &[f64]) -> Traced {
+/// First arrivals in any layout, and where they are at times (s) chosen for the latest of them. `plain` are those by the bound.
+fn trace_layout(
+    design: &Design,
+    layout: &Layout,
+    plain: &Eikonal,
+    decays: Option<&[Decay]>,
+    times: impl Fn(f64) -> Vec<f64>,
+) -> Traced {
     let lattice = &layout.lattice;
-    let eikonal = eikonal(design, layout);
+    let decaying = decays.map(|decays| eikonal(design, layout, Some(decays)));
+    let eikonal = decaying.as_ref().unwrap_or(plain);
     let first_arrival = eikonal.at_sites();
+    let times = times(first_arrival.iter().copied().fold(0.0, f64::max));
     let isochrone = |&time: &f64| {
         let lines = eikonal.isochrone(time).into_iter().map(|piece| piece.to_vec()).collect();
         Front { time, lines }
@@ -61,7 +75,14 @@ fn trace_layout(design: &Design, layout: &Layout, times: &[f64]) -> Traced {
     let mid = design.target.focus.mid_row();
     let sites = lattice.sites();
     let in_middle = focus.iter().filter(|&&site| (f64::from(sites[site].row) - mid).abs() <= 0.5);
-    let first = in_middle.map(|&site| first_arrival[site]).min_by(f64::total_cmp);
+    let middle: Vec<usize> = in_middle.copied().collect();
+    let first = |arrivals: &[f64]| middle.iter().map(|&site| arrivals[site]).min_by(f64::total_cmp);
+    let materials: Vec<String> = layout.palette.iter().map(|material| material.name.clone()).collect();
+    let told = decays.unwrap_or_default().iter().zip(&materials).map(|(decay, material)| TracedDecay {
+        material: material.clone(),
+        reached: decay.speeds().to_vec(),
+        force: decay.forces().to_vec(),
+    });
     Traced {
         format: FORMAT,
         name: design.name.clone(),
@@ -69,7 +90,8 @@ fn trace_layout(design: &Design, layout: &Layout, times: &[f64]) -> Traced {
         diameter: lattice.diameter(),
         half_width: lattice.half_width(),
         target: design.target,
-        materials: layout.palette.iter().map(|material| material.name.clone()).collect(),
+        decays: told.collect(),
+        materials,
         layout: layout.materials.clone(),
         proposal: None,
         rays: Vec::new(),
@@ -77,57 +99,25 @@ fn trace_layout(design: &Design, layout: &Layout, times: &[f64]) -> Traced {
         caustic: Vec::new(),
         spots: [None, None],
         isochrones: times.iter().map(isochrone).collect(),
-        focal_arrival: [None, first],
+        focal_arrival: [None, first(&plain.at_sites())],
+        focal_arrival_decaying: decays.and_then(|_| first(&first_arrival)),
         first_arrival,
         sites,
     }
 }
 
 /// First arrivals in any layout, without rays: nobody knows its faces. Isochrones every `interval` (s), or at some round
-/// time.
-pub fn trace_arrivals(design: &Design, layout: &Layout, interval: Option<f64>) -> Traced {
-    let latest = eikonal(design, layout).at_sites().into_iter().fold(0.0, f64::max);
-    trace_layout(design, layout, &times(interval.unwrap_or_else(|| round(latest / 20.0)), latest))
+/// time. `decays` as for [`trace_lens`], for the layout's palette.
+pub fn trace_arrivals(design: &Design, layout: &Layout, interval: Option<f64>, decays: Option<&[Decay]>) -> Traced {
+    let plain = eikonal(design, layout, None);
+    trace_layout(design, layout, &plain, decays, |latest| {
+        times(interval.unwrap_or_else(|| round(latest / 20.0)), latest)
+    })
 }
 
-pub(super) fn eikonal(design: &Design, layout: &Layout) -> Eikonal {
-    let lattice = &layout.lattice;
-    Eikonal::of_plane_wave(lattice, &local_speeds(layout, design.constants), MESH)
-}
-
-/// Speed at each site: that of a random mixture of what it and its neighbours are made of. A wave is several spheres long
-/// and cannot tell single ones apart.
-pub(super) fn local_speeds(layout: &Layout, constants: Constants) -> Vec<f64> {
-    let lattice = &layout.lattice;
-    let kinds = layout.palette.len();
-    // Few mixtures occur, and each takes some microseconds.
-    let mut known: HashMap<Vec<u32>, f64> = HashMap::new();
-    let mut speed = |counts: Vec<u32>| -> f64 {
-        if let Some(&speed) = known.get(&counts) {
-            return speed;
-        }
-        let whole = f64::from(counts.iter().sum::<u32>());
-        let parts: Vec<_> =
-            layout.palette.iter().zip(&counts).map(|(m, &count)| (m, f64::from(count) / whole)).collect();
-        let speed = mixture_speed(Dimension::Two, &parts, lattice.diameter(), constants);
-        known.insert(counts, speed);
-        speed
-    };
-    let neighbourhood = |site: &Site| {
-        let (row, column) = (i64::from(site.row), i64::from(site.column));
-        // Odd rows begin on the axis, even ones half a diameter off it.
-        let left = if site.row.is_multiple_of(2) { 0 } else { -1 };
-        let around = [(0, 0), (0, -1), (0, 1), (-1, left), (-1, left + 1), (1, left), (1, left + 1)];
-        let mut counts = vec![0; kinds];
-        for (down, across) in around {
-            let place = u32::try_from(row + down).ok().zip(u32::try_from(column + across).ok());
-            if let Some(index) = place.and_then(|(row, column)| lattice.index(row, column)) {
-                counts[usize::from(layout.materials[index])] += 1;
-            }
-        }
-        counts
-    };
-    lattice.sites().iter().map(neighbourhood).map(&mut speed).collect()
+/// First arrivals at the speeds of [`site_speeds`].
+pub(super) fn eikonal(design: &Design, layout: &Layout, decays: Option<&[Decay]>) -> Eikonal {
+    Eikonal::of_plane_wave(&layout.lattice, &site_speeds(layout, design.constants, decays), MESH)
 }
 
 /// The least of 1, 2, 5 times a power of ten that is not below a number.

@@ -9,12 +9,10 @@
 //! - `fraction`: how much of the struck width rays send through a region
 //! - `solve`: the search for the form that sends most
 //! - `proposed`: the lens that was found, and its first-order data
-//! - `decaying`: arrival of a wave that decays on its way
 //! - `unreachable`: why no lens serves a target, and which target near it could be served
 //! - `check`: whether a request makes sense
 
 mod check;
-mod decaying;
 mod equal_time;
 mod family;
 mod form;

@@ -45,9 +45,29 @@ pub struct Traced {
     pub first_arrival: Vec<f64>,
     /// Where the first arrival is at the same times as the wavefronts: unconnected pieces.
     pub isochrones: Vec<Front>,
-    /// First arrival in the middle row of the focal region (s): by rays, where any come there, and by the eikonal equation.
+    /// First arrival in the middle row of the focal region (s): by rays, where any come there, and by the eikonal equation, both
+    /// at the wave-speed bound.
     #[serde(rename = "focal_arrival_s")]
     pub focal_arrival: [Option<f64>; 2],
+    /// The same by the eikonal equation in a wave that decays, where that was asked for; first arrivals and isochrones are
+    /// then those of that wave.
+    #[serde(default, rename = "focal_arrival_decaying_s")]
+    pub focal_arrival_decaying: Option<f64>,
+    /// How the wave decays in the uniform crystal of each material, where that was asked for.
+    #[serde(default)]
+    pub decays: Vec<TracedDecay>,
+}
+
+/// A wave that decays in the uniform crystal of a material, row by row from the struck one on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TracedDecay {
+    /// The material.
+    pub material: String,
+    /// Speed over the wave-speed bound.
+    pub reached: Vec<f64>,
+    /// Greatest force on a contact (N).
+    #[serde(rename = "force_N")]
+    pub force: Vec<f64>,
 }
 
 /// One ray.

@@ -11,7 +11,7 @@
 //! - `page`, `files`: what is written
 //! - `contact_curve`: a contact law as a picture
 //! - `trace`: rays, wavefronts and first arrivals as a picture
-//! - `surface`: a design surface as a picture; `labels`: places for its labels
+//! - `surface`: a design surface as a picture, `surface_page` as a page that answers the pointer; `labels`: places for its labels
 //! - `plain_page`: pictures below some words
 //! - `chart`: lines over a quantity; `bed`: an impact on a granular bed
 //! - `trial`: one simulated rig, from the records in its folder
@@ -32,6 +32,7 @@ mod plain_page;
 mod profiles;
 mod summary;
 mod surface;
+mod surface_page;
 mod svg;
 mod table;
 mod trace;
@@ -42,6 +43,7 @@ pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, write, write_numbers};
 pub use surface::{surface, surface_csv};
+pub use surface_page::surface_page;
 pub use table::table;
 pub use trace::trace;
 pub use trial::{TrialReportError, draw_trial};

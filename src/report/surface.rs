@@ -1,5 +1,5 @@
-//! A design surface as a picture: colours and contour lines of the speed, the media as labelled markers (Burgoyne 2016,
-//! fig. 4.15); and the numbers behind it.
+//! A design surface as a picture: colours and contour lines of a value, the media as labelled markers (Burgoyne 2016, fig. 4.15);
+//! and the numbers behind it.
 
 use std::fmt::Write as _;
 
@@ -8,11 +8,11 @@ use super::crystal::halo;
 use super::digits::{short, significant};
 use super::labels::{Area, Places};
 use super::svg::{Anchor, Shapes, Svg};
-use crate::wave::{Axis, Kind, Node, Point, Surface, contour};
+use crate::wave::{Axis, DISSIPATED_AT, Kind, Node, Point, Setting, Surface, Value, contour};
 
 /// Width and height of the plot, and the place of its upper left corner (px).
-const PLOT: [f64; 2] = [720.0, 520.0];
-const CORNER: [f64; 2] = [78.0, 62.0];
+pub(super) const PLOT: [f64; 2] = [720.0, 520.0];
+pub(super) const CORNER: [f64; 2] = [78.0, 62.0];
 /// Right of the plot: the bar; below it: axis and legend (px).
 const RIGHT: f64 = 104.0;
 const FOOT: f64 = 100.0;
@@ -49,7 +49,7 @@ impl Frame {
 }
 
 /// What stands along an axis, and its unit in SI.
-fn caption(axis: Axis, diameter: f64) -> (String, f64) {
+pub(super) fn caption(axis: Axis, diameter: f64) -> (String, f64) {
     match axis {
         Axis::Stiffness => {
             (format!("stiffness of the plastic contact (MN/m), spheres of {} mm", short(diameter * 1e3)), 1e6)
@@ -57,14 +57,42 @@ fn caption(axis: Axis, diameter: f64) -> (String, f64) {
         Axis::Density => ("mean density (kg/m³)".to_owned(), 1.0),
         Axis::YieldStress => ("yield stress of the softer partner (MPa)".to_owned(), 1e6),
         Axis::Modulus => ("Young's modulus (GPa); dimers: of a uniform medium of the same E*".to_owned(), 1e9),
+        Axis::Radius => ("radius of the spheres (mm)".to_owned(), 1e-3),
         Axis::Amplitude => ("contact force (in F_p, onset of full plasticity)".to_owned(), 1.0),
         Axis::Dimension => ("dimension: 1 chain, 2 hexagonal sheet, 3 close packing".to_owned(), 1.0),
     }
 }
 
+/// A value as it is shown: its title, what stands along the bar, and its unit in SI.
+pub(super) fn shown(setting: &Setting) -> (String, &'static str, f64) {
+    let against = setting.against.as_ref().map_or("", |medium| medium.label.as_str());
+    match setting.value {
+        Value::Speed => ("Wave speed of strong impacts (m/s)".to_owned(), "speed (m/s)", 1.0),
+        Value::SpeedRatio => (format!("Wave speed over that of {against}"), "speed ratio", 1.0),
+        Value::CriticalAngle => {
+            (format!("Critical angle against {against} (degrees)"), "critical angle (°)", 1.0_f64.to_radians())
+        }
+        Value::ImpedanceRatio => (format!("Impedance ρV over that of {against}"), "impedance ratio", 1.0),
+        Value::PlasticForce => ("F_p, onset of full plasticity (N)".to_owned(), "F_p (N)", 1.0),
+        Value::Dissipation => {
+            let amplitude = setting.amplitude.unwrap_or(DISSIPATED_AT);
+            let at = if setting.amplitude.is_some() { String::new() } else { format!(" at {amplitude} F_p") };
+            (format!("Energy that a contact dissipates{at} (mJ)"), "energy (mJ)", 1e-3)
+        }
+    }
+}
+
+/// A value of a medium beside its marker.
+fn named(setting: &Setting, value: f64) -> String {
+    let (_, _, unit) = shown(setting);
+    if setting.value == Value::Speed { format!("{value:.0}") } else { significant(value / unit, 3) }
+}
+
 /// The variables not shown, in words.
 fn fixed(surface: &Surface) -> String {
-    let (setting, shown) = (&surface.setting, |axis| surface.axes.contains(&axis));
+    // What has no influence is as good as shown.
+    let setting = &surface.setting;
+    let shown = |axis| surface.axes.contains(&axis) || !setting.value.depends_on(axis);
     let mut words = Vec::new();
     if !shown(Axis::Dimension) {
         words.push(
@@ -78,7 +106,7 @@ fn fixed(surface: &Surface) -> String {
         Some(stiffness) if !shown(Axis::Stiffness) => {
             words.push(format!("stiffness {} MN/m", short(stiffness / 1e6)));
         }
-        None if !shown(Axis::Stiffness) => {
+        None if !surface.axes.contains(&Axis::Stiffness) => {
             if !shown(Axis::YieldStress) {
                 words.push(format!("yield stress {} MPa", short(setting.material.yield_stress / 1e6)));
             }
@@ -90,7 +118,14 @@ fn fixed(surface: &Surface) -> String {
         _ => {}
     }
     if !shown(Axis::Amplitude) {
-        words.push(setting.amplitude.map_or("bound for strong impacts".to_owned(), |a| format!("at {a} F_p")));
+        words.push(match (setting.amplitude, setting.value) {
+            (Some(amplitude), _) => format!("at {amplitude} F_p"),
+            (None, Value::Dissipation) => format!("at {DISSIPATED_AT} F_p"),
+            (None, _) => "bound for strong impacts".to_owned(),
+        });
+    }
+    if !shown(Axis::Radius) {
+        words.push(format!("spheres of {} mm", short(setting.diameter * 1e3)));
     }
     words.push(format!("constants: {}", setting.constants));
     words.join(", ")
@@ -99,28 +134,38 @@ fn fixed(surface: &Surface) -> String {
 /// The picture.
 pub fn surface(surface: &Surface, points: &[Point]) -> String {
     let frame = Frame::new(surface);
-    let mut svg = Svg::new(CORNER[0] + PLOT[0] + RIGHT, CORNER[1] + PLOT[1] + FOOT, "Design surface of the wave speed");
-    svg.text([CORNER[0], 24.0], 16.0, Anchor::Start, r#"font-weight="bold""#, "Wave speed of strong impacts (m/s)");
+    let mut svg = Svg::new(
+        CORNER[0] + PLOT[0] + RIGHT,
+        CORNER[1] + PLOT[1] + FOOT,
+        &format!("Design surface: {}", surface.setting.value.name().replace('-', " ")),
+    );
+    let (title, bar, unit) = shown(&surface.setting);
+    svg.text([CORNER[0], 24.0], 16.0, Anchor::Start, r#"font-weight="bold""#, &title);
     svg.text([CORNER[0], 45.0], 12.0, Anchor::Start, r##"fill="#555""##, &fixed(surface));
-    // Along an amplitude or a dimension media differ in nothing: on the line that is left there is room for materials only,
+    // Along a radius, an amplitude or a dimension media differ in nothing: on the line that is left there is room for materials only,
     // on the point that is left for none.
-    let room = |kind| match surface.axes.iter().filter(|a| matches!(a, Axis::Amplitude | Axis::Dimension)).count() {
+    let room = |kind| match surface
+        .axes
+        .iter()
+        .filter(|a| matches!(a, Axis::Radius | Axis::Amplitude | Axis::Dimension))
+        .count()
+    {
         0 => true,
         1 => kind == Kind::Uniform,
         _ => false,
     };
-    let mut shown: Vec<&Point> = points.iter().filter(|p| room(p.kind) && frame.holds(p.place)).collect();
+    let mut drawn: Vec<&Point> = points.iter().filter(|p| room(p.kind) && frame.holds(p.place)).collect();
     // The widest markers lie below, so that some of each is seen where they coincide.
-    shown.sort_by_key(|point| [Kind::Engineered, Kind::Dimer, Kind::Uniform].iter().position(|k| *k == point.kind));
+    drawn.sort_by_key(|point| [Kind::Engineered, Kind::Dimer, Kind::Uniform].iter().position(|k| *k == point.kind));
     if let Some([low, high]) = surface.range() {
-        let (low, high) = shown.iter().fold((low, high), |(l, h), point| (l.min(point.speed), h.max(point.speed)));
+        let (low, high) = drawn.iter().fold((low, high), |(l, h), point| (l.min(point.value), h.max(point.value)));
         let scale = Scale::between(low, high);
         fill(&mut svg, surface, &frame, &scale);
         let mut places = Places::new(Area::new(CORNER, PLOT));
-        for point in &shown {
+        for point in &drawn {
             places.keep_clear(frame.at(point.place), MARKER + 2.0);
         }
-        let levels = levels(low, high);
+        let levels: Vec<f64> = levels(low / unit, high / unit).into_iter().map(|level| level * unit).collect();
         let lines: Vec<(f64, Vec<Vec<[f64; 2]>>)> = levels
             .into_iter()
             .map(|level| {
@@ -133,14 +178,14 @@ pub fn surface(surface: &Surface, points: &[Point]) -> String {
             svg.polyline(line, r##"stroke="#fff" stroke-width="2.6" stroke-opacity="0.75""##);
             svg.polyline(line, r##"stroke="#111" stroke-width="1""##);
         }
-        media(&mut svg, &shown, &frame, &scale, &mut places);
+        media(&mut svg, surface, &drawn, &frame, &scale, &mut places);
         for (level, lines) in &lines {
-            name_line(&mut svg, *level, lines, &mut places);
+            name_line(&mut svg, *level / unit, lines, &mut places);
         }
-        scale.bar(&mut svg, [CORNER[0] + PLOT[0] + 22.0, CORNER[1]], PLOT[1], "speed (m/s)", 1.0, [false; 2]);
+        scale.bar(&mut svg, [CORNER[0] + PLOT[0] + 22.0, CORNER[1]], PLOT[1], bar, unit, [false; 2]);
     }
     axes(&mut svg, surface, &frame);
-    legend(&mut svg, points.len() - shown.len());
+    legend(&mut svg, points.len() - drawn.len());
     svg.finish()
 }
 
@@ -207,11 +252,11 @@ fn mark(svg: &mut Svg, kind: Kind, [x, y]: [f64; 2], fill: &str) {
     }
 }
 
-fn media(svg: &mut Svg, points: &[&Point], frame: &Frame, scale: &Scale, places: &mut Places) {
+fn media(svg: &mut Svg, surface: &Surface, points: &[&Point], frame: &Frame, scale: &Scale, places: &mut Places) {
     let named: Vec<_> = points
         .iter()
         .map(|point| {
-            let text = format!("{}: {:.0}", point.label, point.speed);
+            let text = format!("{}: {}", point.label, named(&surface.setting, point.value));
             (frame.at(point.place), places.near(frame.at(point.place), &text, LABEL), text)
         })
         .collect();
@@ -222,7 +267,7 @@ fn media(svg: &mut Svg, points: &[&Point], frame: &Frame, scale: &Scale, places:
         }
     }
     for (point, (at, ..)) in points.iter().zip(&named) {
-        mark(svg, point.kind, *at, &level(scale.level(point.speed)));
+        mark(svg, point.kind, *at, &level(scale.level(point.value)));
     }
     for (_, label, text) in &named {
         halo(svg, label.start, LABEL, Anchor::Start, text);
@@ -315,7 +360,7 @@ fn legend(svg: &mut Svg, beyond: usize) {
     let unseen = if beyond > 0 { format!("; {beyond} more in the table only") } else { String::new() };
     svg.text([x, y], 12.0, Anchor::Start, r##"fill="#555""##, &format!("dimers: contacts all mixed{unseen}"));
     let words =
-        "A marker's colour and number are the medium's own speed (m/s), at its own values of what is not on the axes.";
+        "A marker's colour and number are the medium's own value, at its own values of what is not on the axes.";
     svg.text([CORNER[0], y + 21.0], 12.0, Anchor::Start, r##"fill="#555""##, words);
 }
 
@@ -326,20 +371,21 @@ pub fn surface_csv(surface: &Surface, points: &[Point]) -> String {
         Axis::Density => "density_kg_m3",
         Axis::YieldStress => "yield_stress_Pa",
         Axis::Modulus => "youngs_modulus_Pa",
+        Axis::Radius => "radius_m",
         Axis::Amplitude => "amplitude_F_p",
         Axis::Dimension => "dimension",
     });
-    let mut text = format!("kind,name,{},speed_m_s\n", names.join(","));
+    let mut text = format!("kind,name,{},{}\n", names.join(","), surface.setting.value.column());
     // A dimension's band is two grid lines of one value.
     let once = |nodes: &[Node], k: usize| k == 0 || nodes[k].value != nodes[k - 1].value;
     for (j, y) in surface.nodes[1].iter().enumerate().filter(|(j, _)| once(&surface.nodes[1], *j)) {
         for (i, x) in surface.nodes[0].iter().enumerate().filter(|(i, _)| once(&surface.nodes[0], *i)) {
-            let speed = surface.at(i, j).map_or(String::new(), |speed| speed.to_string());
-            let _ = writeln!(text, "grid,,{},{},{speed}", x.value, y.value);
+            let value = surface.at(i, j).map_or(String::new(), |value| value.to_string());
+            let _ = writeln!(text, "grid,,{},{},{value}", x.value, y.value);
         }
     }
-    for Point { label, kind, place: [x, y], speed } in points {
-        let _ = writeln!(text, "{},\"{}\",{x},{y},{speed}", kind.name(), label.replace('"', "\"\""));
+    for Point { label, kind, place: [x, y], value } in points {
+        let _ = writeln!(text, "{},\"{}\",{x},{y},{value}", kind.name(), label.replace('"', "\"\""));
     }
     text
 }

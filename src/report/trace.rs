@@ -100,12 +100,16 @@ fn legend(svg: &mut Svg, traced: &Traced, top: f64) {
         svg.circle([left, y], 8.0, &format!(r##"fill="{}" stroke="#444" stroke-width="0.5""##, material(k)));
         svg.text([left + 16.0, y + 4.0], 12.0, Anchor::Start, "", name);
     }
+    let first = match traced.decays.is_empty() {
+        true => "first arrival on the lattice, same times",
+        false => "first arrival of a wave that decays, same times",
+    };
     let lines: [(&str, &str, bool); 5] = [
         (FACE, "faces", traced.proposal.is_some()),
         (RAY, "rays by Snell\u{2019}s law", !traced.rays.is_empty()),
         (WAVE, "where they are at equal times", !traced.wavefronts.is_empty()),
         (CAUSTIC, "caustic: where rays crowd", !traced.caustic.is_empty()),
-        (FIRST, "first arrival on the lattice, same times", !traced.isochrones.is_empty()),
+        (FIRST, first, !traced.isochrones.is_empty()),
     ];
     for (k, (style, words, _)) in lines.iter().filter(|line| line.2).enumerate() {
         let (x, y) = (left + 230.0, top + 21.0 * k as f64);

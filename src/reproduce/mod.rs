@@ -21,6 +21,7 @@ mod uniform;
 mod wedge;
 
 pub use table::{list, markdown};
+pub use wedge::Wedge;
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};

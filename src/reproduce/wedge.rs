@@ -10,8 +10,8 @@ use crate::dem::{ForcePulse, Impact, Integrator, Mirror, simulate, steps_in};
 use crate::lattice::HexagonalSheet;
 use crate::layout::Layout;
 use crate::material::Material;
-use crate::sample::Sample;
-use crate::wave::{Dimension, bound};
+use crate::ray::Eikonal;
+use crate::wave::{Decay, Dimension, bound, site_speeds};
 
 /// A wedge of the second material in a sheet of the first: half of it, cut along its axis.
 ///
@@ -21,8 +21,11 @@ use crate::wave::{Dimension, bound};
 ///     |  \            the face goes down from there at `angle` to the rows
 ///     | 2  \          refracted where it has passed the face
 /// ```
-pub(super) struct Wedge {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wedge {
+    /// What the wave comes through, and what it comes into.
     pub materials: [Material; 2],
+    /// Contact law.
     pub law: LawKind,
     /// Between face and rows (rad).
     pub angle: f64,
@@ -38,6 +41,8 @@ const PULSE: f64 = 20e-6;
 const BEHIND: [f64; 2] = [2.5, 9.0];
 /// Which part of the region's median greatest speed counts as arrival.
 const THRESHOLD: f64 = 0.1;
+/// First arrivals are computed on a mesh so many times finer than the lattice.
+const MESH: u32 = 4;
 
 impl Wedge {
     /// Speed of the second over that of the first material, by the bound.
@@ -51,27 +56,74 @@ impl Wedge {
         self.angle - (self.speed_ratio() * self.angle.sin()).asin()
     }
 
-    /// The angle (rad) between the front behind the face and the rows, by a plane through first arrivals.
+    /// The angle (rad) between the front behind the face and the rows, by a plane through simulated first arrivals.
+    ///
+    /// # Errors
+    /// [`RowError`], where no wave comes or a run stops.
     pub fn bend(&self, interrupt: &AtomicBool) -> Result<f64, RowError> {
+        let (layout, region) = (self.layout()?, self.region()?);
+        let times = self.first_arrivals(&layout, &region, interrupt)?;
+        Ok(front(&layout, &region, &times))
+    }
+
+    /// The angle (rad) at which first arrivals on the lattice are computed to come, by the same fit to the same spheres: at the
+    /// wave-speed bound, and with each material's speed as its uniform crystal has it in each row under the same impact.
+    ///
+    /// # Errors
+    /// As of [`Wedge::bend`].
+    pub fn predicted(&self, interrupt: &AtomicBool) -> Result<[f64; 2], RowError> {
+        let (layout, region) = (self.layout()?, self.region()?);
+        let decays = self.decays(layout.lattice.rows(), interrupt)?;
+        Ok([None, Some(&decays[..])].map(|decays| {
+            let speeds = site_speeds(&layout, Constants::Code, decays);
+            let times = Eikonal::of_plane_wave(&layout.lattice, &speeds, MESH).at_sites();
+            front(&layout, &region, &region.iter().map(|&k| times[k]).collect::<Vec<_>>())
+        }))
+    }
+
+    /// How the wave decays in the uniform crystal of either material: in a narrow strip, whose sides are mirrors.
+    fn decays(&self, rows: u32, interrupt: &AtomicBool) -> Result<Vec<Decay>, RowError> {
+        let strip = HexagonalSheet::new(DIAMETER, rows, 1.0)?;
+        let decay = |material: &Material| {
+            let layout = Layout::new(strip, vec![material.clone()], |_| 0);
+            let record = simulate(&layout.sample(), &self.impact(&strip), interrupt)?;
+            if let Some(stop) = record.stop {
+                return Err(stop.into());
+            }
+            crate::evaluate::decay(&strip, material, Constants::Code, &record)
+                .ok_or_else(|| RowError::NoWave(format!("the rows of a uniform crystal of {}", material.name)))
+        };
+        self.materials.iter().map(decay).collect()
+    }
+
+    /// Depth of the face (diameters) at a distance from the axis (diameters).
+    fn face(&self, x: f64) -> f64 {
+        (APEX - 1.0) * 0.75_f64.sqrt() + x * self.angle.tan()
+    }
+
+    fn layout(&self) -> Result<Layout, RowError> {
         // Flat faces need a wider sheet until they have gone as deep.
         let half_width = if self.angle > 0.8 { 20.5 } else { 30.5 };
         let across = half_width * self.angle.tan();
         let rows = (APEX + (across + 8.0) / 0.75_f64.sqrt()).ceil() as u32;
         let sheet = HexagonalSheet::new(DIAMETER, rows, half_width)?;
-        let face = |x: f64| (APEX - 1.0) * 0.75_f64.sqrt() + x * self.angle.tan();
-        let layout = Layout::new(sheet, self.materials.to_vec(), |site| {
-            u8::from(site.z / DIAMETER >= face(site.x / DIAMETER) - 1e-9)
-        });
-        let sample = layout.sample();
+        Ok(Layout::new(sheet, self.materials.to_vec(), |site| {
+            u8::from(site.z / DIAMETER >= self.face(site.x / DIAMETER) - 1e-9)
+        }))
+    }
 
+    /// The spheres whose arrivals are fitted.
+    fn region(&self) -> Result<Vec<usize>, RowError> {
+        let sheet = self.layout()?.lattice;
+        let (sites, half_width) = (sheet.sites(), sheet.half_width() / DIAMETER);
         // Seen along the direction in which Snell's law sends it, the wave of a sphere in the region has come through the
         // middle of the face.
         let direction = [-self.snell().sin(), self.snell().cos()];
         let cosine = -direction[0] * self.angle.sin() + direction[1] * self.angle.cos();
-        let region: Vec<usize> = (0..sample.spheres.len())
+        let region: Vec<usize> = (0..sites.len())
             .filter(|&k| {
-                let [x, z] = sample.spheres[k].centre.map(|c| c / DIAMETER);
-                let behind = (z - face(x)) * self.angle.cos();
+                let [x, z] = [sites[k].x, sites[k].z].map(|c| c / DIAMETER);
+                let behind = (z - self.face(x)) * self.angle.cos();
                 let entered = x - direction[0] * behind / cosine;
                 let low = 0.25 * half_width;
                 (BEHIND[0]..=BEHIND[1]).contains(&behind)
@@ -83,28 +135,19 @@ impl Wedge {
             return Err(RowError::NoWave("a region wide enough for a fit".to_owned()));
         }
 
-        let times = self.first_arrivals(&sample, &sheet, &region, interrupt)?;
-        let places = region.iter().map(|&k| sample.spheres[k].centre);
-        let slope = plane(&places.zip(times).collect::<Vec<_>>());
-        Ok((-slope[0]).atan2(slope[1]))
+        Ok(region)
     }
 
-    fn first_arrivals(
-        &self,
-        sample: &Sample<2>,
-        sheet: &HexagonalSheet,
-        region: &[usize],
-        interrupt: &AtomicBool,
-    ) -> Result<Vec<f64>, RowError> {
+    /// What strikes a sheet of `rows` rows: the first row, mirrors on both sides.
+    fn impact(&self, sheet: &HexagonalSheet) -> Impact {
         let first = &self.materials[0];
         let pair = Pair::new([first, first], [0.5 * DIAMETER; 2], Constants::Code);
         let force = 3.0_f64.sqrt() * self.amplitude * pair.plastic_force();
-        let struck: Vec<usize> = (0..sheet.columns(1) as usize).collect();
         // Half of the slower bound all the way, and some time for the maxima.
         let speed = |m: &Material| bound(Dimension::Two, [m, m], DIAMETER, Constants::Code).speed;
         let slowest = self.materials.iter().map(speed).fold(f64::INFINITY, f64::min);
         let window = 2.0 * sheet.depth(f64::from(sheet.rows())) / slowest + 2.0 * PULSE;
-        let impact = Impact {
+        Impact {
             mirrors: vec![
                 Mirror { axis: 0, position: 0.0, inward: 1.0 },
                 Mirror { axis: 0, position: sheet.half_width(), inward: -1.0 },
@@ -113,14 +156,18 @@ impl Wedge {
             constants: Constants::Code,
             pulse: ForcePulse { force, duration: PULSE },
             slope: 0.0,
-            struck: struck.clone(),
+            struck: (0..sheet.columns(1) as usize).collect(),
             moving: Vec::new(),
             exit: Vec::new(),
             integrator: Integrator::Verlet,
             step: 1e-7,
             window,
-        };
-        let record = simulate(sample, &impact, interrupt)?;
+        }
+    }
+
+    fn first_arrivals(&self, layout: &Layout, region: &[usize], interrupt: &AtomicBool) -> Result<Vec<f64>, RowError> {
+        let (sample, impact) = (layout.sample(), self.impact(&layout.lattice));
+        let record = simulate(&sample, &impact, interrupt)?;
         if let Some(stop) = record.stop {
             return Err(stop.into());
         }
@@ -132,14 +179,14 @@ impl Wedge {
         let mut rig = Rig::new(sample.clone(), LawBook::named(self.law));
         rig.mirrors = impact.mirrors;
         rig.loads.push(Load {
-            bodies: struck.into_iter().map(Body::Sphere).collect(),
+            bodies: impact.struck.iter().copied().map(Body::Sphere).collect(),
             direction: [0.0, 1.0],
             kind: LoadKind::Force,
-            curve: Curve::Square { peak: force, start: 0.0, duration: PULSE },
+            curve: Curve::Square { peak: impact.pulse.force, start: 0.0, duration: PULSE },
         });
         let threshold = Arrival::Speed(THRESHOLD * peaks[peaks.len() / 2]);
         let mut simulation = Simulation::new(rig, impact.step)?.watching(vec![threshold]);
-        for _ in 0..steps_in(window, impact.step).div_ceil(200) {
+        for _ in 0..steps_in(impact.window, impact.step).div_ceil(200) {
             simulation.advance(200, interrupt)?;
             let arrivals = simulation.arrivals(0);
             let times: Option<Vec<f64>> = region.iter().map(|&k| arrivals[k]).collect();
@@ -149,6 +196,14 @@ impl Wedge {
         }
         Err(RowError::NoWave("every sphere behind the interface".to_owned()))
     }
+}
+
+/// The angle (rad) between the rows and the front that comes to a region at these times.
+fn front(layout: &Layout, region: &[usize], times: &[f64]) -> f64 {
+    let sites = layout.lattice.sites();
+    let places = region.iter().map(|&k| [sites[k].x, sites[k].z]);
+    let slope = plane(&places.zip(times.iter().copied()).collect::<Vec<_>>());
+    (-slope[0]).atan2(slope[1])
 }
 
 /// The slope in both directions of the plane through points with values that has the least squares.

@@ -1,4 +1,4 @@
-//! Lines of equal speed on a design surface, by marching squares.
+//! Lines of equal value on a design surface, by marching squares.
 
 use std::collections::HashMap;
 
@@ -7,10 +7,10 @@ use super::{Axis, Surface};
 /// Where a line crosses the grid: on the edge from node (i, j) to the next along x (0) or y (1).
 type Edge = (usize, usize, u8);
 
-/// The lines along which the speed is `level` (m/s), as points in the places of the surface's nodes.
+/// The lines along which the value is `level` (SI), as points in the places of the surface's nodes.
 ///
-/// Between nodes ln V is taken to be linear in the logarithm of a continuous variable. Cells with a corner at which there is
-/// no speed hold no line, and neither do the steps between dimensions.
+/// Between nodes its logarithm is taken to be linear in the logarithm of a continuous variable. Cells with a corner at which there is
+/// no value hold no line, and neither do the steps between dimensions.
 pub fn contour(surface: &Surface, level: f64) -> Vec<Vec<[f64; 2]>> {
     let mut segments: Vec<[Edge; 2]> = Vec::new();
     let width = |nodes: &[super::Node], k: usize| nodes[k + 1].place > nodes[k].place;
@@ -23,7 +23,7 @@ pub fn contour(surface: &Surface, level: f64) -> Vec<Vec<[f64; 2]>> {
             }
             let edges: [(Edge, [f64; 2]); 4] =
                 [((i, j, 0), [a, b]), ((i + 1, j, 1), [b, c]), ((i, j + 1, 0), [d, c]), ((i, j, 1), [a, d])];
-            // A speed that rises or falls along each axis throughout is crossed twice or not at all.
+            // A value that rises or falls along each axis throughout is crossed twice or not at all.
             let crossed: Vec<Edge> =
                 edges.iter().filter(|(_, [p, q])| (*p < level) != (*q < level)).map(|(edge, _)| *edge).collect();
             if let [from, to] = crossed[..] {

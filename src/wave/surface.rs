@@ -1,10 +1,11 @@
-//! Design surfaces: the wave-speed bound over two design variables, and the media as points on it.
+//! Design surfaces: wave speed and what goes with it over two design variables, and the media as points on it.
 //!
-//! The sphere's size is no variable: K is proportional to the radius, so V = A √(3 K/(π R ρ)) does not depend on it.
+//! The sphere's size has no influence on the speed: K is proportional to the radius, so V = A √(3 K/(π R ρ)) does not depend on
+//! it. It has on forces and energies.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{AMPLITUDES, Dimension, Kind, Medium, speed_reached};
+use super::{AMPLITUDES, DISSIPATED_AT, Dimension, Kind, Medium, Value, critical_angle, dissipation, speed_reached};
 use crate::contact::{Constants, Pair};
 use crate::material::Material;
 
@@ -19,6 +20,8 @@ pub enum Axis {
     YieldStress,
     /// E, Young's modulus (Pa); of a dimer that of the uniform medium with the same E*.
     Modulus,
+    /// R (m), the radius of the spheres.
+    Radius,
     /// The contact force in F_p.
     Amplitude,
     /// The dimension of the packing, 1, 2 or 3.
@@ -27,8 +30,15 @@ pub enum Axis {
 
 impl Axis {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Stiffness, Self::Density, Self::YieldStress, Self::Modulus, Self::Amplitude, Self::Dimension];
+    pub const ALL: [Self; 7] = [
+        Self::Stiffness,
+        Self::Density,
+        Self::YieldStress,
+        Self::Modulus,
+        Self::Radius,
+        Self::Amplitude,
+        Self::Dimension,
+    ];
 
     /// The name used on the command line.
     pub fn name(self) -> &'static str {
@@ -37,15 +47,20 @@ impl Axis {
             Self::Density => "density",
             Self::YieldStress => "yield-stress",
             Self::Modulus => "modulus",
+            Self::Radius => "radius",
             Self::Amplitude => "amplitude",
             Self::Dimension => "dimension",
         }
     }
 }
 
-/// Everything on which the speed depends, and the diameter at which K is meant.
+/// What is shown, and everything on which it depends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
+    /// What is shown.
+    pub value: Value,
+    /// What speeds and impedances are compared with; none where nothing is.
+    pub against: Option<Medium>,
     /// Density, modulus, Poisson's ratio and yield stress.
     pub material: Material,
     /// K (N/m); none where it follows from the material.
@@ -54,7 +69,7 @@ pub struct Setting {
     pub dimension: Dimension,
     /// Contact force in F_p; none for the bound itself.
     pub amplitude: Option<f64>,
-    /// Diameter of the spheres (m).
+    /// Diameter of the spheres (m), at which K and forces are meant.
     pub diameter: f64,
     /// The fitted constants of the contact law.
     pub constants: Constants,
@@ -69,6 +84,7 @@ impl Setting {
             Axis::Density => setting.material.density = value,
             Axis::YieldStress => setting.material.yield_stress = value,
             Axis::Modulus => setting.material.youngs_modulus = value,
+            Axis::Radius => setting.diameter = 2.0 * value,
             Axis::Amplitude => setting.amplitude = Some(value),
             // Nodes of this axis are whole numbers.
             Axis::Dimension => {
@@ -80,21 +96,57 @@ impl Setting {
 
     /// V = A g √(3 K/(π R ρ)) (m/s), g the fraction of the bound that is reached at the amplitude, one without it.
     ///
-    /// None where the closed form says nothing: below F_p, and where K follows from a yield stress above a tenth of the
-    /// modulus, past which the contact law was not fitted.
+    /// None where nothing can be said: at less than 0.35 F_p, and where K follows from a yield stress above a tenth of the
+    /// modulus, past which the contact law was not fitted. Where K is given apart from the material, g is that of the material.
     pub fn speed(&self) -> Option<f64> {
-        let radius = 0.5 * self.diameter;
-        let stiffness = match self.stiffness {
-            Some(stiffness) => stiffness,
-            None => {
-                self.material.check().ok()?;
-                Pair::new([&self.material; 2], [radius; 2], self.constants).plastic_stiffness()
-            }
-        };
-        let reached = self.amplitude.map_or(Some(1.0), speed_reached)?;
-        let speed =
-            self.dimension.factor() * reached * (3.0 * stiffness / (PI * radius * self.material.density)).sqrt();
+        if self.stiffness.is_none() {
+            self.material.check().ok()?;
+        }
+        let pair = Pair::new([&self.material; 2], [0.5 * self.diameter; 2], self.constants);
+        self.speed_of(&pair, self.stiffness.unwrap_or_else(|| pair.plastic_stiffness()), self.material.density)
+    }
+
+    fn speed_of(&self, pair: &Pair, stiffness: f64, density: f64) -> Option<f64> {
+        let reached = self.amplitude.map_or(Some(1.0), |amplitude| speed_reached(pair, density, amplitude))?;
+        let chain = (3.0 * stiffness / (PI * 0.5 * self.diameter * density)).sqrt();
+        let speed = self.dimension.factor() * reached * chain;
         speed.is_finite().then_some(speed)
+    }
+
+    /// The value that is shown, in SI; none where nothing can be said.
+    pub fn value(&self) -> Option<f64> {
+        if self.stiffness.is_none() {
+            self.material.check().ok()?;
+        }
+        let pair = Pair::new([&self.material; 2], [0.5 * self.diameter; 2], self.constants);
+        let stiffness = self.stiffness.unwrap_or_else(|| pair.plastic_stiffness());
+        self.value_of(&pair, stiffness, self.material.density)
+    }
+
+    fn value_of(&self, pair: &Pair, stiffness: f64, density: f64) -> Option<f64> {
+        let speed = || self.speed_of(pair, stiffness, density);
+        let other = || {
+            let medium = self.against.as_ref()?;
+            let pair = medium.pair(self.diameter, self.constants);
+            Some((self.speed_of(&pair, pair.plastic_stiffness(), medium.density())?, medium.density()))
+        };
+        Some(match self.value {
+            Value::Speed => speed()?,
+            Value::SpeedRatio => speed()? / other()?.0,
+            Value::CriticalAngle => critical_angle([speed()?, other()?.0]).unwrap_or(FRAC_PI_2),
+            Value::ImpedanceRatio => {
+                let (other_speed, other_density) = other()?;
+                speed()? * density / (other_speed * other_density)
+            }
+            Value::PlasticForce => pair.plastic_force(),
+            Value::Dissipation => dissipation(pair, self.amplitude.unwrap_or(DISSIPATED_AT)),
+        })
+    }
+
+    /// The value of a medium, in SI; none where nothing can be said.
+    pub fn value_of_medium(&self, medium: &Medium) -> Option<f64> {
+        let pair = medium.pair(self.diameter, self.constants);
+        self.value_of(&pair, pair.plastic_stiffness(), medium.density())
     }
 
     /// Where a medium lies on an axis. On those that say nothing of what it is made of, at the setting's own value.
@@ -105,11 +157,15 @@ impl Setting {
             Axis::Density => medium.density(),
             Axis::YieldStress => pair.yield_stress,
             Axis::Modulus => medium.equivalent_modulus(),
-            Axis::Amplitude => self.amplitude.unwrap_or(AMPLITUDES[1]),
+            Axis::Radius => 0.5 * self.diameter,
+            Axis::Amplitude => self.amplitude.unwrap_or(SHOWN_AT),
             Axis::Dimension => f64::from(self.dimension.number()),
         }
     }
 }
+
+/// Where media are shown on an axis of amplitudes (F_p) if no amplitude is given.
+const SHOWN_AT: f64 = 10.0;
 
 /// A medium on a design surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,8 +176,8 @@ pub struct Point {
     pub kind: Kind,
     /// Where it lies, along x and y.
     pub place: [f64; 2],
-    /// Its own speed (m/s), which is the surface's at that place only where the variables not shown are the medium's too.
-    pub speed: f64,
+    /// Its own value (SI), which is the surface's at that place only where the variables not shown are the medium's too.
+    pub value: f64,
 }
 
 /// A grid line of a surface.
@@ -140,6 +196,14 @@ pub enum SurfaceError {
     /// Twice the same variable.
     #[error("both axes are {0}: choose two different ones")]
     Same(&'static str),
+    /// A variable without influence on what is shown.
+    #[error("{value} does not depend on {axis}: choose another axis")]
+    NoInfluence {
+        /// What is shown.
+        value: &'static str,
+        /// The axis.
+        axis: &'static str,
+    },
     /// The stiffness and what it follows from.
     #[error("stiffness follows from {0}, so the two cannot be chosen apart")]
     Follows(&'static str),
@@ -157,16 +221,16 @@ pub enum SurfaceError {
     },
 }
 
-/// The speed over two variables.
+/// A value over two variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// What is along x and along y.
     pub axes: [Axis; 2],
     /// The grid lines along x and along y.
     pub nodes: [Vec<Node>; 2],
-    /// V (m/s) at node i of x and j of y, at j × (number along x) + i; none where the closed form says nothing.
-    pub speed: Vec<Option<f64>>,
-    /// The variables not shown.
+    /// The value (SI) at node i of x and j of y, at j × (number along x) + i; none where nothing can be said.
+    pub values: Vec<Option<f64>>,
+    /// What is shown, and the variables that are no axes.
     pub setting: Setting,
 }
 
@@ -186,6 +250,9 @@ impl Surface {
             return Err(SurfaceError::Same(axes[0].name()));
         }
         let chosen = |axis| axes.contains(&axis);
+        if let Some(axis) = axes.into_iter().find(|axis| !setting.value.depends_on(*axis)) {
+            return Err(SurfaceError::NoInfluence { value: setting.value.name(), axis: axis.name() });
+        }
         for cause in [Axis::YieldStress, Axis::Modulus] {
             if chosen(cause) && (chosen(Axis::Stiffness) || setting.stiffness.is_some()) {
                 return Err(SurfaceError::Follows(cause.name()));
@@ -194,35 +261,38 @@ impl Surface {
         let nodes = [nodes(axes[0], ranges[0], count[0])?, nodes(axes[1], ranges[1], count[1])?];
         let rows = nodes[1].iter().flat_map(|y| {
             let row = setting.with(axes[1], y.value);
-            nodes[0].iter().map(move |x| row.with(axes[0], x.value).speed())
+            nodes[0].iter().map(move |x| row.with(axes[0], x.value).value())
         });
-        let speed = rows.collect();
-        Ok(Self { axes, nodes, speed, setting: setting.clone() })
+        let values = rows.collect();
+        Ok(Self { axes, nodes, values, setting: setting.clone() })
     }
 
-    /// V (m/s) at node i along x and j along y.
+    /// The value (SI) at node i along x and j along y.
     pub fn at(&self, i: usize, j: usize) -> Option<f64> {
-        self.speed.get(j * self.nodes[0].len() + i).copied().flatten()
+        self.values.get(j * self.nodes[0].len() + i).copied().flatten()
     }
 
-    /// The least and greatest speed (m/s); none where there is none at all.
+    /// The least and greatest value (SI); none where there is none at all.
     pub fn range(&self) -> Option<[f64; 2]> {
-        let mut speeds = self.speed.iter().flatten();
-        let first = *speeds.next()?;
-        Some(speeds.fold([first; 2], |[low, high], &v| [low.min(v), high.max(v)]))
+        let mut values = self.values.iter().flatten();
+        let first = *values.next()?;
+        Some(values.fold([first; 2], |[low, high], &v| [low.min(v), high.max(v)]))
     }
 }
 
 /// The media as points on a surface of these axes.
 pub fn points(media: &[Medium], axes: [Axis; 2], setting: &Setting) -> Vec<Point> {
-    let reached = setting.amplitude.map_or(Some(1.0), speed_reached).unwrap_or(f64::NAN);
-    let point = |medium: &Medium| Point {
-        label: medium.label.clone(),
-        kind: medium.kind,
-        place: axes.map(|axis| setting.place(medium, axis)),
-        speed: reached * medium.bound(setting.dimension, setting.diameter, setting.constants).speed,
+    let shown_at = axes.contains(&Axis::Amplitude).then_some(SHOWN_AT);
+    let setting = Setting { amplitude: setting.amplitude.or(shown_at), ..setting.clone() };
+    let point = |medium: &Medium| {
+        Some(Point {
+            label: medium.label.clone(),
+            kind: medium.kind,
+            place: axes.map(|axis| setting.place(medium, axis)),
+            value: setting.value_of_medium(medium)?,
+        })
     };
-    media.iter().map(point).collect()
+    media.iter().filter_map(point).collect()
 }
 
 fn nodes(axis: Axis, [from, to]: [f64; 2], count: usize) -> Result<Vec<Node>, SurfaceError> {
@@ -239,11 +309,11 @@ fn nodes(axis: Axis, [from, to]: [f64; 2], count: usize) -> Result<Vec<Node>, Su
         return fail("the upper end must lie above the lower one");
     }
     if axis == Axis::Amplitude && from < AMPLITUDES[0] {
-        return fail("below 1 F_p contacts stay partly elastic and the bound does not apply");
+        return fail("below 0.35 F_p contacts stay mostly elastic and the bound does not apply");
     }
     let count = count.clamp(2, 2000);
     let step = (to / from).ln() / (count - 1) as f64;
-    // The ends are exact: an amplitude of 1 F_p must not fall below it by round-off.
+    // The ends are exact: the least amplitude must not fall below it by round-off.
     let value = |k: usize| if k + 1 == count { to } else { (from * (step * k as f64).exp()).clamp(from, to) };
     Ok((0..count).map(|k| Node { place: value(k), value: value(k) }).collect())
 }
@@ -256,6 +326,8 @@ mod tests {
 
     fn setting() -> Setting {
         Setting {
+            value: Value::Speed,
+            against: None,
             material: find("440c", &[]).unwrap(),
             stiffness: None,
             dimension: Dimension::One,
@@ -271,6 +343,7 @@ mod tests {
             Axis::Density => [2e3, 2e4],
             Axis::YieldStress => [1e8, 4e9],
             Axis::Modulus => [5e10, 7e11],
+            Axis::Radius => [1e-3, 1e-2],
             Axis::Amplitude => [1.0, 17.0],
             Axis::Dimension => [1.0, 3.0],
         }
@@ -285,7 +358,7 @@ mod tests {
     #[test]
     fn every_node_of_every_surface_is_the_closed_form() {
         let surfaces = every_pair();
-        // 6 × 6 less six equal ones, and stiffness with yield stress or modulus, either way round.
+        // 6 × 6, without the radius, less six equal ones, and stiffness with yield stress or modulus, either way round.
         assert_eq!(surfaces.len(), 26);
         for surface in surfaces {
             for (j, y) in surface.nodes[1].iter().enumerate() {
@@ -302,7 +375,9 @@ mod tests {
                     let factor = factor[value(Axis::Dimension).unwrap_or(1.0) as usize - 1];
                     let own = bound(Dimension::One, [&material; 2], 6.35e-3, Constants::Code);
                     let stiff = value(Axis::Stiffness).map_or(1.0, |k| (k / own.stiffness).sqrt());
-                    let reached = value(Axis::Amplitude).map_or(1.0, |a| speed_reached(a).unwrap());
+                    let pair = Pair::new([&material; 2], [3.175e-3; 2], Constants::Code);
+                    let reached =
+                        value(Axis::Amplitude).map_or(1.0, |a| speed_reached(&pair, material.density, a).unwrap());
                     match surface.at(i, j) {
                         Some(speed) => assert!((speed / (own.speed * factor * stiff * reached) - 1.0).abs() < 1e-12),
                         None => assert!(material.yield_stress >= material.youngs_modulus / 10.0),
@@ -361,11 +436,11 @@ mod tests {
     fn media_lie_on_the_surface_of_stiffness_and_density() {
         let media = Medium::all(&library());
         for dimension in Dimension::ALL {
-            let setting = Setting { dimension, amplitude: Some(3.0), ..setting() };
+            let setting = Setting { dimension, ..setting() };
             for point in points(&media, [Axis::Stiffness, Axis::Density], &setting) {
                 let there =
                     setting.with(Axis::Stiffness, point.place[0]).with(Axis::Density, point.place[1]).speed().unwrap();
-                assert!((there / point.speed - 1.0).abs() < 1e-12);
+                assert!((there / point.value - 1.0).abs() < 1e-12);
             }
         }
     }
@@ -381,7 +456,7 @@ mod tests {
         let fixed = setting().with(Axis::Stiffness, 1e7);
         assert!(refused([Axis::YieldStress, Axis::Density], [[1e8, 1e9], density], &fixed).contains("yield-stress"));
         let axes = [Axis::Amplitude, Axis::Density];
-        assert!(refused(axes, [[0.5, 5.0], density], &setting()).contains("below 1 F_p"));
+        assert!(refused(axes, [[0.3, 5.0], density], &setting()).contains("below 0.35 F_p"));
         for bad in [[1.0, f64::NAN], [-1.0, 1.0], [2.0, 1.0], [3.0, 3.0]] {
             assert!(Surface::new(axes, [[1.0, 9.0], bad], [3, 3], &setting()).is_err());
         }

@@ -3,6 +3,7 @@
 //! `tests/data/` holds solutions computed by an implementation written separately from this one; each file explains
 //! itself in its header.
 
+mod amplitude;
 mod chain;
 mod claims;
 mod collision;

@@ -7,7 +7,7 @@ use granulens::contact::Constants;
 use granulens::material::{Material, MaterialError, find, library};
 use granulens::report;
 use granulens::units::Dimension as Unit;
-use granulens::wave::{self, Axis, Dimension, Kind, Medium, Point, Setting, Surface as Grid};
+use granulens::wave::{self, Axis, Dimension, Kind, Medium, Point, Setting, Surface as Grid, Value};
 
 use super::console::{emit_json, note};
 use super::failure::Failure;
@@ -15,18 +15,26 @@ use super::folder::{probe, write_file};
 use super::{Common, length};
 use tables::{grid_json, list};
 
-const AXES: [&str; 6] = ["stiffness", "density", "yield-stress", "modulus", "amplitude", "dimension"];
+const AXES: [&str; 7] = ["stiffness", "density", "yield-stress", "modulus", "radius", "amplitude", "dimension"];
 
 /// Grid lines along each axis of a picture.
 const GRID: [usize; 2] = [97, 73];
 
-/// Draw the wave speed over design variables, or find the materials that give a speed
+/// Draw the wave speed, or what goes with it, over design variables, or find the materials that give a speed
 ///
 /// With --out FILE.svg, the surface is drawn with the materials, their dimers and engineered spheres on it, and the numbers
-/// behind it go to FILE.csv. Without, the media are listed. Radius is no axis: the speed does not depend on it. Materials
-/// have no prices here: what is found is listed lightest first.
+/// behind it go to FILE.csv; --out FILE.html makes it a page that shows the numbers under the pointer. Without, the media are
+/// listed. What is found is listed lightest first or, with --sort price and prices in the file of --materials, cheapest
+/// first.
 #[derive(clap::Args)]
 pub struct Surface {
+    /// What is shown; ratios, impedances and angles are against --against
+    #[arg(long, value_name = "VALUE", default_value = "speed")]
+    #[arg(value_parser = PossibleValuesParser::new(Value::ALL.map(Value::name)))]
+    value: String,
+    /// Material that ratios and critical angles are against [default: that of --material]
+    #[arg(long, value_name = "NAME")]
+    against: Option<String>,
     /// What is along x
     #[arg(long, value_name = "AXIS", default_value = "stiffness", value_parser = axis_names())]
     x: String,
@@ -54,7 +62,7 @@ pub struct Surface {
     /// Stiffness of the plastic contact, such as "30 MN/m", in place of that of yield stress and modulus
     #[arg(long, value_name = "STIFFNESS", allow_hyphen_values = true)]
     stiffness: Option<String>,
-    /// Contact force in F_p, from 1: the picture then shows the speed to be expected, not the bound
+    /// Contact force in F_p, from 0.35: speeds are then those to be expected, to 1 %, not the bound
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["ratios", "find_speed", "find_ratio"])]
     amplitude: Option<f64>,
@@ -91,19 +99,13 @@ pub struct Surface {
     tolerance: String,
 }
 
-fn axis_names() -> impl clap::builder::TypedValueParser<Value = String> {
-    // Known to the parser so that it can be refused with its reason rather than as a misspelling.
-    let hidden = clap::builder::PossibleValue::new("radius").hide(true);
-    PossibleValuesParser::new(AXES.map(clap::builder::PossibleValue::new).into_iter().chain([hidden]))
+fn axis_names() -> PossibleValuesParser {
+    PossibleValuesParser::new(AXES)
 }
 
-fn axis(option: &str, name: &str) -> Result<Axis, Failure> {
-    Axis::ALL.into_iter().find(|axis| axis.name() == name).ok_or_else(|| {
-        Failure::input_with_help(
-            format!("--{option} radius: the radius is no influence"),
-            "The contact's stiffness grows with the radius as the mass per length does, and the speed stays the same.",
-        )
-    })
+/// The axis of that name, which the parser knows.
+fn axis(name: &str) -> Axis {
+    Axis::ALL.into_iter().find(|axis| axis.name() == name).unwrap_or(Axis::Density)
 }
 
 fn unit(axis: Axis) -> Option<Unit> {
@@ -111,6 +113,7 @@ fn unit(axis: Axis) -> Option<Unit> {
         Axis::Stiffness => Some(Unit::Stiffness),
         Axis::Density => Some(Unit::Density),
         Axis::YieldStress | Axis::Modulus => Some(Unit::Pressure),
+        Axis::Radius => Some(Unit::Length),
         Axis::Amplitude | Axis::Dimension => None,
     }
 }
@@ -154,16 +157,21 @@ impl Surface {
             note(common, "draw the surface with --out FILE.svg");
             return Ok(());
         };
-        if out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+        let ends_in = |wanted: &str| out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted));
+        if !(ends_in("svg") || ends_in("html")) {
             return Err(Failure::input_with_help(
-                format!("--out {}: the surface is drawn as SVG only", out.display()),
-                "Let the name end in .svg; the numbers go to a .csv beside it.",
+                format!("--out {}: the surface is drawn as SVG or as a page", out.display()),
+                "Let the name end in .svg or .html; the numbers go to a .csv beside it.",
             ));
         }
         let table = out.with_extension("csv");
         probe(Some(&table))?;
         let (grid, points) = self.grid(&media, &setting)?;
-        write_file(out, &report::surface(&grid, &points))?;
+        let drawn = match ends_in("html") {
+            true => report::surface_page(&grid, &points)?,
+            false => report::surface(&grid, &points),
+        };
+        write_file(out, &drawn)?;
         write_file(&table, &report::surface_csv(&grid, &points))?;
         if common.json {
             emit_json(&grid_json(&grid, &points));
@@ -174,7 +182,7 @@ impl Surface {
 
     /// The variables that are not shown.
     fn setting(&self) -> Result<Setting, Failure> {
-        let mut material = find(&self.material, &[])?;
+        let mut material = self.known(&self.material)?;
         let given = |option: &str, axis: Axis, text: &Option<String>| {
             if text.is_some() && [&self.x, &self.y].into_iter().any(|shown| shown == axis.name()) {
                 return Err(Failure::input(format!("--{option} is given, and is an axis too: leave one of them out")));
@@ -205,12 +213,17 @@ impl Surface {
         {
             return Err(Failure::input_with_help(
                 format!(
-                    "--amplitude {amplitude}: below 1 F_p contacts stay partly elastic and the bound does not apply"
+                    "--amplitude {amplitude}: below {} F_p contacts stay mostly elastic and the bound does not apply",
+                    wave::AMPLITUDES[0]
                 ),
-                "Give the contact force as a multiple of F_p, from 1.",
+                "Give the contact force as a multiple of F_p, from 0.35.",
             ));
         }
+        let value = Value::ALL.into_iter().find(|value| value.name() == self.value).unwrap_or_default();
+        let against = self.against.as_deref().unwrap_or(&self.material);
         Ok(Setting {
+            value,
+            against: Some(Medium::uniform(&self.known(against)?)),
             material,
             stiffness,
             dimension: Dimension::from_number(self.dimension).unwrap_or(Dimension::One),
@@ -218,6 +231,11 @@ impl Surface {
             diameter: self.diameter,
             constants: self.constants,
         })
+    }
+
+    /// A material by its name: of the library, or of the file of --materials.
+    fn known(&self, name: &str) -> Result<Material, Failure> {
+        Ok(find(name, &[])?)
     }
 
     /// The library's materials and dimers, and the engineered spheres asked for: without any, the published ones.
@@ -261,7 +279,7 @@ impl Surface {
     }
 
     fn grid(&self, media: &[Medium], setting: &Setting) -> Result<(Grid, Vec<Point>), Failure> {
-        let axes = [axis("x", &self.x)?, axis("y", &self.y)?];
+        let axes = [axis(&self.x), axis(&self.y)];
         let points = wave::points(media, axes, setting);
         let range = |k: usize, option: &str, text: &Option<String>| -> Result<[f64; 2], Failure> {
             if let Some(text) = text {
@@ -270,8 +288,11 @@ impl Surface {
                 })?;
                 return Ok([quantity(option, unit(axes[k]), from)?, quantity(option, unit(axes[k]), to)?]);
             }
-            if axes[k] == Axis::Amplitude {
-                return Ok(wave::AMPLITUDES);
+            match axes[k] {
+                Axis::Amplitude => return Ok(wave::AMPLITUDES),
+                // From an eighth to eight times the diameter.
+                Axis::Radius => return Ok([setting.diameter / 16.0, 4.0 * setting.diameter]),
+                _ => {}
             }
             // A margin in which labels find room.
             let places = points.iter().map(|point| point.place[k]);
@@ -282,7 +303,7 @@ impl Surface {
         let grid = Grid::new(axes, ranges, GRID, setting).map_err(|error| Failure::input(error.to_string()))?;
         if grid.range().is_none() {
             return Err(Failure::input_with_help(
-                "the closed form gives no speed anywhere on this surface",
+                "nothing can be said anywhere on this surface",
                 "The yield stress must be below a tenth of the modulus, where the contact law's fit ends.",
             ));
         }

@@ -140,15 +140,16 @@ fn pair_json(media: &[Medium], pair: &Interface) -> Value {
 /// The numbers of a picture.
 pub fn grid_json(grid: &Grid, points: &[Point]) -> Value {
     let values = |k: usize| grid.nodes[k].iter().map(|node| node.value).collect::<Vec<_>>();
+    let column = grid.setting.value.column();
     let points: Vec<Value> = points
         .iter()
-        .map(|p| json!({ "label": p.label, "kind": p.kind.name(), "x": p.place[0], "y": p.place[1], "speed_m_s": p.speed }))
+        .map(|p| json!({ "label": p.label, "kind": p.kind.name(), "x": p.place[0], "y": p.place[1], column: p.value }))
         .collect();
     json!({
         "format": granulens::outcome::FORMAT,
         "x": { "axis": grid.axes[0].name(), "values": values(0) },
         "y": { "axis": grid.axes[1].name(), "values": values(1) },
-        "speed_m_s": grid.speed,
+        column: grid.values,
         "points": points,
     })
 }
