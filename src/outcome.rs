@@ -144,6 +144,10 @@ pub struct Proposal {
     /// Mass of everything but the host in the whole piece (kg).
     #[serde(rename = "mass_kg")]
     pub mass: f64,
+    /// What the spheres of the whole piece cost, host included, in the currency of the design's prices; none where a price is
+    /// missing.
+    #[serde(default)]
+    pub cost: Option<f64>,
     /// Earliest and latest time (s) at which rays come to the middle row of the focal region within it.
     #[serde(rename = "arrival_s")]
     pub arrival: Option<[f64; 2]>,

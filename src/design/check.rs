@@ -1,9 +1,10 @@
 //! From the file as written to the checked design, section by section in the order of the file.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::file::{CompareFile, CrystalFile, DesignFile, EXAMPLES, ImpactFile, RunFile};
-use super::{Accuracy, Design, DesignError, lens, region, threshold};
+use super::{Accuracy, Design, DesignError, lens, prices, region, threshold};
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
 use crate::dem::Integrator;
@@ -57,6 +58,10 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         Some((_, sections)) => document::materials(source, sections)?,
         None => Vec::new(),
     };
+    let prices = match top.section("prices", &file.prices) {
+        Some(section) => prices::read(&section, &own_materials)?,
+        None => BTreeMap::new(),
+    };
     let crystal = top.required_section(
         "crystal",
         &file.crystal,
@@ -93,6 +98,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         lattice: crystal.lattice,
         host: crystal.host,
         own_materials,
+        prices,
         law: crystal.law,
         friction: crystal.friction,
         constants: crystal.constants,

@@ -3,6 +3,7 @@
 //! Every key is optional here and every value may be anything, so that what is missing or of the wrong type is reported
 //! by the check, in the same words as everything else. Only unknown keys and values in the place of sections are found here.
 
+use super::prices::PricesFile;
 use crate::document::{OwnMaterials, Section, Written, section};
 
 #[derive(serde::Deserialize)]
@@ -19,6 +20,7 @@ pub(super) struct DesignFile {
     pub compare: Section<CompareFile>,
     pub thresholds: Section<ThresholdsFile>,
     pub materials: Section<OwnMaterials>,
+    pub prices: Section<PricesFile>,
 }
 
 section!(CrystalFile: Written { packing, diameter, rows, half_width, sides, host, law, constants, friction });

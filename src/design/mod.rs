@@ -4,14 +4,16 @@
 //! out. Whatever can be wrong with a file by itself is found here, in one step; after that nothing re-checks. What only
 //! physics can tell (a lens that cannot reach its focus, a step above the stability limit) is found by those who know it.
 //!
-//! - `file`: as written; `check`: as checked, with `region`, `lens` and `threshold` for their sections
+//! - `file`: as written; `check`: as checked, with `region`, `lens`, `prices` and `threshold` for their sections
 
 mod check;
 mod file;
 mod lens;
+mod prices;
 mod region;
 mod threshold;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +45,8 @@ pub struct Design {
     pub host: Material,
     /// Materials described in the file itself, in order of name. None has the name or alias of a library material.
     pub own_materials: Vec<Material>,
+    /// Prices of a kilogram by the material's name, in one currency that the file does not name.
+    pub prices: BTreeMap<String, f64>,
     /// Contact law.
     pub law: LawKind,
     /// Set of fitted constants of the law.

@@ -117,18 +117,20 @@ pub fn propose(
     problem.others = request.others.iter().map(speed).collect();
     let evaluate = |shape| Lens::evaluate(&problem, shape, host, request, target, constants);
     let needs_radius = request.family.radius().is_some();
-    let shape = match (request.apex_row, request.back_row, request.radius) {
+    let given = match (request.apex_row, request.back_row, request.radius) {
         (Some(apex_row), Some(back_row), Some(radius)) if needs_radius => Some(Shape { apex_row, back_row, radius }),
-        // With its rows given, only the side of a prism's edge is open.
-        (Some(_), Some(_), _) if !needs_radius => problem.best(Grid::fine(request.family)).map(|best| best.shape),
-        _ => problem
-            .best(Grid::fine(request.family))
-            .filter(|best| problem.gains(best) && problem.may_gain())
-            .map(|best| best.shape),
+        _ => None,
     };
-    shape
-        .and_then(evaluate)
-        .ok_or_else(|| LensError::Unreachable(Box::new(Unreachable::explain(&problem, &request.material.name))))
+    // What cannot gather needs no fine search to say so.
+    let fine = given.is_none() && (problem.may_gain() || !needs_radius);
+    let best = fine.then(|| problem.best(Grid::fine(request.family))).flatten();
+    let shape = match (request.apex_row, request.back_row) {
+        // With its rows given, only the side of a prism's edge is open.
+        (Some(_), Some(_)) if !needs_radius => best.map(|best| best.shape),
+        _ => given.or(best.filter(|best| problem.gains(best) && problem.may_gain()).map(|best| best.shape)),
+    };
+    let unreachable = || Box::new(Unreachable::explain(&problem, &request.material.name, best));
+    shape.and_then(evaluate).ok_or_else(|| LensError::Unreachable(unreachable()))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The lens that was found: its data of first order, its sites, its rays.
 
+use std::collections::BTreeMap;
+
 use super::form::{Form, Surrounds};
 use super::fraction::{passing, without};
 use super::graded::fractions;
@@ -84,6 +86,16 @@ pub struct FirstOrder {
     /// How many times more rays pass the focal region than without a lens, less what faces reflect: the fraction's gain times
     /// 4 Z Z′/(Z + Z′)² for each of two faces, Z = ρ V. It knows nothing of decay, which in metals outweighs it.
     pub gain: Option<f64>,
+}
+
+impl FirstOrder {
+    /// What the spheres of the whole piece cost, host included, of a `diameter` (m) and at `prices` of a kilogram by the material's
+    /// name; none where the price of a material that occurs is missing.
+    pub fn cost(&self, palette: &[Material], diameter: f64, prices: &BTreeMap<String, f64>) -> Option<f64> {
+        let used = palette.iter().zip(&self.counts).filter(|(_, count)| **count > 0);
+        used.map(|(material, &count)| Some(count as f64 * material.sphere_mass(diameter) * prices.get(&material.name)?))
+            .sum()
+    }
 }
 
 impl Lens {

@@ -4,6 +4,9 @@
 //! radius, because its range is finite), and the best of good pairs are refined by golden section. Deep crystals are first
 //! searched at every k-th row.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::goldensectionsearch::GoldenSectionSearch;
 
@@ -242,7 +245,14 @@ impl<'a> Problem<'a> {
             true => Rays::Fan(Fan::new(count, self.max_angle, self.speeds)),
             false => Rays::Traced(count),
         };
-        Search { problem: self, scan_rays: rays(grid.scan_rays), rays: rays(grid.rays), grid }.run()
+        Search {
+            problem: self,
+            scan_rays: rays(grid.scan_rays),
+            rays: rays(grid.rays),
+            grid,
+            known: RefCell::default(),
+        }
+        .run()
     }
 }
 
@@ -252,6 +262,8 @@ struct Search<'a> {
     scan_rays: Rays,
     rays: Rays,
     grid: Grid,
+    /// Fractions that have been found by `rays`, by rows and the bits of the curvature: neighbourhoods overlap.
+    known: RefCell<HashMap<([u32; 2], u64), f64>>,
 }
 
 /// By what rays are followed.
@@ -283,7 +295,13 @@ struct Scan {
 
 impl Search<'_> {
     fn fraction(&self, rows: [u32; 2], curvature: f64) -> f64 {
-        self.fraction_by(&self.rays, rows, curvature)
+        let key = (rows, curvature.to_bits());
+        if let Some(&fraction) = self.known.borrow().get(&key) {
+            return fraction;
+        }
+        let fraction = self.fraction_by(&self.rays, rows, curvature);
+        self.known.borrow_mut().insert(key, fraction);
+        fraction
     }
 
     fn fraction_by(&self, rays: &Rays, [apex_row, back_row]: [u32; 2], curvature: f64) -> f64 {

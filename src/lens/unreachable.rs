@@ -125,9 +125,9 @@ const STEEPEST: f64 = 89.0;
 const FASTEST: f64 = 10.0;
 
 impl Unreachable {
-    /// Finds out why, by relaxing one limit after the other.
-    pub(super) fn explain(problem: &Problem, material: &str) -> Self {
-        let best = problem.best(Grid::fine(problem.family));
+    /// Finds out why, by relaxing one limit after the other. `best` is the best lens that was found, where one was sought.
+    pub(super) fn explain(problem: &Problem, material: &str, best: Option<Candidate>) -> Self {
+        let best = best.or_else(|| problem.best(Grid::coarse(problem.family)));
         let comparable = problem.may_gain();
         Self {
             family: problem.family,

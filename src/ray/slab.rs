@@ -33,7 +33,8 @@ impl<F: Fn(f64) -> f64 + Send + Sync> Slab<F> {
     /// x, p and time along z: their derivatives.
     fn along(&self, [x, p, _]: [f64; 3], q: f64) -> [f64; 3] {
         let step = 1e-5 * self.half_width;
-        let at = |x: f64| (self.slowness)(fold(x, self.half_width));
+        let inside = 0.0..=self.half_width;
+        let at = |x: f64| (self.slowness)(if inside.contains(&x) { x } else { fold(x, self.half_width) });
         let s = at(x);
         let change = (at(x + step) - at(x - step)) / (2.0 * step);
         [p / q, s * change / q, s * s / q]

@@ -176,6 +176,12 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
         pair("Spheres that are not of the host", format!("{} in the simulated half", proposal.spheres)),
         pair("Their mass, both halves", Dimension::Mass.show(proposal.mass)),
         pair(
+            "Cost of all spheres, both halves",
+            proposal.cost.map_or("no prices given".to_owned(), |cost| {
+                format!("{} (currency of [prices])", significant(cost, 4))
+            }),
+        ),
+        pair(
             "Struck width whose rays reach the focal region",
             format!("{} with the lens, {} straight on", percent(proposal.fraction), percent(proposal.fraction_without)),
         ),

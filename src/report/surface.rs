@@ -159,8 +159,8 @@ pub fn surface(surface: &Surface, points: &[Point]) -> String {
     drawn.sort_by_key(|point| [Kind::Engineered, Kind::Dimer, Kind::Uniform].iter().position(|k| *k == point.kind));
     if let Some([low, high]) = surface.range() {
         let (low, high) = drawn.iter().fold((low, high), |(l, h), point| (l.min(point.value), h.max(point.value)));
-        let scale = Scale::between(low, high);
-        fill(&mut svg, surface, &frame, &scale);
+        let scale = Scale::between(low / unit, high / unit);
+        fill(&mut svg, surface, &frame, &scale, unit);
         let mut places = Places::new(Area::new(CORNER, PLOT));
         for point in &drawn {
             places.keep_clear(frame.at(point.place), MARKER + 2.0);
@@ -182,16 +182,20 @@ pub fn surface(surface: &Surface, points: &[Point]) -> String {
         for (level, lines) in &lines {
             name_line(&mut svg, *level / unit, lines, &mut places);
         }
-        scale.bar(&mut svg, [CORNER[0] + PLOT[0] + 22.0, CORNER[1]], PLOT[1], bar, unit, [false; 2]);
+        scale.bar(&mut svg, [CORNER[0] + PLOT[0] + 22.0, CORNER[1]], PLOT[1], bar, 1.0, [false; 2]);
     }
     axes(&mut svg, surface, &frame);
     legend(&mut svg, points.len() - drawn.len());
     svg.finish()
 }
 
-/// Round levels, some ten of them.
+/// Round levels, some ten of them, twenty over many decades.
 fn levels(low: f64, high: f64) -> Vec<f64> {
-    let steps: &[f64] = if high > 4.0 * low {
+    let steps: &[f64] = if high > 1e5 * low {
+        &[1.0]
+    } else if high > 1e3 * low {
+        &[1.0, 2.0, 5.0]
+    } else if high > 4.0 * low {
         &[1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0]
     } else {
         let step = super::colour::round_up((high - low).max(1e-9 * high) / 12.0);
@@ -204,14 +208,14 @@ fn levels(low: f64, high: f64) -> Vec<f64> {
 }
 
 /// Cells of one colour as one element, those side by side as one shape.
-fn fill(svg: &mut Svg, surface: &Surface, frame: &Frame, scale: &Scale) {
+fn fill(svg: &mut Svg, surface: &Surface, frame: &Frame, scale: &Scale, unit: f64) {
     let mut shapes: Vec<Shapes> = vec![Shapes::default(); super::colour::LEVELS];
     let (columns, rows) = (surface.nodes[0].len() - 1, surface.nodes[1].len() - 1);
     for j in 0..rows {
         let colour = |i: usize| {
             let corners = [surface.at(i, j), surface.at(i + 1, j), surface.at(i, j + 1), surface.at(i + 1, j + 1)];
             let logs: Option<Vec<f64>> = corners.into_iter().map(|v| v.map(f64::ln)).collect();
-            logs.map(|logs| scale.level((logs.iter().sum::<f64>() / 4.0).exp()))
+            logs.map(|logs| scale.level((logs.iter().sum::<f64>() / 4.0).exp() / unit))
         };
         let place = |i: usize, j: usize| frame.at([surface.nodes[0][i].place, surface.nodes[1][j].place]);
         let mut i = 0;
@@ -253,6 +257,7 @@ fn mark(svg: &mut Svg, kind: Kind, [x, y]: [f64; 2], fill: &str) {
 }
 
 fn media(svg: &mut Svg, surface: &Surface, points: &[&Point], frame: &Frame, scale: &Scale, places: &mut Places) {
+    let (_, _, unit) = shown(&surface.setting);
     let named: Vec<_> = points
         .iter()
         .map(|point| {
@@ -267,7 +272,7 @@ fn media(svg: &mut Svg, surface: &Surface, points: &[&Point], frame: &Frame, sca
         }
     }
     for (point, (at, ..)) in points.iter().zip(&named) {
-        mark(svg, point.kind, *at, &level(scale.level(point.value)));
+        mark(svg, point.kind, *at, &level(scale.level(point.value / unit)));
     }
     for (_, label, text) in &named {
         halo(svg, label.start, LABEL, Anchor::Start, text);

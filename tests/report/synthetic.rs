@@ -225,6 +225,7 @@ fn proposal(spheres: usize) -> Proposal {
         thickness: 11.0 * SPACING * D,
         counts: vec![1405, 261],
         mass: 0.298,
+        cost: None,
         arrival: Some([1.7e-4, 1.8e-4]),
         predicted_gain: Some(2.5),
         warnings: Vec::new(),

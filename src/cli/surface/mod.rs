@@ -2,8 +2,12 @@
 
 mod tables;
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
 use clap::builder::PossibleValuesParser;
 use granulens::contact::Constants;
+use granulens::design::Design;
 use granulens::material::{Material, MaterialError, find, library};
 use granulens::report;
 use granulens::units::Dimension as Unit;
@@ -85,6 +89,13 @@ pub struct Surface {
     /// List every two materials side by side: speed ratio, critical angle, impedance ratio, F_p
     #[arg(long, conflicts_with_all = ["find_speed", "find_ratio"])]
     ratios: bool,
+    /// Design file whose own materials, [materials.NAME], and prices, [prices], are taken too
+    #[arg(long, value_name = "FILE")]
+    materials: Option<PathBuf>,
+    /// In what order what is found is listed: by weight, or by the price of a volume of spheres, which needs prices
+    #[arg(long, value_name = "ORDER", default_value = "weight")]
+    #[arg(value_parser = PossibleValuesParser::new(["weight", "price"]))]
+    sort: String,
     /// List the media of this wave-speed bound, lightest first
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true, conflicts_with = "find_ratio")]
     find_speed: Option<String>,
@@ -135,25 +146,63 @@ fn positive(option: &str, value: f64) -> Result<f64, Failure> {
     }
 }
 
+/// Materials of the user's own, and what materials cost.
+struct Shelf {
+    own: Vec<Material>,
+    /// Of a kilogram, by the material's name.
+    prices: BTreeMap<String, f64>,
+}
+
+impl Shelf {
+    fn read(path: Option<&std::path::Path>) -> Result<Self, Failure> {
+        let Some(path) = path else { return Ok(Self { own: Vec::new(), prices: BTreeMap::new() }) };
+        let design = Design::read(path)?;
+        Ok(Self { own: design.own_materials, prices: design.prices })
+    }
+
+    /// The price of a cubic metre of solid spheres; none of engineered ones, nobody sells them by the kilogram, and where a price
+    /// is missing.
+    fn price(&self, medium: &Medium) -> Option<f64> {
+        let of = |material: &Material| Some(material.density * self.prices.get(&material.name)?);
+        let [a, b] = &medium.materials;
+        if medium.kind == Kind::Engineered { None } else { Some(0.5 * (of(a)? + of(b)?)) }
+    }
+
+    /// What has no price comes last, as it stood.
+    fn cheapest_first<T>(&self, list: &mut [T], price: impl Fn(&T) -> Option<f64>) {
+        list.sort_by(|a, b| price(a).unwrap_or(f64::INFINITY).total_cmp(&price(b).unwrap_or(f64::INFINITY)));
+    }
+}
+
 impl Surface {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let setting = self.setting()?;
-        let media = self.media()?;
+        let shelf = Shelf::read(self.materials.as_deref())?;
+        let setting = self.setting(&shelf)?;
+        let media = self.media(&shelf)?;
+        if self.sort == "price" && shelf.prices.is_empty() {
+            return Err(Failure::input_with_help(
+                "--sort price: there are no prices",
+                "Name a design file with a section [prices], such as brass-260 = 12.5 for a kilogram, by --materials.",
+            ));
+        }
         if self.ratios || self.find_ratio.is_some() {
-            return self.pairs(common, &media, &setting);
+            return self.pairs(common, &media, &setting, &shelf);
         }
         if let Some(wanted) = &self.find_speed {
             let speed = quantity("find-speed", Some(Unit::Speed), wanted)?;
             let tolerance = quantity("tolerance", Some(Unit::Fraction), &self.tolerance)?;
             let found = wave::find_speed(&media, speed, tolerance, setting.dimension, setting.constants);
-            let found: Vec<Medium> = found.into_iter().map(|k| media[k].clone()).collect();
+            let mut found: Vec<Medium> = found.into_iter().map(|k| media[k].clone()).collect();
+            if self.sort == "price" {
+                shelf.cheapest_first(&mut found, |medium| shelf.price(medium));
+            }
             if found.is_empty() {
                 note(common, &format!("no medium gives {wanted} within {}; widen --tolerance", self.tolerance));
             }
-            return list(common, &found, &setting);
+            return list(common, &found, &setting, &shelf);
         }
         let Some(out) = &common.out else {
-            list(common, &media, &setting)?;
+            list(common, &media, &setting, &shelf)?;
             note(common, "draw the surface with --out FILE.svg");
             return Ok(());
         };
@@ -181,8 +230,8 @@ impl Surface {
     }
 
     /// The variables that are not shown.
-    fn setting(&self) -> Result<Setting, Failure> {
-        let mut material = self.known(&self.material)?;
+    fn setting(&self, shelf: &Shelf) -> Result<Setting, Failure> {
+        let mut material = find(&self.material, &shelf.own)?;
         let given = |option: &str, axis: Axis, text: &Option<String>| {
             if text.is_some() && [&self.x, &self.y].into_iter().any(|shown| shown == axis.name()) {
                 return Err(Failure::input(format!("--{option} is given, and is an axis too: leave one of them out")));
@@ -223,7 +272,7 @@ impl Surface {
         let against = self.against.as_deref().unwrap_or(&self.material);
         Ok(Setting {
             value,
-            against: Some(Medium::uniform(&self.known(against)?)),
+            against: Some(Medium::uniform(&find(against, &shelf.own)?)),
             material,
             stiffness,
             dimension: Dimension::from_number(self.dimension).unwrap_or(Dimension::One),
@@ -233,14 +282,9 @@ impl Surface {
         })
     }
 
-    /// A material by its name: of the library, or of the file of --materials.
-    fn known(&self, name: &str) -> Result<Material, Failure> {
-        Ok(find(name, &[])?)
-    }
-
     /// The library's materials and dimers, and the engineered spheres asked for: without any, the published ones.
-    fn media(&self) -> Result<Vec<Medium>, Failure> {
-        let materials = library();
+    fn media(&self, shelf: &Shelf) -> Result<Vec<Medium>, Failure> {
+        let materials: Vec<Material> = library().into_iter().chain(shelf.own.iter().cloned()).collect();
         let mut media = Medium::all(&materials);
         if self.coated.is_empty() && self.hollow.is_empty() {
             media.extend(Medium::published_engineered(&materials));
@@ -252,11 +296,11 @@ impl Surface {
                     "--coated \"{text}\": expected SHELL:FACTOR:CORE, such as al:5:wc"
                 )));
             };
-            let (shell, core): (Material, Material) = (find(shell, &[])?, find(core, &[])?);
+            let (shell, core): (Material, Material) = (find(shell, &shelf.own)?, find(core, &shelf.own)?);
             let density = match density.parse::<f64>() {
                 Ok(factor) => factor * shell.density,
                 Err(_) => {
-                    find(density, &[])
+                    find(density, &shelf.own)
                         .map_err(|_| {
                             Failure::input(format!(
                                 "--coated \"{text}\": \"{density}\" is neither a factor nor a material"
@@ -272,7 +316,7 @@ impl Surface {
             let fail = || Failure::input(format!("--hollow \"{text}\": expected NAME:FACTOR, such as wc:0.2"));
             let (name, factor) = text.split_once(':').ok_or_else(fail)?;
             let factor: f64 = factor.trim().parse().map_err(|_| fail())?;
-            let medium = Medium::hollow(&find(name.trim(), &[])?, factor);
+            let medium = Medium::hollow(&find(name.trim(), &shelf.own)?, factor);
             media.push(medium.map_err(|error| Failure::input(format!("--hollow \"{text}\": {error}")))?);
         }
         Ok(media)
@@ -310,7 +354,7 @@ impl Surface {
         Ok((grid, points))
     }
 
-    fn pairs(&self, common: &Common, media: &[Medium], setting: &Setting) -> Result<(), Failure> {
+    fn pairs(&self, common: &Common, media: &[Medium], setting: &Setting, shelf: &Shelf) -> Result<(), Failure> {
         let asked = !self.coated.is_empty() || !self.hollow.is_empty();
         let chosen: Vec<Medium> = media
             .iter()
@@ -333,6 +377,13 @@ impl Surface {
             if pairs.is_empty() {
                 note(common, &format!("no pair has a ratio of {ratio} within {}; widen --tolerance", self.tolerance));
             }
+        }
+        if self.sort == "price" {
+            let price = |pair: &wave::Interface| {
+                let [a, b] = pair.media.map(|k| shelf.price(&chosen[k]));
+                Some(0.5 * (a? + b?))
+            };
+            shelf.cheapest_first(&mut pairs, price);
         }
         tables::pairs(common, &chosen, &pairs, setting)
     }

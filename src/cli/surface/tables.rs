@@ -2,13 +2,14 @@
 
 use std::fmt::Write as _;
 
-use granulens::wave::{Interface, Medium, Point, Setting, Surface as Grid};
+use granulens::wave::{DISSIPATED_AT, Interface, Medium, Point, Setting, Surface as Grid, dissipation};
 use serde_json::{Value, json};
 
 use super::super::Common;
 use super::super::console::{emit, emit_json};
 use super::super::failure::Failure;
 use super::super::folder::write_json;
+use super::Shelf;
 
 /// Lists pairs: speeds, their ratio, critical angle, impedance ratio, F_p.
 pub fn pairs(common: &Common, media: &[Medium], pairs: &[Interface], setting: &Setting) -> Result<(), Failure> {
@@ -68,9 +69,13 @@ pub fn pairs(common: &Common, media: &[Medium], pairs: &[Interface], setting: &S
 }
 
 /// Lists media: density, stiffness, speed, impedance, F_p.
-pub fn list(common: &Common, media: &[Medium], setting: &Setting) -> Result<(), Failure> {
+pub fn list(common: &Common, media: &[Medium], setting: &Setting, shelf: &Shelf) -> Result<(), Failure> {
     let bounds: Vec<_> =
         media.iter().map(|m| m.bound(setting.dimension, setting.diameter, setting.constants)).collect();
+    let lost = |medium: &Medium| {
+        let pair = medium.pair(setting.diameter, setting.constants);
+        dissipation(&pair, setting.amplitude.unwrap_or(DISSIPATED_AT))
+    };
     let core = |medium: &Medium| medium.core_force(setting.diameter, setting.constants);
     let rows: Vec<Value> = media
         .iter()
@@ -81,6 +86,7 @@ pub fn list(common: &Common, media: &[Medium], setting: &Setting) -> Result<(), 
                 "density_kg_m3": medium.density(), "stiffness_N_m": bound.stiffness, "speed_m_s": bound.speed,
                 "impedance_kg_m2_s": medium.impedance(bound), "fully_plastic_force_N": bound.plastic_force,
                 "shell_over_radius": medium.shell, "core_force_N": core(medium),
+                "dissipation_J": lost(medium), "price_per_m3": shelf.price(medium),
             })
         })
         .collect();
@@ -98,20 +104,36 @@ pub fn list(common: &Common, media: &[Medium], setting: &Setting) -> Result<(), 
     }
     let wide = media.iter().map(|m| m.label.chars().count()).max().unwrap_or(0).max(6);
     let mut text = format!(
-        "{:<wide$} {:<10} {:>8} {:>9} {:>8} {:>10} {:>8}\n{:<wide$} {:<10} {:>8} {:>9} {:>8} {:>10} {:>8}\n",
-        "medium", "", "density", "stiffness", "V", "Z", "F_p", "", "", "kg/m3", "MN/m", "m/s", "Mkg/(m2 s)", "N"
+        "{:<wide$} {:<10} {:>8} {:>9} {:>8} {:>10} {:>8} {:>8}\n{:<wide$} {:<10} {:>8} {:>9} {:>8} {:>10} {:>8} {:>8}\n",
+        "medium",
+        "",
+        "density",
+        "stiffness",
+        "V",
+        "Z",
+        "F_p",
+        "E_lost",
+        "",
+        "",
+        "kg/m3",
+        "MN/m",
+        "m/s",
+        "Mkg/(m2 s)",
+        "N",
+        "mJ"
     );
     for (medium, bound) in media.iter().zip(&bounds) {
         let _ = write!(
             text,
-            "{:<wide$} {:<10} {:>8.0} {:>9.3} {:>8.1} {:>10.3} {:>8.0}",
+            "{:<wide$} {:<10} {:>8.0} {:>9.3} {:>8.1} {:>10.3} {:>8.0} {:>8.0}",
             medium.label,
             medium.kind.name(),
             medium.density(),
             bound.stiffness / 1e6,
             bound.speed,
             medium.impedance(bound) / 1e6,
-            bound.plastic_force
+            bound.plastic_force,
+            1e3 * lost(medium)
         );
         text.push_str(&match core(medium) {
             Some(core) if core < bound.plastic_force => {
@@ -121,6 +143,8 @@ pub fn list(common: &Common, media: &[Medium], setting: &Setting) -> Result<(), 
             None => "\n".to_owned(),
         });
     }
+    let amplitude = setting.amplitude.unwrap_or(DISSIPATED_AT);
+    let _ = writeln!(text, "\nE_lost: what a contact dissipates that is loaded once to {amplitude} F_p");
     emit(&text);
     Ok(())
 }
