@@ -105,7 +105,7 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         crossing(lens.crossing[0]),
         crossing(lens.crossing[1]),
     );
-    if let Some(cost) = first.cost(&lens.palette, diameter, &design.prices) {
+    if let Some(cost) = first.cost(&lens.palette, &design.prices) {
         words.push_str(&format!("\ncost: {cost:.2} for all spheres of both halves, in the currency of [prices]"));
     }
     for warning in &lens.warnings {

@@ -45,7 +45,7 @@ pub struct Design {
     pub host: Material,
     /// Materials described in the file itself, in order of name. None has the name or alias of a library material.
     pub own_materials: Vec<Material>,
-    /// Prices of a kilogram by the material's name, in one currency that the file does not name.
+    /// Prices of one sphere by the name of its material, in one currency that the file does not name.
     pub prices: BTreeMap<String, f64>,
     /// Contact law.
     pub law: LawKind,

@@ -11,7 +11,7 @@ use crate::material::{self, Material};
 /// Prices by the name of the material, as written.
 pub(super) type PricesFile = BTreeMap<Spanned<String>, Written>;
 
-/// Prices per kilogram by the canonical name of the material, in one currency that the file does not name.
+/// Prices of one sphere of the design's diameter by the canonical name of the material, in one currency that the file does not name.
 pub(super) fn read(
     (scope, file): &(Scope, &PricesFile),
     own: &[Material],
@@ -27,9 +27,9 @@ pub(super) fn read(
             )
         })?;
         let price = entry.number()?;
-        if !(price > 0.0 && price.is_finite()) {
-            let help = format!("Write the price of a kilogram, like {} = 12.5.", material.name);
-            return Err(entry.fail("must be positive", &help));
+        if !(price >= 0.0 && price.is_finite()) {
+            let help = format!("Write the price of one sphere, like {} = 0.35.", material.name);
+            return Err(entry.fail("must not be negative", &help));
         }
         if prices.insert(material.name, price).is_some() {
             return Err(entry.fail("is the second price of this material", "Name each material once."));

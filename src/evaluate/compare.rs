@@ -267,7 +267,7 @@ pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
         thickness: lens.first_order.thickness,
         counts: lens.first_order.counts.clone(),
         mass: lens.first_order.mass,
-        cost: lens.first_order.cost(&lens.palette, lens.lattice.diameter(), &design.prices),
+        cost: lens.first_order.cost(&lens.palette, &design.prices),
         arrival: lens.first_order.arrival,
         predicted_gain: lens.first_order.gain,
         warnings: lens.warnings.clone(),

@@ -4,6 +4,7 @@
 use super::traced::eikonal;
 use crate::design::Design;
 use crate::layout::Layout;
+use crate::wave::site_speeds;
 
 /// A guess without a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -89,12 +89,11 @@ pub struct FirstOrder {
 }
 
 impl FirstOrder {
-    /// What the spheres of the whole piece cost, host included, of a `diameter` (m) and at `prices` of a kilogram by the material's
-    /// name; none where the price of a material that occurs is missing.
-    pub fn cost(&self, palette: &[Material], diameter: f64, prices: &BTreeMap<String, f64>) -> Option<f64> {
+    /// What the spheres of the whole piece cost, host included, at `prices` of one sphere by the name of its material; none where the
+    /// price of a material that occurs is missing.
+    pub fn cost(&self, palette: &[Material], prices: &BTreeMap<String, f64>) -> Option<f64> {
         let used = palette.iter().zip(&self.counts).filter(|(_, count)| **count > 0);
-        used.map(|(material, &count)| Some(count as f64 * material.sphere_mass(diameter) * prices.get(&material.name)?))
-            .sum()
+        used.map(|(material, &count)| Some(count as f64 * prices.get(&material.name)?)).sum()
     }
 }
 

@@ -127,7 +127,9 @@ const FASTEST: f64 = 10.0;
 impl Unreachable {
     /// Finds out why, by relaxing one limit after the other. `best` is the best lens that was found, where one was sought.
     pub(super) fn explain(problem: &Problem, material: &str, best: Option<Candidate>) -> Self {
-        let best = best.or_else(|| problem.best(Grid::coarse(problem.family)));
+        // Of families that are not solved at once, a coarse search tells as much.
+        let grid = if problem.is_fast() { Grid::fine(problem.family) } else { Grid::coarse(problem.family) };
+        let best = best.or_else(|| problem.best(grid));
         let comparable = problem.may_gain();
         Self {
             family: problem.family,

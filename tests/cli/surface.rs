@@ -200,7 +200,7 @@ fn wrong_requests_are_refused_in_words() {
     assert_eq!(desk.names(), ["small.toml"]);
 }
 
-/// Cheapest first by the price of a volume; what has no price comes last. Twice: among media and among pairs.
+/// Cheapest first by the price of a sphere; what has no price comes last. Twice: among media and among pairs.
 #[test]
 fn what_is_found_is_listed_by_price_where_prices_are_given() {
     let desk = Desk::new();
@@ -212,25 +212,24 @@ fn what_is_found_is_listed_by_price_where_prices_are_given() {
     let wide = ["surface", "--find-speed", "1000 m/s", "--tolerance", "60 %", "--materials", "priced.toml", "--json"];
     let found = desk.run(&[&wide[..], &["--sort", "price"]].concat()).ok().json();
     let prices: Vec<Option<f64>> =
-        found["media"].as_array().unwrap().iter().map(|medium| medium["price_per_m3"].as_f64()).collect();
+        found["media"].as_array().unwrap().iter().map(|medium| medium["price_of_a_sphere"].as_f64()).collect();
     let known = prices.iter().take_while(|price| price.is_some()).count();
     assert!(known >= 5 && prices[known..].iter().all(Option::is_none), "{prices:?}");
     assert!(prices[..known].windows(2).all(|pair| pair[0] <= pair[1]), "{prices:?}");
-    // 7800 kg/m3 at 1 is the cheapest, brass at 9 the next uniform one.
-    assert_eq!((labels(&found)[0], prices[0]), ("my-steel", Some(7800.0)));
+    assert_eq!((labels(&found)[0], prices[0]), ("my-steel", Some(1.0)));
     let ratios = ["surface", "--ratios", "--materials", "priced.toml", "--sort", "price", "--json"];
     let pairs = desk.run(&ratios).ok().json();
     let first = &pairs["pairs"][0];
     assert_eq!((&first["faster"], &first["slower"]), (&"my-steel".into(), &"brass-260".into()));
     let none = desk.run(&["surface", "--find-speed", "1000 m/s", "--sort", "price"]);
     assert!(none.code == 2 && none.stderr.contains("there are no prices"), "{}", none.stderr);
-    // The proposal's cost: spheres of both halves at their mass and price.
+    // The proposal's cost: spheres of both halves, each at its price.
     let proposal = &desk.run(&["design", "priced.toml", "--json"]).ok().json()["proposal"];
     let counts: Vec<f64> = proposal["counts"].as_array().unwrap().iter().map(|count| count.as_f64().unwrap()).collect();
-    let sphere = std::f64::consts::PI / 6.0 * 6.35e-3_f64.powi(3);
-    let cost = sphere * (counts[0] * 7650.0 * 30.0 + counts[1] * 8530.0 * 9.0);
+    let cost = counts[0] * 30.0 + counts[1] * 9.0;
     assert!((proposal["cost"].as_f64().unwrap() / cost - 1.0).abs() < 1e-12);
-    for (line, words) in [("brass-260 = -9", "must be positive"), ("gold = 9", "is the price of no known material")] {
+    for (line, words) in [("brass-260 = -9", "must not be negative"), ("gold = 9", "is the price of no known material")]
+    {
         desk.write("wrong.toml", priced.replace("brass-260 = 9", line));
         let ran = desk.run(&["design", "wrong.toml"]);
         assert!(ran.code == 2 && ran.stderr.contains(words) && ran.stderr.contains("prices."), "{}", ran.stderr);

@@ -92,7 +92,7 @@ pub struct Surface {
     /// Design file whose own materials, [materials.NAME], and prices, [prices], are taken too
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
-    /// In what order what is found is listed: by weight, or by the price of a volume of spheres, which needs prices
+    /// In what order what is found is listed: by weight, or by the price of a sphere, which needs prices
     #[arg(long, value_name = "ORDER", default_value = "weight")]
     #[arg(value_parser = PossibleValuesParser::new(["weight", "price"]))]
     sort: String,
@@ -149,7 +149,7 @@ fn positive(option: &str, value: f64) -> Result<f64, Failure> {
 /// Materials of the user's own, and what materials cost.
 struct Shelf {
     own: Vec<Material>,
-    /// Of a kilogram, by the material's name.
+    /// Of one sphere, by the material's name.
     prices: BTreeMap<String, f64>,
 }
 
@@ -160,12 +160,10 @@ impl Shelf {
         Ok(Self { own: design.own_materials, prices: design.prices })
     }
 
-    /// The price of a cubic metre of solid spheres; none of engineered ones, nobody sells them by the kilogram, and where a price
-    /// is missing.
+    /// The mean price of its spheres; none of engineered ones, which nobody sells, and where a price is missing.
     fn price(&self, medium: &Medium) -> Option<f64> {
-        let of = |material: &Material| Some(material.density * self.prices.get(&material.name)?);
-        let [a, b] = &medium.materials;
-        if medium.kind == Kind::Engineered { None } else { Some(0.5 * (of(a)? + of(b)?)) }
+        let [a, b] = medium.materials.each_ref().map(|material| self.prices.get(&material.name));
+        if medium.kind == Kind::Engineered { None } else { Some(0.5 * (a? + b?)) }
     }
 
     /// What has no price comes last, as it stood.
@@ -182,7 +180,7 @@ impl Surface {
         if self.sort == "price" && shelf.prices.is_empty() {
             return Err(Failure::input_with_help(
                 "--sort price: there are no prices",
-                "Name a design file with a section [prices], such as brass-260 = 12.5 for a kilogram, by --materials.",
+                "Name a design file with a section [prices], such as brass-260 = 0.35 for one sphere, by --materials.",
             ));
         }
         if self.ratios || self.find_ratio.is_some() {

@@ -86,7 +86,7 @@ pub fn list(common: &Common, media: &[Medium], setting: &Setting, shelf: &Shelf)
                 "density_kg_m3": medium.density(), "stiffness_N_m": bound.stiffness, "speed_m_s": bound.speed,
                 "impedance_kg_m2_s": medium.impedance(bound), "fully_plastic_force_N": bound.plastic_force,
                 "shell_over_radius": medium.shell, "core_force_N": core(medium),
-                "dissipation_J": lost(medium), "price_per_m3": shelf.price(medium),
+                "dissipation_J": lost(medium), "price_of_a_sphere": shelf.price(medium),
             })
         })
         .collect();
