@@ -56,7 +56,8 @@ pub fn deck<const D: usize>(rig: &Rig<D>, step: f64, steps: u64, every: u64) -> 
         return Err(DeckError::Steps { steps, every });
     }
     let pairs = pair_coefficients(rig)?;
-    let parts: [(bool, &'static str); 6] = [
+    let parts: [(bool, &'static str); 7] = [
+        (!rig.clusters.is_empty(), "rigid bodies of several spheres"),
         (!rig.mirrors.is_empty(), "mirrors"),
         (!rig.flats.is_empty(), "flats"),
         (!rig.bars.is_empty(), "bars"),

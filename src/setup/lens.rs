@@ -1,6 +1,6 @@
 //! A lens design as a rig: the proposed lens under its impact.
 
-use super::{Bench, RunPlan, Setup, SphereSite, record};
+use super::{Bench, NO_CHANCE, RunPlan, Setup, SphereSite, record};
 use crate::dem::Mirror;
 use crate::dem::rig::{Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig};
 use crate::design::Design;
@@ -32,8 +32,8 @@ pub enum SetupError {
     },
 }
 
-/// A design without a lens is set up as its host alone.
-pub(super) fn setup(design: &Design) -> Result<Setup, SetupError> {
+/// A design without a lens is set up as its host alone. Nothing in it is drawn by chance; a seed is not passed over in silence.
+pub(super) fn setup(design: &Design, first_seed: Option<u64>) -> Result<Setup, SetupError> {
     let lattice = &design.lattice;
     let layout = match &design.lens {
         Some(request) => {
@@ -62,6 +62,9 @@ pub(super) fn setup(design: &Design) -> Result<Setup, SetupError> {
     let mut warnings = plan.warnings;
     if plan.integrator != crate::dem::Integrator::Verlet {
         warnings.push("rigs are always advanced with verlet; run.integrator is not used here".to_owned());
+    }
+    if first_seed.is_some() {
+        warnings.push(NO_CHANCE.to_owned());
     }
     let plan = RunPlan { step: plan.step, step_reason: plan.step_reason, window: plan.window, warnings };
     let record = record::default::<2>(plan.steps(), sites.len(), 0);

@@ -73,6 +73,9 @@ pub struct Bench<const D: usize> {
     pub record: RecordPlan,
 }
 
+/// What is said of a seed where there is no pattern by chance.
+const NO_CHANCE: &str = "a seed is given, and nothing in this file is drawn by chance";
+
 /// Where in its crystal a sphere sits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SphereSite {
@@ -162,7 +165,7 @@ impl Setup {
         let path = path.as_ref();
         match Self::rig(path, first_seed)? {
             Some(setup) => Ok(setup),
-            None => lens::setup(&Design::read(path)?),
+            None => lens::setup(&Design::read(path)?, first_seed),
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::acts::Stage;
 use super::crystal::Seeds;
 use super::file::{EXAMPLES, RigFile};
-use super::{Bench, Setup, SphereSite, crystal, intruder, laws, place, plan, record};
+use super::{Bench, NO_CHANCE, Setup, SphereSite, crystal, intruder, laws, place, plan, record};
 use crate::dem::rig::Rig;
 use crate::document::{self, DocumentError, Scope, Source, Written, is_plain_name};
 use crate::lattice::Cell;
@@ -139,7 +139,7 @@ impl Reading<'_> {
         let (scope, section) = top.required_section("run", &file.run, help)?;
         let mut plan = plan::plan(&mut stage.rig, (crystal.diameter(), stage.sites.len()), &scope, section)?;
         if self.first_seed.is_some() && seeds.used.is_empty() {
-            plan.warnings.push("a seed is given, and nothing in this file is drawn by chance".to_owned());
+            plan.warnings.push(NO_CHANCE.to_owned());
         }
         for (name, angle, width) in &built.stripes {
             let (across, along) = (stage.rig.periods[0].filter(|_| D > 1), stage.rig.periods[D - 1]);

@@ -84,6 +84,8 @@ fn a_seed_reaches_mixes_and_is_recorded() {
     desk.write("plain.toml", text);
     let ran = desk.run(&["simulate", "plain.toml", "--seed", "5"]).ok();
     assert!(ran.stderr.contains("nothing in this file is drawn by chance"), "{}", ran.stderr);
+    let ran = desk.run(&["simulate", "small.toml", "--out", "lens", "--seed", "5"]).ok();
+    assert!(ran.stderr.contains("nothing in this file is drawn by chance"), "{}", ran.stderr);
 }
 
 #[test]

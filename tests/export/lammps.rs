@@ -6,7 +6,7 @@ use std::process::Command;
 
 use granulens::contact::LawKind;
 use granulens::dem::Mirror;
-use granulens::dem::rig::{Rig, Simulation};
+use granulens::dem::rig::{Cluster, Rig, Simulation};
 use granulens::export::{DeckError, deck, dump_frame};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -124,6 +124,12 @@ fn what_lammps_cannot_have_is_refused() {
         }
     };
     assert_eq!(part(|rig| rig.mirrors.push(Mirror { axis: 0, position: 0.0, inward: 1.0 })), "mirrors");
+    let bound = |rig: &mut Rig<2>| {
+        let members = vec![0, 1];
+        let (centre, velocity) = (rig.sample.spheres[0].centre, [0.0; 2]);
+        rig.clusters.push(Cluster { members, centre, mass: 1.0, inertia: 1.0, turns: false, velocity, spin: 0.0 });
+    };
+    assert_eq!(part(bound), "rigid bodies of several spheres");
     assert_eq!(part(|rig| rig.held[3][1] = true), "spheres that are held");
     assert_eq!(part(|rig| rig.gravity[1] = 9.81), "gravity");
     assert_eq!(part(|rig| rig.drag = 1.0), "drag");
