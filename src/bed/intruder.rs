@@ -125,9 +125,12 @@ impl Outline {
     /// Centres of the disks of its shell, from its centre (d): half a diameter apart, so that no grain finds its way between two,
     /// and each with its mirror image about the upright axis, on which both ends lie.
     pub(crate) fn shell(&self) -> Vec<[f64; 2]> {
-        let (right, axis): (Vec<_>, Vec<_>) =
-            self.points(0.5 * SHELL, 0.5 * SHELL, 4).into_iter().filter(|p| p[0] > -1e-9).partition(|p| p[0] > 1e-9);
-        axis.iter().map(|p| [0.0, p[1]]).chain(right.iter().flat_map(|&[x, y]| [[x, y], [-x, y]])).collect()
+        // Counted from the rightmost one on, the ends are a quarter and three quarters around.
+        let points = self.points(0.5 * SHELL, 0.5 * SHELL, 4);
+        let quarter = points.len() / 4;
+        let end = self.half_height() - 0.5 * SHELL;
+        let right = points[..quarter].iter().chain(&points[3 * quarter + 1..]);
+        [[0.0, end], [0.0, -end]].into_iter().chain(right.flat_map(|&[x, y]| [[x, y], [-x, y]])).collect()
     }
 
     /// Square of the radius of gyration (d²): moment of inertia over mass.
