@@ -28,6 +28,8 @@ pub struct Marks {
     pub focal_gain: Option<f64>,
     /// Q = P/P(all lens material)
     pub protection: Option<f64>,
+    /// P over the least P of the rivals under the same impact, where there are rivals
+    pub against_best: Option<f64>,
     /// What else was felt, where that is asked for.
     pub felt: Option<Felt>,
     /// Why the run ended early, if it did; its numbers are then not to be trusted.
@@ -96,6 +98,8 @@ pub struct Evaluator<'a> {
     detail: Detail,
     /// For each field F of the crystal of host alone, P of that of lens material alone (J); the latter 0 where there is none.
     uniform: Vec<[f64; 2]>,
+    /// For each field the least P of the rivals (J); none without rivals.
+    rivals: Option<Vec<f64>>,
     no_protection: Option<EvaluatorError>,
 }
 
@@ -161,8 +165,9 @@ impl<'a> Evaluator<'a> {
         let uniform = vec![[1.0; 2]; fields.len()];
         let flawless = (0..fields.len()).map(|field| (field, Flaw::default())).collect();
         let (width, detail) = (Width::widest(), Detail::Energies);
+        let (rivals, no_protection) = (None, None);
         let mut evaluator =
-            Self { design, plan, fields, cases: flawless, palette, width, detail, uniform, no_protection: None };
+            Self { design, plan, fields, cases: flawless, palette, width, detail, uniform, rivals, no_protection };
         let lens = usize::from(evaluator.palette.len() > 1);
         let layouts = [0, lens].map(|material| vec![material as u8; design.lattice.len()]);
         let marks = evaluator.marks(&layouts, interrupt)?;
@@ -191,6 +196,24 @@ impl<'a> Evaluator<'a> {
     pub fn recording(mut self, detail: Detail) -> Self {
         self.detail = detail;
         self
+    }
+
+    /// Compares every layout with the best of some others too, under the same impacts on crystals as drawn.
+    ///
+    /// # Errors
+    /// As [`marks`](Self::marks), and where all of them were stopped by a guard, or on request.
+    pub fn against(mut self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Self, EvaluatorError> {
+        let flawless = (0..self.fields.len()).map(|field| (field, Flaw::default())).collect();
+        let cases = std::mem::replace(&mut self.cases, flawless);
+        let detail = std::mem::take(&mut self.detail);
+        let marks = self.marks(layouts, interrupt)?;
+        (self.cases, self.detail) = (cases, detail);
+        let least = |field: usize| {
+            let finished = marks.iter().map(|marks| &marks[field]).filter(|marks| marks.stop.is_none());
+            finished.map(|marks| marks.protected_mean).reduce(f64::min).ok_or(EvaluatorError::Interrupted)
+        };
+        self.rivals = Some((0..self.fields.len()).map(least).collect::<Result<_, _>>()?);
+        Ok(self)
     }
 
     /// Why there is no Q under one of the impacts, if so: a guard stopped the crystal of lens material alone, as it does where
@@ -225,7 +248,7 @@ impl<'a> Evaluator<'a> {
         let mut of_layout: Vec<Vec<Marks>> = layouts.iter().map(|_| Vec::with_capacity(self.cases.len())).collect();
         for (field, _) in &self.cases {
             for (marks, brief) in of_layout.iter_mut().zip(briefs.drain(..layouts.len())) {
-                marks.push(self.score(brief, &self.uniform[*field]));
+                marks.push(self.score(brief, *field));
             }
         }
         Ok(of_layout)
@@ -270,7 +293,8 @@ impl<'a> Evaluator<'a> {
         Ok(Brief { max_kinetic: field.folded(&record.max_kinetic), felt, stop: record.stop })
     }
 
-    fn score(&self, brief: Brief, uniform: &[f64; 2]) -> Marks {
+    fn score(&self, brief: Brief, field: usize) -> Marks {
+        let uniform = self.uniform[field];
         let [focal_mean, protected_mean] = means(&brief.max_kinetic, &self.design.lattice, &self.design.target);
         Marks {
             focal_mean,
@@ -278,6 +302,7 @@ impl<'a> Evaluator<'a> {
             contrast: ratio(focal_mean, protected_mean),
             focal_gain: ratio(focal_mean, uniform[0]),
             protection: ratio(protected_mean, uniform[1]),
+            against_best: self.rivals.as_ref().and_then(|rivals| ratio(protected_mean, rivals[field])),
             felt: brief.felt,
             stop: brief.stop,
         }

@@ -58,14 +58,10 @@ impl Spread {
     }
 }
 
-/// Simulates a study's baselines: those of a lens (see [`Baseline`]) made of the material that Q refers to, with as many
-/// seeds as the design asks for; strips of each allowed material over the rows that may change, since a strip of a light one
-/// may gather much energy and protect nothing; and mixtures of all of them there, with the same seeds.
-pub(super) fn evaluate(
-    study: &Study,
-    evaluator: &Evaluator<'_>,
-    interrupt: &AtomicBool,
-) -> Result<Vec<BaselineScores>, StudyError> {
+/// A study's baselines with their names: those of a lens (see [`Baseline`]) made of the material that Q refers to, with as
+/// many seeds as the design asks for; strips of each allowed material over the rows that may change, since a strip of a light
+/// one may gather much energy and protect nothing; and mixtures of all of them there, with the same seeds.
+pub(super) fn layouts(study: &Study) -> Vec<(String, Vec<u8>)> {
     let (design, lattice) = (&study.design, study.design.lattice);
     let sites = lattice.sites();
     let rows = |of: &mut dyn Iterator<Item = usize>| {
@@ -89,6 +85,16 @@ pub(super) fn evaluate(
         let choice = study.space().random(&mut Dice::new(seed));
         named.push(("random-rows".to_owned(), study.layout(&choice).materials));
     }
+    named
+}
+
+/// Simulates a study's baselines.
+pub(super) fn evaluate(
+    study: &Study,
+    evaluator: &Evaluator<'_>,
+    interrupt: &AtomicBool,
+) -> Result<Vec<BaselineScores>, StudyError> {
+    let named = layouts(study);
     let layouts: Vec<Vec<u8>> = named.iter().map(|(_, layout)| layout.clone()).collect();
     let marks = evaluator.marks(&layouts, interrupt)?;
     let summaries: Vec<Option<Summary>> = marks

@@ -87,6 +87,10 @@ mod tests {
         let painter = study.painter().unwrap();
         let painted = (painter.paint)(&painter.start);
         assert_eq!(painted, study.first()[0]);
+        assert!(painter.start.iter().zip(&painter.bounds).all(|(x, [from, to])| (from..=to).contains(&x)));
+        // The wave is late behind the lens, and as late everywhere behind none.
+        let guess = painter.guess.clone().unwrap();
+        assert!(guess(&painted) > 1e-6 && guess(&vec![0; painted.len()]).abs() < 1e-12);
         let mut longer = painter.start.clone();
         longer[1] += 3.0 / ROWS;
         let count = |choice: &[u8]| choice.iter().filter(|&&letter| letter != 0).count();

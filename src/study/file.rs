@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::measure::{Loom, Over};
+use super::measure::{Loom, Measure, Over};
 use super::prices;
 use super::set::{self, ImpactFile, Tolerance, ToleranceFile};
 use super::source::Source;
@@ -13,6 +13,7 @@ use super::start::{self, Start};
 use super::{Objective, StudyError};
 use crate::design::Design;
 use crate::evaluate::{Blow, Detail, Overrides, Plan, PlanError, common_plan};
+use crate::lattice::Site;
 use crate::layout::Layout;
 use crate::material::Material;
 use crate::search::{Choice, Dice, Method, Space, level_set};
@@ -34,6 +35,7 @@ struct StudyFile {
     design: PathBuf,
     materials: Vec<String>,
     rows: [u32; 2],
+    x: Option<[String; 2]>,
     objective: toml::Table,
     budget: Option<u64>,
     #[serde(default = "one")]
@@ -172,7 +174,21 @@ impl Study {
         let place = |material: &Material| palette.iter().position(|known| known == material).unwrap_or(0) as u8;
         let letters: Vec<u8> = named.iter().map(place).collect();
         let sites = lattice.sites();
-        let free: Vec<usize> = (0..sites.len()).filter(|&i| (first..=last).contains(&sites[i].row)).collect();
+        let across = match &file.x {
+            None => [0.0, lattice.half_width()],
+            Some(x) => set::distances(x, &design).map_err(|message| source.fail("x", message))?,
+        };
+        let slack = 1e-9 * lattice.diameter();
+        let is_free = |site: &Site| {
+            (first..=last).contains(&site.row) && (across[0] - slack..=across[1] + slack).contains(&site.x)
+        };
+        let free: Vec<usize> = (0..sites.len()).filter(|&i| is_free(&sites[i])).collect();
+        if free.is_empty() {
+            let edge = lattice.half_width() / lattice.diameter();
+            let message =
+                format!("x holds no sphere of these rows; distances from the axis run from \"0 D\" to \"{edge} D\".");
+            return Err(source.fail("x", message));
+        }
         let written = match &file.start {
             StartFile::One(start) => std::slice::from_ref(start),
             StartFile::Several(starts) => starts,
@@ -284,6 +300,11 @@ impl Study {
     pub fn detail(&self) -> Detail {
         let felt = self.objective.wishes.iter().any(|wish| wish.measure.is_felt());
         if felt { Detail::Everything } else { Detail::Energies }
+    }
+
+    /// Whether a measure compares layouts with the baselines, which then have to be simulated first.
+    pub fn has_rivals(&self) -> bool {
+        self.objective.wishes.iter().any(|wish| wish.measure == Measure::AgainstBest)
     }
 
     /// What is searched.

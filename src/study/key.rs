@@ -32,6 +32,9 @@ impl Key {
         if study.detail() == Detail::Everything {
             key.add(b"felt");
         }
+        if study.has_rivals() {
+            key.add(b"rivals");
+        }
         key
     }
 

@@ -16,6 +16,8 @@ pub enum Measure {
     FocalGain,
     /// Q = P/P(all lens material)
     Protection,
+    /// P over the least P of all baselines
+    AgainstBest,
     /// F (J)
     FocalEnergy,
     /// P (J)
@@ -52,10 +54,11 @@ pub enum Measure {
 
 impl Measure {
     /// Names as they are written in files.
-    pub const NAMES: [(&str, Self); 19] = [
+    pub const NAMES: [(&str, Self); 20] = [
         ("contrast", Self::Contrast),
         ("focal-gain", Self::FocalGain),
         ("protection", Self::Protection),
+        ("protection-best", Self::AgainstBest),
         ("focal-energy", Self::FocalEnergy),
         ("protected-energy", Self::ProtectedEnergy),
         ("focal-momentum", Self::FocalMomentum),
@@ -219,6 +222,7 @@ pub fn value(measure: Measure, entry: &Entry, fabric: &Fabric, over: Over, side:
         Measure::Contrast => |scored| scored.contrast,
         Measure::FocalGain => |scored| scored.focal_gain,
         Measure::Protection => |scored| scored.protection,
+        Measure::AgainstBest => |scored| scored.against_best,
         Measure::FocalEnergy => |scored| Some(scored.focal_mean),
         Measure::ProtectedEnergy => |scored| Some(scored.protected_mean),
         Measure::FocalMomentum => |scored| Some(scored.felt?.momentum[0]),

@@ -44,7 +44,12 @@ pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut im
         .map(|rung| {
             let overrides = study.overrides(rung);
             let evaluator = Evaluator::new(&study.design, &study.cases(), study.palette.clone(), overrides, interrupt)?;
-            Ok(evaluator.recording(study.detail()))
+            let evaluator = evaluator.recording(study.detail());
+            if !study.has_rivals() {
+                return Ok(evaluator);
+            }
+            let rivals: Vec<Vec<u8>> = baselines::layouts(study).into_iter().map(|(_, layout)| layout).collect();
+            Ok(evaluator.against(&rivals, interrupt)?)
         })
         .collect::<Result<Vec<_>, StudyError>>()?;
     let missing = evaluators.iter().find_map(Evaluator::no_protection);

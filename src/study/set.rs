@@ -95,19 +95,24 @@ pub(super) fn read_impacts(
     Ok(impacts)
 }
 
-/// Two distances from the axis, between which at least one sphere of row 1 is.
-fn read_place(written: &[String; 2], design: &Design) -> Result<[f64; 2], String> {
-    let lattice = &design.lattice;
-    let mut place = [0.0; 2];
-    for (place, text) in place.iter_mut().zip(written) {
-        *place = match text.trim().strip_suffix('D').map(|number| number.trim().parse::<f64>()) {
-            Some(Ok(diameters)) if diameters.is_finite() => diameters * lattice.diameter(),
+/// Two distances from the axis (m), written with units or in sphere diameters.
+pub(super) fn distances(written: &[String; 2], design: &Design) -> Result<[f64; 2], String> {
+    let mut distances = [0.0; 2];
+    for (distance, text) in distances.iter_mut().zip(written) {
+        *distance = match text.trim().strip_suffix('D').map(|number| number.trim().parse::<f64>()) {
+            Some(Ok(diameters)) if diameters.is_finite() => diameters * design.lattice.diameter(),
             _ => {
                 Length.parse(text).map_err(|error| format!("x: {error} Sphere diameters are good too: \"-2.5 D\"."))?
             }
         };
     }
-    let [from, to] = place;
+    Ok(distances)
+}
+
+/// Two distances from the axis, between which at least one sphere of row 1 is.
+fn read_place(written: &[String; 2], design: &Design) -> Result<[f64; 2], String> {
+    let lattice = &design.lattice;
+    let [from, to] = distances(written, design)?;
     let slack = 1e-9 * lattice.diameter();
     let holds = |x: f64| (from - slack..=to + slack).contains(&x);
     if !lattice.sites().iter().take_while(|site| site.row == 1).any(|site| holds(site.x) || holds(-site.x)) {
@@ -117,7 +122,7 @@ fn read_place(written: &[String; 2], design: &Design) -> Result<[f64; 2], String
             written[0], written[1]
         ));
     }
-    Ok(place)
+    Ok([from, to])
 }
 
 impl Tolerance {

@@ -29,6 +29,19 @@ fn a_study_runs_shows_and_exports_a_layout_that_checks() {
     assert!(shown.stdout.contains("40 evaluations"), "{}", shown.stdout);
     desk.run(&["study", "export", "study.toml", "--out", "s", "--layout", "best.csv"]).ok();
     assert_eq!(desk.read("best.csv"), desk.read("s/best.csv"));
+    // A line for each evaluation, with as many cells as the header.
+    desk.run(&["study", "export", "study.toml", "--out", "s", "--journal", "j.csv"]).ok();
+    let table = desk.read("j.csv");
+    assert!(table.starts_with("step_s,evaluation,crystal,force_N,duration_s,"), "{table}");
+    assert_eq!(table.lines().count(), 41);
+    assert!(table.lines().all(|line| line.split(',').count() == table.lines().next().unwrap().split(',').count()));
+    let parquet = desk.run(&["study", "export", "study.toml", "--out", "s", "--journal", "j.parquet"]);
+    if cfg!(feature = "parquet") {
+        assert_eq!(parquet.code, 0);
+    } else {
+        assert!(parquet.code == 2 && parquet.stderr.contains("feature parquet"), "{}", parquet.stderr);
+        assert!(!desk.names().contains(&"j.parquet".to_owned()));
+    }
     // The study's contrast is that of the full simulation, at the same step.
     let checked = desk.run(&["check", "best.csv", "--design", "small.toml", "--json"]).ok().json();
     assert_eq!(checked["contrast"], ran["study"]["best"]["C"]);

@@ -14,6 +14,8 @@ fn wrong_study_files_hear_their_line() {
         ("brass-260", "bras-260", "study.toml:3: materials: unknown material \"bras-260\" (did you mean"),
         ("rows = [3, 5]", "rows = [5, 3]", "study.toml:4: rows = [5, 3] must be"),
         ("rows = [3, 5]", "rows = [3, 9]", "of rows 1 to 8"),
+        ("rows = [3, 5]", "rows = [3, 5]\nx = [\"2 D\", \"1 D\"]", "study.toml:5: x holds no sphere of these rows"),
+        ("rows = [3, 5]", "rows = [3, 5]\nx = [\"2\", \"1 D\"]", "study.toml:5: x:"),
         ("maximise", "minimize", "study.toml:5: objective.contrast: unknown field `minimize`"),
         ("maximise = 1", "max = 9", "study.toml:5: objective asks for nothing"),
         (
@@ -66,6 +68,16 @@ fn wrong_study_files_hear_their_line() {
         let refusal = Study::read(&desk.path("study.toml"), None).unwrap_err().to_string();
         assert!(refusal.contains(says), "{refusal}");
     }
+}
+
+/// Rows 3 and 5 have spheres at 0, 1, 2 and 3 D, row 4 at 0.5, 1.5, 2.5 and 3.5 D.
+#[test]
+fn what_may_change_can_be_limited_in_both_directions() {
+    let desk = Desk::new(&STUDY.replace("rows = [3, 5]", "rows = [3, 5]\nx = [\"1 D\", \"2.5 D\"]"));
+    let study = desk.study();
+    let sites = study.design.lattice.sites();
+    let free: Vec<[u32; 2]> = study.free.iter().map(|&i| [sites[i].row, sites[i].column]).collect();
+    assert_eq!(free, [[3, 2], [3, 3], [4, 2], [4, 3], [5, 2], [5, 3]]);
 }
 
 /// Each names layouts that are there, and begins where it says.

@@ -177,6 +177,33 @@ fn studies_ask_for_forces_arrival_dissipation_and_cost() {
     assert_eq!((again, told.simulated), (state, 0));
 }
 
+/// P over that of the best baseline: of the crystal that is the quietest of them it is one.
+#[test]
+fn protection_is_compared_with_the_best_baseline() {
+    let objective = STUDY.lines().find(|line| line.starts_with("objective")).unwrap();
+    let asked = "objective = { contrast = { maximise = 1 }, protection-best = { max = 2 } }";
+    let desk = Desk::new(&STUDY.replace("600", "60").replace(objective, asked));
+    let (state, _) = desk.run().unwrap();
+    let scored = state.best.unwrap().entry.impacts[0];
+    let best = scored.against_best.unwrap();
+    assert!(best <= 2.0);
+    // Q refers to one of the baselines, the crystal of brass alone: the best of all is not louder.
+    assert!(best >= scored.protection.unwrap() * (1.0 - 1e-12));
+    let study = desk.study();
+    let never = AtomicBool::new(false);
+    let lattice = study.design.lattice;
+    let uniform = [0, 1].map(|material| vec![material; lattice.len()]);
+    let evaluator = Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(0), &never)
+        .unwrap()
+        .against(&uniform, &never)
+        .unwrap();
+    let marks = evaluator.marks(&uniform, &never).unwrap();
+    let [host, brass] = [&marks[0][0], &marks[1][0]].map(|marks| marks.against_best.unwrap());
+    assert_eq!(host.min(brass), 1.0);
+    let of_means = marks[0][0].protected_mean / marks[1][0].protected_mean;
+    assert!((host / brass / of_means - 1.0).abs() < 1e-14);
+}
+
 #[test]
 fn wrong_sets_hear_their_line() {
     for (old, new, says) in [

@@ -56,6 +56,7 @@ pub fn journal(study: &Study, rungs: &[(f64, Rung)]) -> Table {
         ("C", maybe(&|line| line.scored.contrast)),
         ("G", maybe(&|line| line.scored.focal_gain)),
         ("Q", maybe(&|line| line.scored.protection)),
+        ("Q_best", maybe(&|line| line.scored.against_best)),
         ("focal_momentum_kg_m_s", maybe(&|line| Some(line.scored.felt?.momentum[0]))),
         ("protected_momentum_kg_m_s", maybe(&|line| Some(line.scored.felt?.momentum[1]))),
         ("focal_force_N", maybe(&|line| Some(line.scored.felt?.force[0]))),
