@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use granulens::dem::{simulate, simulate_batch, steps_in};
+use granulens::dem::{Phases, simulate, simulate_batch_timed, steps_in};
 use granulens::design::{Accuracy, Design};
 use granulens::evaluate::{Comparison, impact};
 use granulens::real::Width;
@@ -23,7 +23,7 @@ use super::{Common, Motion, propose};
 pub struct Bench {
     /// Design file, such as designs/thesis-lens.toml
     design: PathBuf,
-    /// Accuracy class for which the step is chosen: "0.1 %" or "1 %"
+    /// Accuracy class for which the step is chosen, also where the design gives one: "0.1 %" or "1 %"
     #[arg(long, value_name = "CLASS", value_parser = accuracy)]
     accuracy: Option<Accuracy>,
     #[command(flatten)]
@@ -58,6 +58,11 @@ struct Figures {
     speedup: f64,
     sphere_steps_per_second: f64,
     contact_steps_per_second: f64,
+    /// Parts of a batch's time: finding contacts and laws; moving spheres; forces and memories of contacts; maxima and guards.
+    share_preparing: f64,
+    share_motion: f64,
+    share_contacts: f64,
+    share_watching: f64,
     /// One arrangement alone, with full records and ledger (ms).
     ms_with_records: f64,
     arrangements: usize,
@@ -70,7 +75,14 @@ struct Figures {
 impl Bench {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let mut design = Design::read(&self.design)?;
-        design.accuracy = self.accuracy.unwrap_or(design.accuracy);
+        if let Some(accuracy) = self.accuracy {
+            design.accuracy = accuracy;
+            match (self.motion.step, design.step.take()) {
+                (Some(_), _) => note(common, "--step says the step, so --accuracy changes nothing"),
+                (None, Some(_)) => note(common, "--accuracy chooses the step in place of the design's run.step"),
+                (None, None) => {}
+            }
+        }
         let lens = propose(&design)?;
         let overrides = self.motion.overrides(common);
         let comparison = Comparison::of_lens(&design, &lens, overrides)
@@ -82,10 +94,11 @@ impl Bench {
         let lanes = width.lanes();
         let batch: Vec<Sample<2>> = vec![sample.clone(); lanes];
         let group =
-            || simulate_batch(&batch, &impact, width, interrupt()).map_err(|error| Failure::input(error.to_string()));
+            || simulate_batch_timed(&batch, &impact, width, interrupt()).map_err(|error| Failure::input(error.to_string()));
 
         // The first run warms caches and clocks; the best of three is what the machine can do.
-        let one = best(group)?.0 / lanes as f64;
+        let (one, (_, phases)) = best(group)?;
+        let one = one / lanes as f64;
         let threads = rayon::current_num_threads();
         let all =
             best(|| (0..threads).into_par_iter().map(|_| group()).collect::<Result<Vec<_>, _>>())?.0 / lanes as f64;
@@ -111,6 +124,10 @@ impl Bench {
             speedup: threads as f64 * one / all,
             sphere_steps_per_second: sample.spheres.len() as f64 * steps as f64 / one,
             contact_steps_per_second: record.contacts.len() as f64 * steps as f64 / one,
+            share_preparing: share(&phases, phases.preparing),
+            share_motion: share(&phases, phases.motion),
+            share_contacts: share(&phases, phases.contacts),
+            share_watching: share(&phases, phases.watching),
             ms_with_records: 1e3 * alone,
             arrangements,
             run_s: alone * arrangements as f64 / threads as f64,
@@ -123,6 +140,10 @@ impl Bench {
         }
         Ok(())
     }
+}
+
+fn share(phases: &Phases, part: f64) -> f64 {
+    part / phases.total().max(f64::MIN_POSITIVE)
 }
 
 /// The least time (s) of three runs, and what the first gave.
@@ -147,6 +168,10 @@ fn words(f: &Figures) -> String {
          | speed-up of {} threads | {:.2} |\n\
          | sphere-steps per second and core | {:.1} M |\n\
          | steps of contacts that ever close, per second and core | {:.1} M |\n\
+         | of a batch's time: contacts | {:.0} % |\n\
+         | moving spheres | {:.0} % |\n\
+         | maxima and guards | {:.0} % |\n\
+         | finding contacts and laws | {:.1} % |\n\
          | one arrangement alone, with full records | {:.0} ms |\n\
          | granulens run, {} arrangements | {:.1} s |\n\
          | a search of 5000 evaluations | {:.0} s |\n",
@@ -164,6 +189,10 @@ fn words(f: &Figures) -> String {
         f.speedup,
         1e-6 * f.sphere_steps_per_second,
         1e-6 * f.contact_steps_per_second,
+        100.0 * f.share_contacts,
+        100.0 * f.share_motion,
+        100.0 * f.share_watching,
+        100.0 * f.share_preparing,
         f.ms_with_records,
         f.arrangements,
         f.run_s,

@@ -8,6 +8,7 @@ use std::any::Any;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::body::Grains;
+use super::clock::{Clock, Phase, Phases};
 use super::contacts::{Contacts, Sweep};
 use super::guard::{self, Stop};
 use super::impact::{Impact, WATCH, steps_in};
@@ -53,13 +54,26 @@ pub fn simulate_batch<const D: usize>(
     width: Width,
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
-    fn in_line(s: &[Sample<1>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+    Ok(simulate_batch_timed(samples, impact, width, interrupt)?.0)
+}
+
+/// As [`simulate_batch`], and what its parts took. Runge-Kutta's sweeps count as motion.
+///
+/// # Errors
+/// As there.
+pub fn simulate_batch_timed<const D: usize>(
+    samples: &[Sample<D>],
+    impact: &Impact,
+    width: Width,
+    interrupt: &AtomicBool,
+) -> Result<(Vec<Brief>, Phases), BatchError> {
+    fn in_line(s: &[Sample<1>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<(Vec<Brief>, Phases), BatchError> {
         side_by_side(s, i, w, stop)
     }
-    fn in_plane(s: &[Sample<2>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+    fn in_plane(s: &[Sample<2>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<(Vec<Brief>, Phases), BatchError> {
         side_by_side(s, i, w, stop)
     }
-    fn in_space(s: &[Sample<3>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<Vec<Brief>, BatchError> {
+    fn in_space(s: &[Sample<3>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<(Vec<Brief>, Phases), BatchError> {
         side_by_side(s, i, w, stop)
     }
     // Only what has a size can be told apart by its type: a vector of samples, copied in a millionth of the run's time.
@@ -82,8 +96,9 @@ fn side_by_side<const D: usize>(
     impact: &Impact,
     width: Width,
     interrupt: &AtomicBool,
-) -> Result<Vec<Brief>, BatchError> {
-    let Some(first) = samples.first() else { return Ok(Vec::new()) };
+) -> Result<(Vec<Brief>, Phases), BatchError> {
+    let Some(first) = samples.first() else { return Ok((Vec::new(), Phases::default())) };
+    let mut clock = Clock::new(true);
     let alike = |sample: &Sample<D>| {
         sample.spheres.len() == first.spheres.len()
             && sample.spheres.iter().zip(&first.spheres).all(|(a, b)| a.centre == b.centre && a.radius == b.radius)
@@ -92,12 +107,16 @@ fn side_by_side<const D: usize>(
         return Err(BatchError::Geometry(other));
     }
     let touching = Touching::find(first, &impact.mirrors)?;
+    clock.lap(Phase::Preparing);
+    let mut phases = clock.phases();
     let mut briefs = Vec::with_capacity(samples.len());
     for group in samples.chunks(width.lanes()) {
         let group: Vec<&Sample<D>> = group.iter().collect();
-        briefs.extend(follow(&Group { samples: &group, touching: &touching, impact, interrupt }, width)?);
+        let (of_group, spent) = follow(&Group { samples: &group, touching: &touching, impact, interrupt }, width)?;
+        briefs.extend(of_group);
+        phases += spent;
     }
-    Ok(briefs)
+    Ok((briefs, phases))
 }
 
 /// As many designs as lanes, or fewer.
@@ -110,7 +129,7 @@ struct Group<'a, const D: usize> {
 }
 
 /// Chooses the law once for the group.
-fn follow<const D: usize>(group: &Group<'_, D>, width: Width) -> Result<Vec<Brief>, BatchError> {
+fn follow<const D: usize>(group: &Group<'_, D>, width: Width) -> Result<(Vec<Brief>, Phases), BatchError> {
     let law = group.impact.law;
     let rate = matches!(law, LawKind::Thesis | LawKind::Linear);
     match law {
@@ -133,17 +152,20 @@ struct Under<'a, 'b, const D: usize, F> {
 }
 
 impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, F> {
-    type Output = Result<Vec<Brief>, BatchError>;
+    type Output = Result<(Vec<Brief>, Phases), BatchError>;
 
     #[inline(always)]
     fn run<V: Real>(self) -> Self::Output {
         let Group { samples, touching, impact, interrupt } = *self.group;
+        let clock = Clock::new(true);
         let laws = LaneTable::<L, V>::new(samples, touching, impact.constants, self.law).ok_or(BatchError::Kinds)?;
         let spheres = samples[0].spheres.len();
         let mut grains = Grains::<V, D>::at_rest(samples, &impact.mirrors);
         let mut contacts = Contacts::new(touching.clone(), &grains, laws, false);
         let mut drive = Drive::new(impact.pulse, impact.slope, &impact.struck);
         let mut stepper = Stepper::new(impact.integrator, Sweep::Accept, impact.step, spheres);
+        stepper.clock = clock;
+        stepper.clock.lap(Phase::Preparing);
         grains.set_moving(&impact.moving);
         let mut fastest = Fastest(vec![V::splat(0.0); spheres]);
         let mut stops: Vec<Option<Stop>> = vec![None; samples.len()];
@@ -152,6 +174,7 @@ impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, 
             for _ in 0..WATCH.min(steps - stepper.count) {
                 stepper.advance(&mut grains, &mut contacts, &mut drive);
                 fastest.accepted(stepper.time(), &grains);
+                stepper.clock.lap(Phase::Watching);
             }
             let interrupted = interrupt.load(Ordering::Relaxed);
             for (lane, stop) in stops.iter_mut().enumerate().filter(|(_, stop)| stop.is_none()) {
@@ -160,11 +183,12 @@ impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, 
                     *stop = Some(Stop::Interrupted { time_s: stepper.time() });
                 }
             }
+            stepper.clock.lap(Phase::Watching);
         }
         let brief = |(lane, stop): (usize, Option<Stop>)| {
             let energy = |i: usize| 0.5 * samples[lane].mass(i) * fastest.0[i].lane(lane);
             Brief { max_kinetic: (0..spheres).map(energy).collect(), stop }
         };
-        Ok(stops.into_iter().enumerate().map(brief).collect())
+        Ok((stops.into_iter().enumerate().map(brief).collect(), stepper.clock.phases()))
     }
 }

@@ -8,7 +8,7 @@
 //! - `body`, `contacts`, `table`: the state, the forces and the laws, as parallel arrays
 //! - `step`: velocity Verlet and Runge-Kutta
 //! - `record`, `ledger`: what was felt, where the energy went
-//! - `guard`: what stops a run
+//! - `guard`: what stops a run; `clock`: where its time goes
 //! - `impact`: one run from start to end
 //! - `batch`: many designs on one lattice at once
 //! - `sheet`: large hexagonal sheets of elastic spheres, by a stencil in place of lists
@@ -20,6 +20,7 @@
 mod batch;
 mod body;
 mod boundary;
+mod clock;
 mod contacts;
 mod guard;
 mod impact;
@@ -32,8 +33,9 @@ pub mod sheet;
 mod step;
 mod table;
 
-pub use batch::{BatchError, Brief, simulate_batch};
+pub use batch::{BatchError, Brief, simulate_batch, simulate_batch_timed};
 pub use boundary::Mirror;
+pub use clock::Phases;
 pub use guard::{OVERLAP_LIMIT, OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
 pub use impact::{ContactRecord, Impact, Record, simulate, steps_in};
 pub use ledger::Ledger;

@@ -7,6 +7,7 @@
 
 use super::Integrator;
 use super::body::Grains;
+use super::clock::{Clock, Phase};
 use super::contacts::{Contacts, Laws, Sweep};
 use super::load::ForcePulse;
 use crate::real::Real;
@@ -43,6 +44,7 @@ pub(super) struct Stepper<V, const D: usize> {
     accept: Sweep,
     pub step: f64,
     pub count: u64,
+    pub clock: Clock,
     force: Vec<[V; D]>,
     trial: Vec<[V; D]>,
     stages: Option<Stages<V, D>>,
@@ -63,7 +65,7 @@ impl<V: Real, const D: usize> Stepper<V, D> {
             velocity_sum: zeros(),
             acceleration_sum: zeros(),
         });
-        Self { integrator, accept, step, count: 0, force: zeros(), trial: zeros(), stages }
+        Self { integrator, accept, step, count: 0, clock: Clock::new(false), force: zeros(), trial: zeros(), stages }
     }
 
     /// Time (s) at the last accepted step.
@@ -85,6 +87,7 @@ impl<V: Real, const D: usize> Stepper<V, D> {
             Integrator::Rk4 => self.runge_kutta(grains, contacts, drive),
         }
         self.count += 1;
+        self.clock.lap(Phase::Motion);
     }
 
     #[inline(always)]
@@ -121,7 +124,9 @@ impl<V: Real, const D: usize> Stepper<V, D> {
                 }
             }
         }
+        self.clock.lap(Phase::Motion);
         contacts.sweep(&grains.displacement, &self.trial, &mut self.force, &mut grains.reached, self.accept);
+        self.clock.lap(Phase::Contacts);
         for i in 0..grains.reached {
             let new = grains.acceleration_of(i, &self.force[i]);
             for k in 0..D {
