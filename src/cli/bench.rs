@@ -93,8 +93,9 @@ impl Bench {
         let width = Width::widest();
         let lanes = width.lanes();
         let batch: Vec<Sample<2>> = vec![sample.clone(); lanes];
-        let group =
-            || simulate_batch_timed(&batch, &impact, width, interrupt()).map_err(|error| Failure::input(error.to_string()));
+        let group = || {
+            simulate_batch_timed(&batch, &impact, width, interrupt()).map_err(|error| Failure::input(error.to_string()))
+        };
 
         // The first run warms caches and clocks; the best of three is what the machine can do.
         let (one, (_, phases)) = best(group)?;

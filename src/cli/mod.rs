@@ -132,7 +132,7 @@ pub fn main() -> ExitCode {
 /// How the motion is followed, where it differs from the design file.
 #[derive(Args)]
 struct Motion {
-    /// verlet or rk4
+    /// verlet, adams or rk4
     #[arg(long, value_name = "NAME")]
     integrator: Option<granulens::dem::Integrator>,
     /// Time step, such as "5e-8 s"

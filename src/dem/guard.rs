@@ -111,7 +111,7 @@ pub(super) fn check<V: Real, const D: usize, L: Laws<V>>(
         }
         let stiffness = contacts.laws.one(c, lane).stiffness_max(force_max);
         let lighter = 1.0 / grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));
-        let limit_s = stable_step::<D>(stiffness, lighter);
+        let limit_s = stepper.integrator.stability() * stable_step::<D>(stiffness, lighter);
         if step_s > limit_s {
             return Err(Stop::Step { step_s, limit_s, stiffness, spheres, time_s });
         }

@@ -6,7 +6,7 @@
 //! - `load`, `boundary`: what strikes the crystal and where it ends
 //! - `neighbour`: which spheres touch
 //! - `body`, `contacts`, `table`: the state, the forces and the laws, as parallel arrays
-//! - `step`: velocity Verlet and Runge-Kutta
+//! - `step`: velocity Verlet, Adams's multistep scheme and Runge-Kutta
 //! - `record`, `ledger`: what was felt, where the energy went
 //! - `guard`: what stops a run; `clock`: where its time goes
 //! - `impact`: one run from start to end
@@ -66,14 +66,29 @@ pub enum Integrator {
     /// Velocity Verlet with the predicted velocity in the force: one force sweep per step. The default.
     #[default]
     Verlet,
+    /// Multistep, of fourth order in smooth motion, also with one force sweep per step: twice Verlet's step at the same accuracy.
+    Adams,
     /// Classical Runge-Kutta of fourth order: five sweeps per step; the reference to compare with.
     Rk4,
+}
+
+impl Integrator {
+    /// The greatest stable ωh over Verlet's, which is 2.
+    pub const fn stability(self) -> f64 {
+        match self {
+            Self::Verlet => 1.0,
+            Self::Adams => 0.705,
+            // 1.41 in truth, of which no use is made.
+            Self::Rk4 => 1.0,
+        }
+    }
 }
 
 impl fmt::Display for Integrator {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Verlet => "verlet",
+            Self::Adams => "adams",
             Self::Rk4 => "rk4",
         })
     }
@@ -84,8 +99,9 @@ impl FromStr for Integrator {
     fn from_str(name: &str) -> Result<Self, String> {
         match name {
             "verlet" => Ok(Self::Verlet),
+            "adams" => Ok(Self::Adams),
             "rk4" => Ok(Self::Rk4),
-            _ => Err(format!("unknown integrator \"{name}\"; known are verlet, rk4")),
+            _ => Err(format!("unknown integrator \"{name}\"; known are verlet, adams, rk4")),
         }
     }
 }

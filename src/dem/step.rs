@@ -1,9 +1,15 @@
 //! One step forward in time.
 //!
+//! - here: velocity Verlet and Runge-Kutta; `adams`: a multistep scheme of fourth order
+//!
 //! Velocity Verlet with the predicted velocity v + h a in the force: one force sweep per step, second order although the
 //! force depends on velocity. (With the velocity at half step in the force it would be of first order.) Runge-Kutta of
 //! fourth order takes four sweeps and a fifth, at the accepted state, that advances the contacts' memories, as
 //! Burgoyne 2016, appendix A.2.3, does; it is the reference to compare with.
+
+mod adams;
+
+use adams::Past;
 
 use super::Integrator;
 use super::body::Grains;
@@ -39,7 +45,7 @@ impl<V: Real> Drive<V> {
 
 /// Advances spheres and contacts by steps of one length.
 pub(super) struct Stepper<V, const D: usize> {
-    integrator: Integrator,
+    pub integrator: Integrator,
     /// What the sweep of an accepted state advances.
     accept: Sweep,
     pub step: f64,
@@ -48,6 +54,7 @@ pub(super) struct Stepper<V, const D: usize> {
     force: Vec<[V; D]>,
     trial: Vec<[V; D]>,
     stages: Option<Stages<V, D>>,
+    past: Option<Past<V, D>>,
 }
 
 /// Work space of Runge-Kutta: the trial displacement, and the weighted sums of the stages' slopes.
@@ -65,7 +72,9 @@ impl<V: Real, const D: usize> Stepper<V, D> {
             velocity_sum: zeros(),
             acceleration_sum: zeros(),
         });
-        Self { integrator, accept, step, count: 0, clock: Clock::new(false), force: zeros(), trial: zeros(), stages }
+        let past = (integrator == Integrator::Adams).then(|| Past::new(spheres));
+        let (force, trial, clock) = (zeros(), zeros(), Clock::new(false));
+        Self { integrator, accept, step, count: 0, clock, force, trial, stages, past }
     }
 
     /// Time (s) at the last accepted step.
@@ -84,6 +93,7 @@ impl<V: Real, const D: usize> Stepper<V, D> {
         grains.reached = grains.reached.max(drive.reach);
         match self.integrator {
             Integrator::Verlet => self.verlet(grains, contacts, drive),
+            Integrator::Adams => self.adams(grains, contacts, drive),
             Integrator::Rk4 => self.runge_kutta(grains, contacts, drive),
         }
         self.count += 1;

@@ -191,7 +191,10 @@ struct Run {
 
 fn read_run((scope, file): &(Scope, &RunFile), impact: &ForcePulse) -> Result<Run, DesignError> {
     let integrator = match scope.optional("integrator", &file.integrator) {
-        Some(name) => name.choice("integrator", &[("verlet", Integrator::Verlet), ("rk4", Integrator::Rk4)])?,
+        Some(name) => {
+            let known = [("verlet", Integrator::Verlet), ("adams", Integrator::Adams), ("rk4", Integrator::Rk4)];
+            name.choice("integrator", &known)?
+        }
         None => Integrator::default(),
     };
     let pulse = Dimension::Time.show(impact.duration);

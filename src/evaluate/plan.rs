@@ -107,8 +107,9 @@ impl Plan {
         let mut warnings = Vec::new();
         let pulse = design.impact.duration;
         let (step, step_reason) = match overrides.step.or(design.step) {
-            Some(step) if step > stiffest.limit => {
+            Some(step) if step > integrator.stability() * stiffest.limit => {
                 let Stiffest { names, stiffness, limit, .. } = stiffest;
+                let limit = integrator.stability() * limit;
                 return Err(PlanError::Step { step, limit, contact: names, stiffness });
             }
             Some(step) => {

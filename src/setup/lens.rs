@@ -44,7 +44,8 @@ pub(super) fn setup(design: &Design, first_seed: Option<u64>) -> Result<Setup, S
         }
         None => crate::layout::Layout::new(*lattice, vec![design.host.clone()], |_| 0),
     };
-    let plan = Plan::new(design, Overrides::default(), &layout.palette)
+    let verlet = Overrides { integrator: Some(crate::dem::Integrator::Verlet), ..Overrides::default() };
+    let plan = Plan::new(design, verlet, &layout.palette)
         .map_err(|error| SetupError::Plan { design: Box::new(design.clone()), error })?;
     let mut rig = Rig::new(layout.sample(), laws(design));
     rig.mirrors = vec![
@@ -60,7 +61,7 @@ pub(super) fn setup(design: &Design, first_seed: Option<u64>) -> Result<Setup, S
         curve: Curve::Square { peak: design.impact.force, start: 0.0, duration: design.impact.duration },
     });
     let mut warnings = plan.warnings;
-    if plan.integrator != crate::dem::Integrator::Verlet {
+    if design.integrator != crate::dem::Integrator::Verlet {
         warnings.push("rigs are always advanced with verlet; run.integrator is not used here".to_owned());
     }
     if first_seed.is_some() {

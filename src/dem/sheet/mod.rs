@@ -12,7 +12,8 @@
 //!
 //! - `grid`: where the spheres lie, and where their numbers stand
 //! - `sweep`: one step of some rows
-//! - `look`: energies and velocities
+//! - `kinds`: which materials stand and meet where; `numbers`: memory in cache lines
+//! - `look`: energies and velocities; `stop`: what is refused, and what stops a run
 //!
 //! ```
 //! use granulens::dem::sheet::{Grid, Sheet, Sides};
@@ -29,120 +30,26 @@
 //! ```
 
 mod grid;
+mod kinds;
 mod look;
+mod numbers;
+mod stop;
 mod sweep;
 #[cfg(test)]
 mod tests;
 
 pub use grid::{Grid, GridError, Sides};
+pub use stop::{SheetError, SheetStop};
 
 use grid::Store;
-use sweep::{Band, Fixed, Kinds, Part, RowForce, Rows, Seam};
+use kinds::{Kinds, kind};
+use numbers::Numbers;
+use sweep::{Band, Fixed, Part, RowForce, Rows, Seam};
 
 use super::{ForcePulse, OVERLAP_LIMIT, stable_step};
 use crate::contact::{Constants, Hertz, NormalLaw as _, Pair};
 use crate::material::Material;
 use crate::real::Width;
-
-/// A sheet that cannot be simulated.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SheetError {
-    /// The grid itself.
-    #[error(transparent)]
-    Grid(#[from] GridError),
-    /// More crystals than stand side by side, or none.
-    #[error("{designs} crystals do not fit side by side into registers of {lanes}; simulate them in groups")]
-    Designs {
-        /// How many were given.
-        designs: usize,
-        /// How many fit.
-        lanes: usize,
-    },
-    /// A crystal with another number of spheres than the grid has.
-    #[error("crystal {design} names materials for {given} spheres; the grid has {spheres}")]
-    Length {
-        /// Which, from 1.
-        design: usize,
-        /// How many it names.
-        given: usize,
-        /// How many there are.
-        spheres: usize,
-    },
-    /// More materials than the tables hold, or one that is not there.
-    #[error("there are {materials} materials, and {used} is asked for; up to five fit, counted from 0")]
-    Materials {
-        /// How many there are.
-        materials: usize,
-        /// The greatest that a sphere asks for.
-        used: usize,
-    },
-    /// A step that is no positive number.
-    #[error("a step of {0} s must be positive")]
-    Step(f64),
-}
-
-/// Why a sheet cannot be followed further.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SheetStop {
-    /// Spheres overlap beyond what contact laws say.
-    #[error(
-        "spheres overlap by {:.1} % of their diameter at {time_s:.3e} s, beyond the law's range of {:.0} %; the impact is too \
-         strong, or the step too large", 100.0 * overlap_ratio, 100.0 * OVERLAP_LIMIT
-    )]
-    Overlap {
-        /// Overlap over the diameter.
-        overlap_ratio: f64,
-        /// Time (s).
-        time_s: f64,
-    },
-    /// The step is too large for the deepest contact, were it that of the stiffest and lightest pair.
-    #[error("a step of {step_s:.3e} s is too large at {time_s:.3e} s, where contacts ask for {limit_s:.3e} s at most")]
-    Step {
-        /// The step (s).
-        step_s: f64,
-        /// What it may be (s).
-        limit_s: f64,
-        /// Time (s).
-        time_s: f64,
-    },
-    /// A velocity is not a number any more.
-    #[error("a velocity is not finite at {time_s:.3e} s; try a smaller step")]
-    NotFinite {
-        /// Time (s).
-        time_s: f64,
-    },
-}
-
-/// Numbers from the beginning of a cache line on, so that no register straddles two.
-#[derive(Debug)]
-struct Numbers {
-    room: Vec<f64>,
-    start: usize,
-    length: usize,
-}
-
-impl Numbers {
-    fn zero(length: usize) -> Self {
-        let room = vec![0.0; length + 8];
-        // In a place where this cannot be told, any start will do.
-        let start = Some(room.as_ptr().align_offset(64)).filter(|&start| start < 8).unwrap_or(0);
-        Self { room, start, length }
-    }
-    fn get(&self) -> &[f64] {
-        &self.room[self.start..self.start + self.length]
-    }
-    fn get_mut(&mut self) -> &mut [f64] {
-        &mut self.room[self.start..self.start + self.length]
-    }
-}
-
-impl Clone for Numbers {
-    fn clone(&self) -> Self {
-        let mut copy = Self::zero(self.length);
-        copy.get_mut().copy_from_slice(self.get());
-        copy
-    }
-}
 
 /// Displacements in diameters, and displacements per step as of half a step before.
 #[derive(Clone, Debug)]
@@ -184,12 +91,6 @@ pub struct Sheet {
     /// Greatest overlap so far over the diameter, and of the stiffest kind of pair k (N/m^{3/2}).
     deepest: f64,
     stiffest: f64,
-}
-
-/// Place of the pair of two of five materials in the table of kinds; 0 is no bond.
-fn kind(a: u8, b: u8) -> u8 {
-    let (low, high) = (a.min(b), a.max(b));
-    1 + high * (high + 1) / 2 + low
 }
 
 impl Sheet {
@@ -462,48 +363,4 @@ fn front<'a>(rest: &mut &'a mut [f64], length: usize) -> &'a mut [f64] {
     let (front, back) = std::mem::take(rest).split_at_mut(length);
     *rest = back;
     front
-}
-
-impl Kinds {
-    /// The kinds of all bonds and spheres.
-    fn new(grid: &Grid, store: &Store, designs: &[&[u8]]) -> Self {
-        let length = grid.rows * store.stride;
-        let zero = || vec![0; length];
-        let mut kinds = Self { beside: zero(), straight: zero(), slanted: zero(), sphere: zero() };
-        // What each place is made of, images with their spheres' materials; 0 is nothing.
-        let mut made = zero();
-        for (number, [row, column]) in grid.sites().enumerate() {
-            let at = store.at(row, column);
-            for lane in 0..store.site {
-                let material = designs[lane.min(designs.len() - 1)][number] + 1;
-                (made[at + lane], kinds.sphere[at + lane]) = (material, material);
-            }
-        }
-        for row in 0..grid.rows {
-            for &(to, from, _) in &store.ghosts[row % 2] {
-                for lane in 0..store.site {
-                    let start = row * store.stride + lane;
-                    made[start + to * store.site] = made[start + from * store.site];
-                }
-            }
-        }
-        let bond = |a: usize, b: usize| match (made[a], made[b]) {
-            (0, _) | (_, 0) => 0,
-            (a, b) => kind(a - 1, b - 1),
-        };
-        for row in 0..grid.rows {
-            let below = if row + 1 < grid.rows { Some(row + 1) } else { grid.joined.then_some(0) };
-            for k in 0..store.stride - store.site {
-                let here = row * store.stride + k;
-                kinds.beside[here] = bond(here, here + store.site);
-                if let Some(below) = below {
-                    let under = below * store.stride + k;
-                    kinds.straight[here] = bond(here, under);
-                    kinds.slanted[here] =
-                        if row % 2 == 1 { bond(here, under + store.site) } else { bond(here + store.site, under) };
-                }
-            }
-        }
-        kinds
-    }
 }

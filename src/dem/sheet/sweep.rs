@@ -9,23 +9,9 @@
 //! the same bits.
 
 use super::grid::{Ghost, Store};
+use super::kinds::Kinds;
 use crate::contact::hertz_over_distance;
 use crate::real::{Kernel, Real};
-
-/// Which pair of materials each bond joins and what each sphere is made of, as places in tables; 0 is nothing. Numbers stand
-/// as those of the state do.
-#[derive(Clone, Debug)]
-pub(super) struct Kinds {
-    /// From a place to the next one of its row.
-    pub beside: Vec<u8>,
-    /// From a place to the place with the same number in the row below.
-    pub straight: Vec<u8>,
-    /// The other bond to the row below: in rows 2, 4, ... from a place to the next place there, in rows 1, 3, ... from the
-    /// next place to the same place there.
-    pub slanted: Vec<u8>,
-    /// Of the sphere.
-    pub sphere: Vec<u8>,
-}
 
 /// What does not change from step to step.
 #[derive(Clone, Debug)]
