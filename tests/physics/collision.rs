@@ -142,7 +142,7 @@ fn halving_the_step_quarters_the_error() {
 
 /// Between two moments of one elastic collision (Hertz, 440c on 440c at 5 m/s, 4 and 12 µs after they met; it lasts some 25 µs) the
 /// energy ½ m* v² + (2/5) k δ^{5/2} is the same but for what the scheme makes of it: of fourth order by the multistep scheme, which
-/// halving the step divides by 16 (whatever it did to the first, kinked steps), of second order by Verlet.
+/// halving the step tends to divide by 16 (whatever it did to the first, kinked steps), of second order by Verlet.
 #[test]
 fn the_multistep_scheme_is_of_fourth_order_in_smooth_motion() {
     let steel = material("440c");
@@ -159,11 +159,11 @@ fn the_multistep_scheme_is_of_fourth_order_in_smooth_motion() {
         };
         (energy(12e-6) / energy(4e-6) - 1.0).abs()
     };
-    let ratio = |integrator| error(integrator, 4e-7) / error(integrator, 2e-7);
+    let ratio = |integrator| error(integrator, 1e-7) / error(integrator, 5e-8);
     let (adams, verlet) = (ratio(Integrator::Adams), ratio(Integrator::Verlet));
-    assert!((11.0..24.0).contains(&adams), "{adams}");
-    assert!((3.0..5.0).contains(&verlet), "{verlet}");
-    assert!(error(Integrator::Adams, 2e-7) < 0.1 * error(Integrator::Verlet, 2e-7));
+    assert!((13.0..17.0).contains(&adams), "{adams}");
+    assert!((3.8..4.2).contains(&verlet), "{verlet}");
+    assert!(error(Integrator::Adams, 2e-7) < 0.01 * error(Integrator::Verlet, 2e-7));
 }
 
 /// What the law is known to get wrong (two 440c spheres): at 1 m/s it returns more than it took, e = 1.015; far below
