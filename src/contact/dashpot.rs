@@ -1,6 +1,7 @@
 //! The linear spring and dashpot of granular beds.
 
 use super::{ForceLaw, History, NormalLaw};
+use crate::real::Real;
 
 /// F = k δ + c v with overlap δ and closing speed v: a spring and a dashpot side by side (Kondic et al. 2012, eq. 2).
 ///
@@ -29,6 +30,13 @@ impl Dashpot {
             if more { low = damping } else { high = damping }
         }
         Self { stiffness, damping: 0.5 * (low + high), cut }
+    }
+
+    /// Force of closed contacts, one or several side by side, each with its own c in place of `damping`.
+    #[inline(always)]
+    pub fn push<V: Real>(&self, overlap: V, closing_speed: V, damping: V) -> V {
+        let force = V::splat(self.stiffness) * overlap + damping * closing_speed;
+        if self.cut { force.max(V::splat(0.0)) } else { force }
     }
 
     /// Coefficient of restitution of a head-on collision with reduced mass m̄ (kg): exact.
@@ -67,8 +75,7 @@ impl ForceLaw<f64> for Dashpot {
         if overlap <= 0.0 {
             return 0.0;
         }
-        let force = self.stiffness * overlap + self.damping * closing_speed;
-        if self.cut { force.max(0.0) } else { force }
+        self.push(overlap, closing_speed, self.damping)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::cluster::ClusterState;
 use super::{Body, Rig};
+use crate::real::Real;
 
 /// State of all spheres and flats. Row i of each array is sphere (or flat) i.
 #[derive(Clone, Debug)]
@@ -101,8 +102,8 @@ fn free<const D: usize>(velocity: &[f64; D], inverse_mass: &[f64; D]) -> [f64; D
 
 /// ω × n in `D` dimensions; in the plane ω points out of it.
 #[inline(always)]
-pub(super) fn spin_cross<const D: usize>(spin: &[f64; 3], n: &[f64; D]) -> [f64; D] {
-    let mut out = [0.0; D];
+pub(super) fn spin_cross<V: Real, const D: usize>(spin: &[V; 3], n: &[V; D]) -> [V; D] {
+    let mut out = [V::splat(0.0); D];
     if D == 2 {
         out[0] = -spin[2] * n[1];
         out[1] = spin[2] * n[0];
@@ -116,21 +117,22 @@ pub(super) fn spin_cross<const D: usize>(spin: &[f64; 3], n: &[f64; D]) -> [f64;
 
 /// n × f in `D` dimensions; in the plane it points out of it.
 #[inline(always)]
-pub(super) fn cross<const D: usize>(n: &[f64; D], f: &[f64; D]) -> [f64; 3] {
+pub(super) fn cross<V: Real, const D: usize>(n: &[V; D], f: &[V; D]) -> [V; 3] {
+    let zero = V::splat(0.0);
     if D == 2 {
-        [0.0, 0.0, n[0] * f[1] - n[1] * f[0]]
+        [zero, zero, n[0] * f[1] - n[1] * f[0]]
     } else if D == 3 {
         [n[1] * f[2] - n[2] * f[1], n[2] * f[0] - n[0] * f[2], n[0] * f[1] - n[1] * f[0]]
     } else {
-        [0.0; 3]
+        [zero; 3]
     }
 }
 
 #[inline(always)]
-pub(super) fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+pub(super) fn dot<V: Real, const D: usize>(a: &[V; D], b: &[V; D]) -> V {
     let mut sum = a[0] * b[0];
     for k in 1..D {
-        sum += a[k] * b[k];
+        sum = sum + a[k] * b[k];
     }
     sum
 }

@@ -66,7 +66,8 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
     fn touching(&self, rig: &Rig<D>, c: usize) -> Option<Touching<D>> {
         let contacts = &self.contacts;
         let normal = contacts.normal(rig, &self.bodies, c)?;
-        let Account { overlap, force, work, slid, wound, .. } = contacts.account[c];
+        let Account { overlap, force, work, slid, .. } = contacts.account.at(c);
+        let wound = contacts.wound(c);
         let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
         let [overlap_max, force_max] = L::greatest(&contacts.memory[c]).unwrap_or([overlap, force]);
         let closing_speed = contacts.closing_speed(&self.bodies, c, &normal);
@@ -98,12 +99,12 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
         let (contacts, bodies) = (&self.contacts, &self.bodies);
         let mut sum = contacts.lost_by_sphere.clone();
         for c in 0..contacts.len() {
-            let Account { overlap, work, slid, wound, .. } = contacts.account[c];
+            let Account { overlap, work, slid, .. } = contacts.account.at(c);
             if work == 0.0 && slid == 0.0 {
                 continue;
             }
             let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
-            let loss = contacts.weight(c) * (work - stored) + contacts.share(c) * (slid - wound);
+            let loss = contacts.weight(c) * (work - stored) + contacts.share(c) * (slid - contacts.wound(c));
             for (sphere, part) in contacts.spheres(c) {
                 sum[sphere] += part * loss / bodies.weight[sphere];
             }
@@ -128,7 +129,7 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
         let mut records = Vec::new();
         for c in 0..contacts.len() {
             let [Some(a), Some(b)] = contacts.bodies(c).map(sphere) else { continue };
-            let account = &contacts.account[c];
+            let account = contacts.account.at(c);
             let [overlap_max, force_max] = L::greatest(&contacts.memory[c]).unwrap_or([account.overlap, account.force]);
             if overlap_max > 0.0 {
                 let stored = contacts.normal_law(c).stored(account.overlap, &contacts.memory[c]);
@@ -185,8 +186,8 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
             images: contacts.near.iter().flat_map(|pair| pair.image).collect(),
             faces: contacts.faces.iter().map(|f| (f.sphere, face(f.facing).0, face(f.facing).1)).collect(),
             memory: contacts.memory.iter().flat_map(L::numbers).collect(),
-            stretch: flat(&contacts.stretch),
-            account: contacts.account.iter().flat_map(|a| a.numbers()).collect(),
+            stretch: contacts.stretch.concat(),
+            account: (0..contacts.len()).flat_map(|c| contacts.account.at(c).numbers()).collect(),
             kept_pairs: contacts.kept_pairs.iter().map(|((ends, image), k)| (*ends, image.to_vec(), kept(k))).collect(),
             kept_faces: contacts
                 .kept_faces
@@ -224,7 +225,7 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
         let contacts = &mut self.contacts;
         let mut fits = state.memory.len() == count * L::NUMBERS
             && state.account.len() == count * Account::NUMBERS
-            && state.stretch.len() == contacts.stretch.len() * D
+            && state.stretch.len() == contacts.stretch.iter().map(Vec::len).sum::<usize>()
             && state.lost_by_sphere.len() == spheres;
         if !fits {
             return false;
@@ -232,9 +233,11 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
         for c in 0..count {
             contacts.memory[c] = L::from_numbers(&state.memory[c * L::NUMBERS..(c + 1) * L::NUMBERS]);
             let numbers = &state.account[c * Account::NUMBERS..(c + 1) * Account::NUMBERS];
-            contacts.account[c] = Account::from_numbers(numbers);
+            contacts.account.put(c, Account::from_numbers(numbers));
         }
-        contacts.stretch.as_flattened_mut().copy_from_slice(&state.stretch);
+        for (axis, numbers) in contacts.stretch.iter_mut().zip(state.stretch.chunks(count.max(1))) {
+            axis.copy_from_slice(numbers);
+        }
         let kept = |numbers: &[f64]| {
             let [work, slid, weight, share, memory @ ..] = numbers else { return None };
             (memory.len() == L::NUMBERS).then(|| Kept {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::contact::{AnyLaw, Constants, Dashpot, ForceLaw as _, History, LawKind, NormalLaw, Pair, Tabulated};
 use crate::material::Material;
+use crate::real::Real;
 
 /// The laws of a rig.
 #[derive(Clone, Debug)]
@@ -53,6 +54,13 @@ pub struct SpringDashpot {
 }
 
 impl SpringDashpot {
+    /// Force (N) of closed contacts, one or several side by side, with dashpots c = γ m̄ (kg/s).
+    #[inline(always)]
+    pub(super) fn push<V: Real>(&self, overlap: V, closing_speed: V, damping: V) -> V {
+        self.of(0.0).push(overlap, closing_speed, damping)
+    }
+
+    #[inline(always)]
     fn of(self, reduced: f64) -> Dashpot {
         Dashpot { stiffness: self.stiffness, damping: self.rate * reduced, cut: self.cut }
     }
@@ -193,7 +201,7 @@ impl Bonding for SpringDashpot {
 
     #[inline(always)]
     fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, (): &()) -> (f64, ()) {
-        (self.of(reduced).force(overlap, closing_speed, &History::new()), ())
+        (self.push(overlap, closing_speed, self.rate * reduced), ())
     }
     fn stored(&self, overlap: f64, (): &()) -> f64 {
         0.5 * self.stiffness * overlap * overlap

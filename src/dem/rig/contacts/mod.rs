@@ -4,24 +4,32 @@
 //! contact does is worked out in one place (`react`) and added up in order of the contacts, either at once or, on several
 //! threads, by first storing the reactions and then adding up sphere by sphere: the same sums in the same order.
 //!
-//! - `react`: what one contact does; `faces`: contacts with flats and mirrors
-//! - `sweep`: forces on all bodies
+//! - `react`: what contacts do; `faces`: contacts with flats and mirrors
+//! - `sweep`: forces on all bodies; `lanes`: the same for disks with springs and dashpots, several contacts side by side
+//! - `account`: what contacts have carried and lost
 
+mod account;
 mod faces;
+mod lanes;
 mod react;
 mod sweep;
 
+use std::any::Any;
 use std::collections::{BTreeMap, HashMap};
 
+pub(super) use account::Account;
 pub(super) use faces::{Facing, NearFace};
-pub(super) use react::{Account, Trial};
+pub(super) use react::Trial;
 pub(super) use sweep::Sums;
 
 use super::bodies::{Bodies, dot};
-use super::law::{Binder, Bond, Bonding, End, reduced_mass};
+use super::law::{Binder, Bond, Bonding, End, SpringDashpot, reduced_mass};
 use super::pairs::{Finder, Near};
 use super::{Body, Rig};
+use crate::real::Width;
+use account::Accounts;
 use faces::near_faces;
+use lanes::{Lines, Moving};
 use react::Reaction;
 use sweep::MANY;
 
@@ -72,9 +80,9 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     bonds: Vec<Bond<L>>,
     known_bonds: HashMap<[u32; 2], u32>,
     pub memory: Vec<L::Memory>,
-    /// ξ, the tangential spring (m); empty without friction.
-    pub stretch: Vec<[f64; D]>,
-    pub account: Vec<Account>,
+    /// ξ, the tangential spring (m), along each axis; empty without friction.
+    pub stretch: [Vec<f64>; D],
+    pub account: Accounts,
     /// Memories of contacts that are no longer near.
     pub kept_pairs: BTreeMap<PairKey<D>, Kept<L::Memory>>,
     pub kept_faces: BTreeMap<FaceKey, Kept<L::Memory>>,
@@ -92,7 +100,13 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     /// For sums on several threads: the contacts of each sphere, in order, and which end it is.
     by_sphere: Vec<(u32, bool)>,
     first_of: Vec<u32>,
-    reactions: Vec<Option<Reaction<D>>>,
+    reactions: Vec<Reaction<D>>,
+    /// For disks in lanes: the pairs as parallel arrays, the disks side by side, what acts on them, and their radii.
+    lines: Lines,
+    moving: Vec<Moving>,
+    pull: Vec<[f64; 3]>,
+    lever: Vec<f64>,
+    width: Width,
 }
 
 impl<const D: usize, L: Bonding> Contacts<D, L> {
@@ -133,8 +147,8 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             bonds: Vec::new(),
             known_bonds: HashMap::new(),
             memory: Vec::new(),
-            stretch: Vec::new(),
-            account: Vec::new(),
+            stretch: std::array::from_fn(|_| Vec::new()),
+            account: Accounts::default(),
             kept_pairs: BTreeMap::new(),
             kept_faces: BTreeMap::new(),
             lost: [0.0; 2],
@@ -142,11 +156,16 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             dropped: Vec::new(),
             face_factor,
             class,
+            lever: ends.iter().map(|end| end.radius).collect(),
             ends,
             turning: rig.laws.has_friction(),
             by_sphere: Vec::new(),
             first_of: Vec::new(),
             reactions: Vec::new(),
+            lines: Lines::default(),
+            moving: Vec::new(),
+            pull: Vec::new(),
+            width: Width::widest(),
         }
     }
 
@@ -168,16 +187,19 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     ) {
         let old_pairs = self.near.len();
         let mut memory = Vec::with_capacity(near.len() + faces.len());
-        let mut account = Vec::with_capacity(near.len() + faces.len());
-        let mut stretch = Vec::with_capacity(if self.turning { near.len() + faces.len() } else { 0 });
+        let mut account = Accounts::with_capacity(near.len() + faces.len());
         let turning = self.turning;
+        let mut stretch: [Vec<f64>; D] =
+            std::array::from_fn(|_| Vec::with_capacity(if turning { near.len() + faces.len() } else { 0 }));
         let mut take = |from: Option<usize>, kept: Option<Kept<L::Memory>>, old: &Self| {
             match (from, kept) {
                 (Some(c), _) => {
                     memory.push(old.memory[c]);
-                    account.push(old.account[c]);
+                    account.push(old.account.at(c));
                     if turning {
-                        stretch.push(old.stretch[c]);
+                        for k in 0..D {
+                            stretch[k].push(old.stretch[k][c]);
+                        }
                     }
                 }
                 (None, kept) => {
@@ -188,7 +210,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                         ..Account::default()
                     }));
                     if turning {
-                        stretch.push([0.0; D]);
+                        stretch.iter_mut().for_each(|axis| axis.push(0.0));
                     }
                 }
             };
@@ -237,12 +259,15 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             true => Vec::new(),
             false => self.near.iter().map(|pair| share_in_mirrors(rig, pair)).collect(),
         };
+        if let Some(disks) = (self as &mut dyn Any).downcast_mut::<Contacts<2, SpringDashpot>>() {
+            disks.lines = Lines::of(&disks.near);
+        }
         self.index();
     }
 
     /// Keeps what a contact remembers that is no longer near.
     fn drop_contact(&mut self, c: usize, bodies: &Bodies<D>) {
-        let Account { work, slid, .. } = self.account[c];
+        let Account { work, slid, .. } = self.account.at(c);
         let memory = self.memory[c];
         if memory == L::Memory::default() && work == 0.0 && slid == 0.0 {
             return;
@@ -273,6 +298,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         self.bond.clear();
         self.reduced.clear();
         let class = |i: u32| if B::BY_SIZE { self.class[i as usize] } else { self.ends[i as usize].material as u32 };
+        let mut last = None;
         for c in 0..self.near.len() + self.faces.len() {
             let (key, ends, counted) = match self.near.get(c) {
                 Some(pair) => (pair.ends.map(class), pair.ends.map(|i| self.ends[i as usize]), 1.0),
@@ -289,11 +315,19 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 }
             };
             self.reduced.push(reduced_mass(ends) / counted);
-            let next = self.bonds.len() as u32;
-            let place = *self.known_bonds.entry(key).or_insert(next);
-            if place == next {
-                self.bonds.push(binder.bond(ends));
-            }
+            // Most contacts have the law of the one before.
+            let place = match last {
+                Some((known, place)) if known == key => place,
+                _ => {
+                    let next = self.bonds.len() as u32;
+                    let place = *self.known_bonds.entry(key).or_insert(next);
+                    if place == next {
+                        self.bonds.push(binder.bond(ends));
+                    }
+                    place
+                }
+            };
+            last = Some((key, place));
             self.bond.push(place);
         }
     }
@@ -303,7 +337,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         self.by_sphere.clear();
         self.first_of.clear();
         self.reactions.clear();
-        if self.near.len() < MANY {
+        if self.near.len() < MANY || rayon::current_num_threads() == 1 {
             return;
         }
         self.first_of.resize(self.class.len() + 1, 0);
@@ -323,7 +357,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 next[end as usize] += 1;
             }
         }
-        self.reactions.resize(self.near.len(), None);
+        self.reactions.resize(self.near.len(), Reaction::NONE);
     }
 
     /// Number of contacts, open ones included.
@@ -358,7 +392,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// What a contact that carries or has carried force has borne.
     pub fn strain(&self, c: usize) -> Option<Strain> {
-        let account = &self.account[c];
+        let account = self.account.at(c);
         let [overlap, force] = L::greatest(&self.memory[c]).unwrap_or([account.overlap, account.force]);
         let law = self.normal_law(c);
         (overlap > 0.0).then(|| Strain {
@@ -409,7 +443,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         let (from, to) = (bodies.displacement[a as usize], bodies.displacement[b as usize]);
         let between: [f64; D] = std::array::from_fn(|k| offset[k] + to[k] - from[k]);
         let distance = dot(&between, &between).sqrt();
-        (self.account[c].overlap > 0.0).then(|| between.map(|x| x / distance))
+        (self.account.overlap[c] > 0.0).then(|| between.map(|x| x / distance))
     }
 
     /// How fast a contact's overlap grows (m/s), with the normal from its first body to its second.
@@ -432,11 +466,21 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// Force (N) of a contact's tangential spring.
     pub fn tangential(&self, c: usize) -> f64 {
-        if self.stretch.is_empty() {
-            return 0.0;
-        }
+        self.spring(c).map_or(0.0, |[stiffness, squared]| stiffness * squared.sqrt())
+    }
+
+    /// ½ k_t ξ² (J), what a contact's tangential spring holds.
+    pub fn wound(&self, c: usize) -> f64 {
+        self.spring(c).map_or(0.0, |[stiffness, squared]| 0.5 * stiffness * squared)
+    }
+
+    /// k_t (N/m) and ξ² (m²), with friction.
+    fn spring(&self, c: usize) -> Option<[f64; 2]> {
         let slip = &self.bonds[self.bond[c] as usize].slip;
-        slip.stiffness_at(self.account[c].overlap) * dot(&self.stretch[c], &self.stretch[c]).sqrt()
+        self.turning.then(|| {
+            let stretch: [f64; D] = std::array::from_fn(|k| self.stretch[k][c]);
+            [slip.stiffness_at(self.account.overlap[c]), dot(&stretch, &stretch)]
+        })
     }
 }
 

@@ -1,50 +1,13 @@
-//! What one contact does: the normal and the tangential force of two overlapping ends.
+//! What contacts do: the normal and the tangential force of two overlapping ends.
+//!
+//! Geometry and friction are written for any [`Real`]: one contact at a time, or in lanes (`lanes`).
 
 use crate::dem::rig::bodies::{cross, dot, spin_cross};
 use crate::dem::rig::law::{Bond, Bonding, End, Slip};
 use crate::dem::rig::pairs::Near;
+use crate::real::Real;
 
-/// What a contact remembers besides its normal law's memory.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Account {
-    /// Overlap (m) and normal force (N) at the last accepted step; zero while open.
-    pub overlap: f64,
-    pub force: f64,
-    /// ∫F dδ by the trapezoidal rule (J)
-    pub work: f64,
-    /// Work done against the tangential force (J), of which the spring still holds `wound`; its power (W) at the last step.
-    pub slid: f64,
-    pub power: f64,
-    /// ½ k_t ξ² (J)
-    pub wound: f64,
-}
-
-impl Account {
-    /// How many numbers it is.
-    pub const NUMBERS: usize = 6;
-
-    pub fn numbers(&self) -> [f64; 6] {
-        [self.overlap, self.force, self.work, self.slid, self.power, self.wound]
-    }
-
-    /// From its six numbers.
-    pub fn from_numbers(n: &[f64]) -> Self {
-        Self { overlap: n[0], force: n[1], work: n[2], slid: n[3], power: n[4], wound: n[5] }
-    }
-
-    #[inline(always)]
-    fn accept(&mut self, overlap: f64, force: f64) {
-        self.work += 0.5 * (self.force + force) * (overlap - self.overlap);
-        (self.overlap, self.force) = (overlap, force);
-    }
-
-    /// The contact opens: what the spring held is lost.
-    pub fn open(&mut self, step: f64) {
-        self.accept(0.0, 0.0);
-        self.slid += 0.5 * step * self.power;
-        (self.power, self.wound) = (0.0, 0.0);
-    }
-}
+use super::account::Account;
 
 /// The velocities at which forces are asked for, and the step that follows.
 #[derive(Clone, Copy)]
@@ -63,14 +26,19 @@ pub struct Reaction<const D: usize> {
     pub twist: [f64; 3],
 }
 
+impl<const D: usize> Reaction<D> {
+    /// That of an open contact.
+    pub const NONE: Self = Self { force: [0.0; D], twist: [0.0; 3] };
+}
+
 /// The state of two ends that overlap.
-pub struct Meeting<const D: usize> {
-    pub overlap: f64,
-    pub closing_speed: f64,
+pub struct Meeting<V, const D: usize> {
+    pub overlap: V,
+    pub closing_speed: V,
     /// From the first end to the second.
-    pub normal: [f64; D],
+    pub normal: [V; D],
     /// Velocity of the first end's surface relative to the second's, in the tangent plane.
-    pub sliding: [f64; D],
+    pub sliding: [V; D],
 }
 
 /// Overlap over the radii's sum from which on a contact counts as closed; as in `dem::contacts`.
@@ -80,6 +48,106 @@ impl Slip {
     #[inline(always)]
     pub fn stiffness_at(&self, overlap: f64) -> f64 {
         if self.mindlin > 0.0 { self.stiffness + self.mindlin * overlap.sqrt() } else { self.stiffness }
+    }
+}
+
+/// From the centre of the first sphere to that of the second, Δ = offset + shift, and S² − |Δ|² with S² − |offset|² = −gap:
+/// without the cancellation of two nearly equal squares. Positive where they overlap.
+#[inline(always)]
+pub fn between<V: Real, const D: usize>(offset: &[V; D], shift: &[V; D], gap: V) -> ([V; D], V) {
+    let mut between = *offset;
+    let mut excess = -gap;
+    for k in 0..D {
+        excess = excess - shift[k] * (V::splat(2.0) * offset[k] + shift[k]);
+        between[k] = offset[k] + shift[k];
+    }
+    (between, excess)
+}
+
+/// Two overlapping spheres of radii's sum `reach`, with the velocity of the first relative to the second and
+/// `turn` = r₁ ω₁ + r₂ ω₂.
+#[inline(always)]
+pub fn meet<V: Real, const D: usize, const TURNING: bool>(
+    (between, excess): (&[V; D], V),
+    reach: V,
+    approach: &[V; D],
+    turn: &[V; 3],
+) -> Meeting<V, D> {
+    let distance = dot(between, between).sqrt();
+    // One quotient for both: overlap = (S² − |Δ|²)/(S + |Δ|), and 1/|Δ| for the normal.
+    let sum = reach + distance;
+    let quotient = V::splat(1.0) / (sum * distance);
+    let overlap = excess * (quotient * distance);
+    let inverse = quotient * sum;
+    let mut normal = *between;
+    for k in 0..D {
+        normal[k] = between[k] * inverse;
+    }
+    let closing_speed = dot(approach, &normal);
+    let mut sliding = [V::splat(0.0); D];
+    if TURNING {
+        let turn = spin_cross(turn, &normal);
+        for k in 0..D {
+            sliding[k] = approach[k] - closing_speed * normal[k] + turn[k];
+        }
+    }
+    Meeting { overlap, closing_speed, normal, sliding }
+}
+
+/// Friction at closed contacts.
+pub struct Grip<V> {
+    /// μ
+    pub coefficient: V,
+    /// k_t (N/m)
+    pub stiffness: V,
+    /// γ_t m̄ (kg/s)
+    pub damping: V,
+}
+
+impl<V: Real> Grip<V> {
+    /// The force that the first end's sliding meets, F_t = k_t ξ + γ_t m̄ u, at most μ |F_n|; ξ advances by one step. Without
+    /// `SPRING` k_t is zero, and ξ is left alone.
+    #[inline(always)]
+    pub fn drag<const D: usize, const SPRING: bool>(
+        &self,
+        meeting: &Meeting<V, D>,
+        push: V,
+        stretch: &mut [V; D],
+        step: f64,
+    ) -> [V; D] {
+        let (zero, sliding) = (V::splat(0.0), &meeting.sliding);
+        let mut drag = [zero; D];
+        if SPRING {
+            // ξ is turned into the tangent plane, then follows the sliding: ξ̇ = u.
+            let along = dot(stretch, &meeting.normal);
+            for k in 0..D {
+                stretch[k] = stretch[k] + (V::splat(step) * sliding[k] - along * meeting.normal[k]);
+                drag[k] = self.stiffness * stretch[k] + self.damping * sliding[k];
+            }
+        } else {
+            for k in 0..D {
+                drag[k] = self.damping * sliding[k];
+            }
+        }
+        let cap = self.coefficient * push.max(-push);
+        let (most, squared) = (cap * cap, dot(&drag, &drag));
+        let slips = most.lt(squared);
+        if V::any(slips) {
+            let shorter = V::select(slips, cap / squared.sqrt(), V::splat(1.0));
+            let softness = if SPRING {
+                V::select(zero.lt(self.stiffness), V::splat(1.0) / self.stiffness, zero)
+            } else {
+                zero
+            };
+            for k in 0..D {
+                drag[k] = drag[k] * shorter;
+                if SPRING {
+                    let kept = (drag[k] - self.damping * sliding[k]) * softness;
+                    stretch[k] = V::select(slips, kept, stretch[k]);
+                }
+            }
+        }
+        drag
     }
 }
 
@@ -101,14 +169,11 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     let Near { ends: [a, b], offset, gap, reach, .. } = *near;
     let (a, b) = (a as usize, b as usize);
     let (from, to) = (&displacement[a], &displacement[b]);
-    let mut between = [0.0; D];
-    // S² − |Δ|² with Δ = offset + shift, without the cancellation of two nearly equal squares.
-    let mut excess = -gap;
+    let mut shift = [0.0; D];
     for k in 0..D {
-        let shift = to[k] - from[k];
-        excess -= shift * (2.0 * offset[k] + shift);
-        between[k] = offset[k] + shift;
+        shift[k] = to[k] - from[k];
     }
+    let (between, excess) = between(&offset, &shift, gap);
     if excess <= 2.0 * CLOSED * reach * reach {
         if account.overlap > 0.0 {
             account.open(step);
@@ -116,35 +181,25 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
         }
         return None;
     }
-    let distance = dot(&between, &between).sqrt();
-    // One quotient for both: overlap = (S² − |Δ|²)/(S + |Δ|), and 1/|Δ| for the normal.
-    let sum = reach + distance;
-    let quotient = 1.0 / (sum * distance);
-    let overlap = excess * (quotient * distance);
-    let inverse = quotient * sum;
-    let normal = between.map(|x| x * inverse);
     let mut approach = [0.0; D];
     for k in 0..D {
         approach[k] = velocity[a][k] - velocity[b][k];
     }
-    let closing_speed = dot(&approach, &normal);
-    let mut sliding = [0.0; D];
+    let mut turn = [0.0; 3];
     if TURNING {
         let (ra, rb) = (ends[a].radius, ends[b].radius);
-        let (wa, wb) = (&spin[a], &spin[b]);
-        let turn = spin_cross(&std::array::from_fn(|k| ra * wa[k] + rb * wb[k]), &normal);
-        for k in 0..D {
-            sliding[k] = approach[k] - closing_speed * normal[k] + turn[k];
+        for k in 0..3 {
+            turn[k] = ra * spin[a][k] + rb * spin[b][k];
         }
     }
-    let meeting = Meeting { overlap, closing_speed, normal, sliding };
+    let meeting = meet::<f64, D, TURNING>((&between, excess), reach, &approach, &turn);
     Some(react::<D, L, TURNING>(&meeting, (bond, reduced), memory, stretch, account, step, share))
 }
 
 /// Normal and tangential force of a closed contact; its memories advance by one step.
 #[inline(always)]
 pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
-    meeting: &Meeting<D>,
+    meeting: &Meeting<f64, D>,
     (bond, reduced): (&Bond<L>, f64),
     memory: &mut L::Memory,
     stretch: &mut [f64; D],
@@ -155,39 +210,25 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
     let Meeting { overlap, closing_speed, normal, sliding } = meeting;
     let (push, next) = bond.normal.respond(*overlap, *closing_speed, reduced, memory);
     *memory = next;
-    account.accept(*overlap, push);
     let mut force = normal.map(|n| share * push * n);
-    let mut twist = [0.0; 3];
+    let (mut twist, mut power) = ([0.0; 3], 0.0);
     if TURNING && bond.slip.coefficient > 0.0 {
         let slip = &bond.slip;
-        let (stiffness, damping) = (slip.stiffness_at(*overlap), slip.rate * reduced);
-        // ξ is turned into the tangent plane, then follows the sliding: ξ̇ = u.
-        let along = dot(stretch, normal);
-        let mut drag = [0.0; D];
-        for k in 0..D {
-            stretch[k] += step * sliding[k] - along * normal[k];
-            drag[k] = stiffness * stretch[k] + damping * sliding[k];
-        }
-        let (cap, squared) = (slip.coefficient * push.abs(), dot(&drag, &drag));
-        if squared > cap * cap {
-            let shorter = cap / squared.sqrt();
-            for k in 0..D {
-                drag[k] *= shorter;
-                if stiffness > 0.0 {
-                    stretch[k] = (drag[k] - damping * sliding[k]) / stiffness;
-                }
-            }
-        }
+        let stiffness = slip.stiffness_at(*overlap);
+        let grip = Grip { coefficient: slip.coefficient, stiffness, damping: slip.rate * reduced };
+        let mut drag = if stiffness > 0.0 {
+            grip.drag::<D, true>(meeting, push, stretch, step)
+        } else {
+            grip.drag::<D, false>(meeting, push, stretch, step)
+        };
         // The first end is held back by −drag, the second dragged along.
-        let power = dot(&drag, sliding);
-        account.slid += 0.5 * step * (account.power + power);
-        account.power = power;
-        account.wound = 0.5 * stiffness * dot(stretch, stretch);
+        power = dot(&drag, sliding);
         for k in 0..D {
             drag[k] *= share;
             force[k] += drag[k];
         }
         twist = cross(normal, &drag.map(|f| -f));
     }
+    account.accept(*overlap, push, power, step);
     Reaction { force, twist }
 }

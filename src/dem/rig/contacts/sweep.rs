@@ -1,14 +1,17 @@
 //! The force sweep over all contacts.
 
+use std::any::Any;
+
 use rayon::prelude::*;
 
 use super::Contacts;
+use super::account::AccountRows;
 use super::faces::{Facing, NearFace};
-use super::react::{Account, Meeting, Reaction, Trial, react, react_pair};
+use super::lanes::{Moving, Receiver, Sweep};
+use super::react::{Meeting, Reaction, Trial, react, react_pair};
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::{Bodies, axes_of_spin, dot, spin_cross};
-use crate::dem::rig::law::{Bond, Bonding, End};
-use crate::dem::rig::pairs::Near;
+use crate::dem::rig::law::{Bonding, SpringDashpot};
 
 /// From so many contacts on a sweep is worth sharing among threads.
 pub const MANY: usize = 20_000;
@@ -39,6 +42,18 @@ impl<const D: usize> Sums<D> {
     }
 }
 
+/// Contacts that one thread works on at a time.
+const GRAIN: usize = 2048;
+
+/// Successive pairs, from `first` on.
+struct Chunk<'a, const D: usize, M> {
+    first: usize,
+    memory: &'a mut [M],
+    account: AccountRows<'a>,
+    stretch: [&'a mut [f64]; D],
+    reactions: &'a mut [Reaction<D>],
+}
+
 impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// Adds up the forces on all spheres and flats at the given velocities and spins; memories advance by one step.
     pub fn sweep(&mut self, rig: &Rig<D>, bodies: &Bodies<D>, trial: Trial<D>, sums: &mut Sums<D>) {
@@ -52,92 +67,113 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     }
 
     fn sweep_pairs<const TURNING: bool>(&mut self, bodies: &Bodies<D>, trial: Trial<D>, sums: &mut Sums<D>) {
+        let shared = !self.first_of.is_empty() && rayon::current_num_threads() > 1;
+        if (self as &mut dyn Any).downcast_mut::<Contacts<2, SpringDashpot>>().is_some_and(|disks| {
+            let in_lanes = disks.share.is_empty();
+            if in_lanes {
+                disks.gather(bodies.displacement.as_flattened(), trial.velocity.as_flattened(), trial.spin);
+                disks.sweep_disks::<TURNING>(trial.step, shared, sums.force.as_flattened_mut(), &mut sums.torque);
+            }
+            in_lanes
+        }) {
+            sums.clear_flats();
+        } else if shared {
+            self.react_all::<TURNING>(bodies, trial);
+        } else {
+            self.add_all::<TURNING>(bodies, trial, sums);
+            return;
+        }
+        if shared {
+            self.add_up::<TURNING>(sums);
+        }
+    }
+
+    /// One contact after the other.
+    fn add_all<const TURNING: bool>(&mut self, bodies: &Bodies<D>, trial: Trial<D>, sums: &mut Sums<D>) {
         let Self { near, share, bond, reduced, bonds, memory, stretch, account, ends, .. } = self;
-        let displacement = &bodies.displacement;
-        let mut spare = [0.0; D];
-        if self.first_of.is_empty() || rayon::current_num_threads() == 1 {
-            sums.clear::<TURNING>();
-            for c in 0..near.len() {
+        sums.clear::<TURNING>();
+        let mut account = account.rows();
+        for c in 0..near.len() {
+            let share = if share.is_empty() { 1.0 } else { share[c] };
+            let bond = (&bonds[bond[c] as usize], reduced[c]);
+            let mut spring = spring_at::<D, TURNING>(stretch.each_ref().map(|axis| axis.as_slice()), c);
+            let mut row = account.at(c);
+            let reaction = react_pair::<D, L, TURNING>(
+                &near[c],
+                &bodies.displacement,
+                trial,
+                ends,
+                bond,
+                &mut memory[c],
+                &mut spring,
+                &mut row,
+                share,
+            );
+            account.put(c, row);
+            if TURNING {
+                for k in 0..D {
+                    stretch[k][c] = spring[k];
+                }
+            }
+            let Some(Reaction { force, twist }) = reaction else { continue };
+            let [a, b] = near[c].ends.map(|i| i as usize);
+            for k in 0..D {
+                sums.force[a][k] -= force[k];
+                sums.force[b][k] += force[k];
+            }
+            if TURNING {
+                for k in axes_of_spin::<D>() {
+                    sums.torque[a][k] += ends[a].radius * twist[k];
+                    sums.torque[b][k] += ends[b].radius * twist[k];
+                }
+            }
+        }
+    }
+
+    /// Each contact on its own, in any order.
+    fn react_all<const TURNING: bool>(&mut self, bodies: &Bodies<D>, trial: Trial<D>) {
+        let Self { near, share, bond, reduced, bonds, memory, stretch, account, ends, reactions, .. } = self;
+        let (near, share, bond, reduced) = (&near[..], &share[..], &bond[..], &reduced[..]);
+        let (bonds, ends) = (&bonds[..], &ends[..]);
+        let work = |chunk: Chunk<'_, D, L::Memory>| {
+            let Chunk { first, memory, mut account, stretch, reactions } = chunk;
+            for n in 0..reactions.len() {
+                let c = first + n;
                 let share = if share.is_empty() { 1.0 } else { share[c] };
-                let stretch = if TURNING { &mut stretch[c] } else { &mut spare };
-                let bond = (&bonds[bond[c] as usize], reduced[c]);
+                let mut spring = spring_at::<D, TURNING>(stretch.each_ref().map(|axis| &axis[..]), n);
+                let mut row = account.at(n);
                 let reaction = react_pair::<D, L, TURNING>(
                     &near[c],
-                    displacement,
+                    &bodies.displacement,
                     trial,
                     ends,
-                    bond,
-                    &mut memory[c],
-                    stretch,
-                    &mut account[c],
+                    (&bonds[bond[c] as usize], reduced[c]),
+                    &mut memory[n],
+                    &mut spring,
+                    &mut row,
                     share,
                 );
-                let Some(Reaction { force, twist }) = reaction else { continue };
-                let [a, b] = near[c].ends.map(|i| i as usize);
-                for k in 0..D {
-                    sums.force[a][k] -= force[k];
-                    sums.force[b][k] += force[k];
-                }
+                reactions[n] = reaction.unwrap_or(Reaction::NONE);
+                account.put(n, row);
                 if TURNING {
-                    for k in axes_of_spin::<D>() {
-                        sums.torque[a][k] += ends[a].radius * twist[k];
-                        sums.torque[b][k] += ends[b].radius * twist[k];
+                    for k in 0..D {
+                        stretch[k][n] = spring[k];
                     }
                 }
             }
-            return;
-        }
-        // Each contact on its own, in any order; then each sphere's sum over its contacts, in their order.
-        const GRAIN: usize = 2048;
-        let near: &[Near<D>] = near;
-        let (share, bond, reduced): (&[f64], &[u32], &[f64]) = (share, bond, reduced);
-        let (bonds, ends): (&[Bond<L>], &[End]) = (bonds, ends);
-        let rows = self
-            .reactions
-            .par_chunks_mut(GRAIN)
-            .zip(memory[..near.len()].par_chunks_mut(GRAIN))
-            .zip(account[..near.len()].par_chunks_mut(GRAIN))
-            .enumerate();
-        let work = |chunk: usize,
-                    reactions: &mut [Option<Reaction<D>>],
-                    memory: &mut [L::Memory],
-                    account: &mut [Account],
-                    mut stretch: Option<&mut [[f64; D]]>| {
-            let mut spare = [0.0; D];
-            for n in 0..reactions.len() {
-                let c = chunk * GRAIN + n;
-                let share = if share.is_empty() { 1.0 } else { share[c] };
-                let stretch = stretch.as_mut().map_or(&mut spare, |stretch| &mut stretch[n]);
-                let bond = (&bonds[bond[c] as usize], reduced[c]);
-                reactions[n] = react_pair::<D, L, TURNING>(
-                    &near[c],
-                    displacement,
-                    trial,
-                    ends,
-                    bond,
-                    &mut memory[n],
-                    stretch,
-                    &mut account[n],
-                    share,
-                );
-            }
         };
-        if TURNING {
-            rows.zip(stretch[..near.len()].par_chunks_mut(GRAIN)).for_each(
-                |((chunk, ((reactions, memory), account)), stretch)| {
-                    work(chunk, reactions, memory, account, Some(stretch));
-                },
-            );
-        } else {
-            rows.for_each(|(chunk, ((reactions, memory), account))| work(chunk, reactions, memory, account, None));
-        }
-        let (by_sphere, first_of, reactions) = (&self.by_sphere, &self.first_of, &self.reactions);
+        chunks(&mut memory[..near.len()], account.rows(), stretch, reactions).into_par_iter().for_each(work);
+    }
+
+    /// Each sphere's sum over its contacts, in their order.
+    fn add_up<const TURNING: bool>(&self, sums: &mut Sums<D>) {
+        let (by_sphere, first_of, reactions, ends) = (&self.by_sphere, &self.first_of, &self.reactions, &self.ends);
         sums.force.par_iter_mut().zip(sums.torque.par_iter_mut()).enumerate().with_min_len(1024).for_each(
             |(i, (force, torque))| {
                 *force = [0.0; D];
                 *torque = [0.0; 3];
                 for &(c, second) in &by_sphere[first_of[i] as usize..first_of[i + 1] as usize] {
-                    let Some(reaction) = &reactions[c as usize] else { continue };
+                    let reaction = &reactions[c as usize];
                     for k in 0..D {
                         if second {
                             force[k] += reaction.force[k];
@@ -164,17 +200,16 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         sums: &mut Sums<D>,
     ) {
         let Trial { velocity, spin, flat_velocity, step } = trial;
-        let mut spare = [0.0; D];
         for f in 0..self.faces.len() {
             let c = self.near.len() + f;
             let NearFace { sphere, facing, radius, share, .. } = self.faces[f];
             let i = sphere as usize;
             let Some((distance, normal)) = self.faces[f].overlapping(rig, bodies) else {
-                if self.account[c].overlap > 0.0 {
-                    self.account[c].open(step);
-                    if TURNING {
-                        self.stretch[c] = [0.0; D];
-                    }
+                if self.account.overlap[c] > 0.0 {
+                    let mut row = self.account.at(c);
+                    row.open(step);
+                    self.account.put(c, row);
+                    self.stretch.iter_mut().filter_map(|axis| axis.get_mut(c)).for_each(|part| *part = 0.0);
                 }
                 continue;
             };
@@ -197,13 +232,20 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             }
             let meeting =
                 Meeting { overlap: factor * (radius - distance), closing_speed: factor * along, normal, sliding };
-            let stretch = if TURNING { &mut self.stretch[c] } else { &mut spare };
+            let mut spring = spring_at::<D, TURNING>(self.stretch.each_ref().map(|axis| axis.as_slice()), c);
+            let mut row = self.account.at(c);
             let bond = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
             let Reaction { force, twist } = if slips {
-                react::<D, L, true>(&meeting, bond, &mut self.memory[c], stretch, &mut self.account[c], step, share)
+                react::<D, L, true>(&meeting, bond, &mut self.memory[c], &mut spring, &mut row, step, share)
             } else {
-                react::<D, L, false>(&meeting, bond, &mut self.memory[c], stretch, &mut self.account[c], step, share)
+                react::<D, L, false>(&meeting, bond, &mut self.memory[c], &mut spring, &mut row, step, share)
             };
+            self.account.put(c, row);
+            if TURNING {
+                for k in 0..D {
+                    self.stretch[k][c] = spring[k];
+                }
+            }
             for k in 0..D {
                 sums.force[i][k] += force[k];
             }
@@ -217,6 +259,113 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                     sums.flat[flat as usize][k] -= force[k];
                 }
             }
+        }
+    }
+}
+
+/// ξ of a contact (m).
+#[inline(always)]
+fn spring_at<const D: usize, const TURNING: bool>(stretch: [&[f64]; D], c: usize) -> [f64; D] {
+    std::array::from_fn(|k| if TURNING { stretch[k][c] } else { 0.0 })
+}
+
+/// All pairs in chunks; `memory` and `reactions` hold one row per pair.
+fn chunks<'a, const D: usize, M>(
+    mut memory: &'a mut [M],
+    mut account: AccountRows<'a>,
+    stretch: &'a mut [Vec<f64>; D],
+    mut reactions: &'a mut [Reaction<D>],
+) -> Vec<Chunk<'a, D, M>> {
+    let mut stretch = stretch.each_mut().map(|axis| axis.as_mut_slice());
+    let (mut chunks, mut first) = (Vec::with_capacity(reactions.len() / GRAIN + 1), 0);
+    while !reactions.is_empty() {
+        let size = GRAIN.min(reactions.len());
+        let (memory_here, memory_rest) = memory.split_at_mut(size);
+        let (account_here, account_rest) = account.split_at(size);
+        let (reactions_here, reactions_rest) = reactions.split_at_mut(size);
+        let stretch_here = std::array::from_fn(|k| {
+            let axis = std::mem::take(&mut stretch[k]);
+            let (here, rest) = axis.split_at_mut(size.min(axis.len()));
+            stretch[k] = rest;
+            here
+        });
+        chunks.push(Chunk {
+            first,
+            memory: memory_here,
+            account: account_here,
+            stretch: stretch_here,
+            reactions: reactions_here,
+        });
+        (memory, account, reactions, first) = (memory_rest, account_rest, reactions_rest, first + size);
+    }
+    chunks
+}
+
+impl Contacts<2, SpringDashpot> {
+    /// What the contacts ask of each disk, side by side; positions and velocities as pairs of numbers.
+    fn gather(&mut self, displacement: &[f64], velocity: &[f64], spin: &[[f64; 3]]) {
+        let turning = self.turning;
+        self.moving.clear();
+        self.moving.extend(self.ends.iter().enumerate().map(|(i, end)| Moving {
+            at: [displacement[2 * i], displacement[2 * i + 1]],
+            velocity: [velocity[2 * i], velocity[2 * i + 1]],
+            turn: if turning { end.radius * spin[i][2] } else { 0.0 },
+        }));
+    }
+
+    /// As `add_all` or, `shared` among threads, `react_all`, in the lanes of vector registers.
+    fn sweep_disks<const TURNING: bool>(
+        &mut self,
+        step: f64,
+        shared: bool,
+        force: &mut [f64],
+        torque: &mut [[f64; 3]],
+    ) {
+        if self.bonds.iter().any(|bond| bond.slip.stiffness > 0.0) {
+            self.sweep_kind::<TURNING, true>(step, shared, force, torque);
+        } else {
+            self.sweep_kind::<TURNING, false>(step, shared, force, torque);
+        }
+    }
+
+    fn sweep_kind<const TURNING: bool, const SPRING: bool>(
+        &mut self,
+        step: f64,
+        shared: bool,
+        force: &mut [f64],
+        torque: &mut [[f64; 3]],
+    ) {
+        let Self { near, lines, moving, bond, reduced, bonds, memory, stretch, account, lever, .. } = self;
+        let (lines, moving, bonds, bond, reduced) = (&*lines, &moving[..], &bonds[..], &bond[..], &reduced[..]);
+        let (pairs, width) = (near.len(), self.width);
+        let sweep = |first, account, stretch, receiver| Sweep::<TURNING, SPRING> {
+            lines,
+            moving,
+            bonds,
+            bond,
+            reduced,
+            first,
+            account,
+            stretch,
+            receiver,
+            step,
+        };
+        if shared {
+            chunks(&mut memory[..pairs], account.rows(), stretch, &mut self.reactions).into_par_iter().for_each(
+                |Chunk { first, account, stretch, reactions, .. }| {
+                    width.run(sweep(first, account, stretch, Receiver::List(reactions)));
+                },
+            );
+            return;
+        }
+        self.pull.clear();
+        self.pull.resize(moving.len(), [0.0; 3]);
+        let (account, _) = account.rows().split_at(pairs);
+        let stretch = stretch.each_mut().map(|axis| axis.as_mut_slice());
+        width.run(sweep(0, account, stretch, Receiver::Disks { pull: &mut self.pull, lever }));
+        for (i, [x, y, turn]) in self.pull.iter().enumerate() {
+            (force[2 * i], force[2 * i + 1]) = (*x, *y);
+            torque[i] = [0.0, 0.0, *turn];
         }
     }
 }

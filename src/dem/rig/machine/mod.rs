@@ -64,7 +64,7 @@ fn drift<const D: usize>(
 
 /// New velocity and acceleration of a body, a row of both, under the contact force; gives Σ λ (v² old + v² new).
 #[inline(always)]
-fn kick<const D: usize>(
+fn kick<const D: usize, const DAMPED: bool>(
     h: f64,
     (velocity, acceleration): (&mut [f64; D], &mut [f64; D]),
     force: &[f64; D],
@@ -77,10 +77,13 @@ fn kick<const D: usize>(
         let fall = if inverse[k] == 0.0 { 0.0 } else { gravity[k] };
         let driven = force[k] * inverse[k] + fall;
         let old = velocity[k];
-        let new = (old + 0.5 * h * (acceleration[k] + driven)) / (1.0 + 0.5 * h * damping[k]);
-        velocity[k] = new;
-        acceleration[k] = driven - damping[k] * new;
-        damped += damping[k] * (old * old + new * new);
+        let new = old + 0.5 * h * (acceleration[k] + driven);
+        (velocity[k], acceleration[k]) = (new, driven);
+        if DAMPED {
+            let new = new / (1.0 + 0.5 * h * damping[k]);
+            (velocity[k], acceleration[k]) = (new, driven - damping[k] * new);
+            damped += damping[k] * (old * old + new * new);
+        }
     }
     damped
 }
@@ -138,7 +141,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         contacts.sweep(rig, bodies, Trial { velocity, spin, flat_velocity, step: 0.0 }, sums);
         for c in 0..contacts.len() {
             // What a squeezed contact stores at the start is no work of the motion.
-            contacts.account[c].work = contacts.normal_law(c).stored(contacts.account[c].overlap, &contacts.memory[c]);
+            contacts.account.work[c] = contacts.normal_law(c).stored(contacts.account.overlap[c], &contacts.memory[c]);
         }
         // A kick of no length sets the accelerations alone.
         self.kick(rig, 0.0);
@@ -235,17 +238,18 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         let damped = !damping.is_empty();
         if velocity.len() < MANY || damped {
             for i in 0..velocity.len() {
-                let rates = if damped { &damping[i] } else { &[0.0; D] };
                 let row = (&mut velocity[i], &mut acceleration[i]);
-                let lost = kick(h, row, &force[i], &inverse_mass[i], gravity, rates);
                 if damped {
+                    let lost = kick::<D, true>(h, row, &force[i], &inverse_mass[i], gravity, &damping[i]);
                     self.absorbed += 0.5 * h * rig.mass[i] * weight[i] * lost;
+                } else {
+                    kick::<D, false>(h, row, &force[i], &inverse_mass[i], gravity, &[0.0; D]);
                 }
             }
         } else {
             let rows = velocity.par_iter_mut().zip(acceleration).zip(force).zip(inverse_mass.par_iter());
             rows.with_min_len(2048).for_each(|((row, force), inverse)| {
-                kick(h, row, force, inverse, gravity, &[0.0; D]);
+                kick::<D, false>(h, row, force, inverse, gravity, &[0.0; D]);
             });
         }
         if self.turning {
@@ -262,7 +266,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         let Bodies { flat_velocity, flat_acceleration, flat_inverse_mass, flat_damping, .. } = &mut self.bodies;
         for f in 0..flat_velocity.len() {
             let row = (&mut flat_velocity[f], &mut flat_acceleration[f]);
-            let lost = kick(h, row, &self.sums.flat[f], &flat_inverse_mass[f], gravity, &flat_damping[f]);
+            let lost = kick::<D, true>(h, row, &self.sums.flat[f], &flat_inverse_mass[f], gravity, &flat_damping[f]);
             if lost > 0.0 {
                 self.absorbed += 0.5 * h * rig.flats[f].mass * whole * lost;
             }
@@ -309,13 +313,14 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         }
         let contacts = &self.contacts;
         for c in 0..contacts.len() {
-            let account = &contacts.account[c];
+            let account = contacts.account.at(c);
             let stored = contacts.normal_law(c).stored(account.overlap, &contacts.memory[c]);
             let (weight, share) = (contacts.weight(c), contacts.share(c));
             ledger.stored += weight * stored;
             ledger.dissipated += weight * (account.work - stored);
-            ledger.wound += share * account.wound;
-            ledger.friction += share * (account.slid - account.wound);
+            let wound = contacts.wound(c);
+            ledger.wound += share * wound;
+            ledger.friction += share * (account.slid - wound);
         }
         for kept in contacts.kept_pairs.values().chain(contacts.kept_faces.values()) {
             ledger.dissipated += kept.weight * kept.work;

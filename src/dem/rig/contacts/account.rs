@@ -1,0 +1,123 @@
+//! What contacts have carried and lost, as parallel arrays.
+
+/// What a contact remembers besides its normal law's memory and its tangential spring.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Account {
+    /// Overlap (m) and normal force (N) at the last accepted step; zero while open.
+    pub overlap: f64,
+    pub force: f64,
+    /// ∫F dδ by the trapezoidal rule (J)
+    pub work: f64,
+    /// Work done against the tangential force (J), of which the spring may still hold a part; its power (W) at the last step.
+    pub slid: f64,
+    pub power: f64,
+}
+
+impl Account {
+    /// How many numbers it is.
+    pub const NUMBERS: usize = 5;
+
+    pub fn numbers(&self) -> [f64; 5] {
+        [self.overlap, self.force, self.work, self.slid, self.power]
+    }
+
+    /// From its five numbers.
+    pub fn from_numbers(n: &[f64]) -> Self {
+        Self { overlap: n[0], force: n[1], work: n[2], slid: n[3], power: n[4] }
+    }
+
+    /// The contact is closed after a step, with this tangential power (W).
+    #[inline(always)]
+    pub fn accept(&mut self, overlap: f64, force: f64, power: f64, step: f64) {
+        self.work += 0.5 * (self.force + force) * (overlap - self.overlap);
+        self.slid += 0.5 * step * (self.power + power);
+        (self.overlap, self.force, self.power) = (overlap, force, power);
+    }
+
+    /// The contact opens: what the spring held is lost.
+    pub fn open(&mut self, step: f64) {
+        self.accept(0.0, 0.0, 0.0, step);
+    }
+}
+
+/// Accounts as parallel arrays: row c of each is contact c.
+#[derive(Default)]
+pub struct Accounts {
+    pub overlap: Vec<f64>,
+    pub force: Vec<f64>,
+    pub work: Vec<f64>,
+    pub slid: Vec<f64>,
+    pub power: Vec<f64>,
+}
+
+/// Some successive rows of [`Accounts`].
+pub struct AccountRows<'a> {
+    pub overlap: &'a mut [f64],
+    pub force: &'a mut [f64],
+    pub work: &'a mut [f64],
+    pub slid: &'a mut [f64],
+    pub power: &'a mut [f64],
+}
+
+impl Accounts {
+    pub fn with_capacity(count: usize) -> Self {
+        let new = || Vec::with_capacity(count);
+        Self { overlap: new(), force: new(), work: new(), slid: new(), power: new() }
+    }
+
+    pub fn push(&mut self, account: Account) {
+        let Account { overlap, force, work, slid, power } = account;
+        self.overlap.push(overlap);
+        self.force.push(force);
+        self.work.push(work);
+        self.slid.push(slid);
+        self.power.push(power);
+    }
+
+    /// Row c.
+    pub fn at(&self, c: usize) -> Account {
+        let Self { overlap, force, work, slid, power } = self;
+        Account { overlap: overlap[c], force: force[c], work: work[c], slid: slid[c], power: power[c] }
+    }
+
+    /// Replaces row c.
+    pub fn put(&mut self, c: usize, account: Account) {
+        self.rows().put(c, account);
+    }
+
+    /// All rows.
+    pub fn rows(&mut self) -> AccountRows<'_> {
+        let Self { overlap, force, work, slid, power } = self;
+        AccountRows { overlap, force, work, slid, power }
+    }
+}
+
+impl<'a> AccountRows<'a> {
+    /// The first `count` rows, and those after them.
+    pub fn split_at(self, count: usize) -> (Self, Self) {
+        let Self { overlap, force, work, slid, power } = self;
+        let (overlap, force, work) = (overlap.split_at_mut(count), force.split_at_mut(count), work.split_at_mut(count));
+        let (slid, power) = (slid.split_at_mut(count), power.split_at_mut(count));
+        (
+            Self { overlap: overlap.0, force: force.0, work: work.0, slid: slid.0, power: power.0 },
+            Self { overlap: overlap.1, force: force.1, work: work.1, slid: slid.1, power: power.1 },
+        )
+    }
+
+    /// Row c.
+    #[inline(always)]
+    pub fn at(&self, c: usize) -> Account {
+        let Self { overlap, force, work, slid, power } = self;
+        Account { overlap: overlap[c], force: force[c], work: work[c], slid: slid[c], power: power[c] }
+    }
+
+    /// Replaces row c.
+    #[inline(always)]
+    pub fn put(&mut self, c: usize, account: Account) {
+        self.overlap[c] = account.overlap;
+        self.force[c] = account.force;
+        self.work[c] = account.work;
+        self.slid[c] = account.slid;
+        self.power[c] = account.power;
+    }
+}

@@ -1,0 +1,242 @@
+//! Contacts of disks with springs and dashpots, several side by side in the lanes of a vector register.
+//!
+//! In blocks small enough to stay in the nearest memory: what the disks of each pair do is gathered, the forces are worked out
+//! (the same physics as one at a time, `react`), and then given to the disks in the order of the contacts.
+
+use crate::dem::rig::bodies::{cross, dot};
+use crate::dem::rig::law::{Bond, SpringDashpot};
+use crate::dem::rig::pairs::Near;
+use crate::real::{Kernel, Real};
+
+use super::account::AccountRows;
+use super::react::{CLOSED, Grip, Reaction, between, meet};
+
+/// Near pairs as parallel arrays: row c of each is pair c, as in [`Near`].
+#[derive(Default)]
+pub struct Lines {
+    pub ends: Vec<[u32; 2]>,
+    pub offset: [Vec<f64>; 2],
+    pub gap: Vec<f64>,
+    pub reach: Vec<f64>,
+}
+
+impl Lines {
+    pub fn of(near: &[Near<2>]) -> Self {
+        Self {
+            ends: near.iter().map(|pair| pair.ends).collect(),
+            offset: [0, 1].map(|k| near.iter().map(|pair| pair.offset[k]).collect()),
+            gap: near.iter().map(|pair| pair.gap).collect(),
+            reach: near.iter().map(|pair| pair.reach).collect(),
+        }
+    }
+}
+
+/// What a contact asks of a disk.
+#[derive(Clone, Copy)]
+pub struct Moving {
+    /// Displacement (m) and velocity (m/s).
+    pub at: [f64; 2],
+    pub velocity: [f64; 2],
+    /// r ω (m/s)
+    pub turn: f64,
+}
+
+/// Where reactions go.
+pub enum Receiver<'a> {
+    /// To the disks: force (N) and torque (N m), with their radii as lever arms.
+    Disks { pull: &'a mut [[f64; 3]], lever: &'a [f64] },
+    /// Into a list, to be added up later.
+    List(&'a mut [Reaction<2>]),
+}
+
+/// Successive contacts, from `first` on.
+pub struct Sweep<'a, const TURNING: bool, const SPRING: bool> {
+    pub lines: &'a Lines,
+    pub moving: &'a [Moving],
+    pub bonds: &'a [Bond<SpringDashpot>],
+    pub bond: &'a [u32],
+    pub reduced: &'a [f64],
+    pub first: usize,
+    /// Rows from `first` on.
+    pub account: AccountRows<'a>,
+    pub stretch: [&'a mut [f64]; 2],
+    pub receiver: Receiver<'a>,
+    pub step: f64,
+}
+
+/// Contacts in a block.
+const BLOCK: usize = 64;
+
+/// What is known of a block of pairs, and what comes of it.
+struct Block {
+    shift: [[f64; BLOCK]; 2],
+    approach: [[f64; BLOCK]; 2],
+    turn: [f64; BLOCK],
+    force: [[f64; BLOCK]; 2],
+    twist: [f64; BLOCK],
+}
+
+impl<const TURNING: bool, const SPRING: bool> Kernel for Sweep<'_, TURNING, SPRING> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Real>(mut self) {
+        let zero = [0.0; BLOCK];
+        let mut block = Block { shift: [zero; 2], approach: [zero; 2], turn: zero, force: [zero; 2], twist: zero };
+        let count = self.account.overlap.len();
+        let mut begin = 0;
+        while begin < count {
+            let size = BLOCK.min(count - begin);
+            self.gather(begin, size, &mut block);
+            let mut n = 0;
+            while n + V::LANES <= size {
+                self.react::<V>(begin + n, n, &mut block);
+                n += V::LANES;
+            }
+            while n < size {
+                self.react::<f64>(begin + n, n, &mut block);
+                n += 1;
+            }
+            self.give(begin, size, &block);
+            begin += size;
+        }
+    }
+}
+
+impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
+    #[inline(always)]
+    fn gather(&self, begin: usize, size: usize, block: &mut Block) {
+        let ends = &self.lines.ends[self.first + begin..][..size];
+        for n in 0..size {
+            let (p, q) = (&self.moving[ends[n][0] as usize], &self.moving[ends[n][1] as usize]);
+            for k in 0..2 {
+                block.shift[k][n] = q.at[k] - p.at[k];
+                block.approach[k][n] = p.velocity[k] - q.velocity[k];
+            }
+            if TURNING {
+                block.turn[n] = p.turn + q.turn;
+            }
+        }
+    }
+
+    /// γ, μ, k_t and γ_t of contacts from c on.
+    #[inline(always)]
+    fn constants<V: Real>(&self, c: usize) -> [V; 4] {
+        let places = &self.bond[c..][..V::LANES];
+        let of = &self.bonds[places[0] as usize];
+        let mut constants = [
+            V::splat(of.normal.rate),
+            V::splat(of.slip.coefficient),
+            V::splat(of.slip.stiffness),
+            V::splat(of.slip.rate),
+        ];
+        let mut alike = true;
+        for lane in 1..V::LANES {
+            alike &= places[lane] == places[0];
+        }
+        if !alike {
+            let mut columns = [[0.0; 8]; 4];
+            for lane in 0..V::LANES {
+                let of = &self.bonds[places[lane] as usize];
+                columns[0][lane] = of.normal.rate;
+                columns[1][lane] = of.slip.coefficient;
+                columns[2][lane] = of.slip.stiffness;
+                columns[3][lane] = of.slip.rate;
+            }
+            for k in 0..4 {
+                constants[k] = V::load(&columns[k]);
+            }
+        }
+        constants
+    }
+
+    /// Contacts of the rows from c on, which stand from place n on in their block.
+    #[inline(always)]
+    fn react<V: Real>(&mut self, c: usize, n: usize, block: &mut Block) {
+        let (line, zero, half) = (self.first + c, V::splat(0.0), V::splat(0.5));
+        let lines = self.lines;
+        let offset = [V::load(&lines.offset[0][line..]), V::load(&lines.offset[1][line..])];
+        let shift = [V::load(&block.shift[0][n..]), V::load(&block.shift[1][n..])];
+        let reach = V::load(&lines.reach[line..]);
+        let (apart, excess) = between(&offset, &shift, V::load(&lines.gap[line..]));
+        let closed = (V::splat(2.0 * CLOSED) * reach * reach).lt(excess);
+        let before = V::load(&self.account.overlap[c..]);
+        if !V::any(V::or(closed, zero.lt(before))) {
+            zero.store(&mut block.force[0][n..]);
+            zero.store(&mut block.force[1][n..]);
+            zero.store(&mut block.twist[n..]);
+            return;
+        }
+        let approach = [V::load(&block.approach[0][n..]), V::load(&block.approach[1][n..])];
+        let turn = [zero, zero, V::load(&block.turn[n..])];
+        let meeting = meet::<V, 2, TURNING>((&apart, excess), reach, &approach, &turn);
+        let [rate, coefficient, stiffness, slide_rate] = self.constants::<V>(line);
+        let reduced = V::load(&self.reduced[line..]);
+        // Stiffness and cut are the same at all contacts of a law book.
+        let push = self.bonds[0].normal.push(meeting.overlap, meeting.closing_speed, rate * reduced);
+        let mut force = [push * meeting.normal[0], push * meeting.normal[1]];
+        let (mut twist, mut power) = (zero, zero);
+        if TURNING {
+            let grip = Grip { coefficient, stiffness, damping: slide_rate * reduced };
+            let mut stretch = [zero; 2];
+            if SPRING {
+                stretch = [V::load(&self.stretch[0][c..]), V::load(&self.stretch[1][c..])];
+            }
+            let drag = grip.drag::<2, SPRING>(&meeting, push, &mut stretch, self.step);
+            if SPRING {
+                V::select(closed, stretch[0], zero).store(&mut self.stretch[0][c..]);
+                V::select(closed, stretch[1], zero).store(&mut self.stretch[1][c..]);
+            }
+            power = V::select(closed, dot(&drag, &meeting.sliding), zero);
+            force = [force[0] + drag[0], force[1] + drag[1]];
+            twist = cross(&meeting.normal, &[-drag[0], -drag[1]])[2];
+        }
+        V::select(closed, force[0], zero).store(&mut block.force[0][n..]);
+        V::select(closed, force[1], zero).store(&mut block.force[1][n..]);
+        V::select(closed, twist, zero).store(&mut block.twist[n..]);
+        // As `Account::accept`; an open contact has neither overlap nor force nor power.
+        let overlap = V::select(closed, meeting.overlap, zero);
+        let push = V::select(closed, push, zero);
+        let account = &mut self.account;
+        let work = half * (V::load(&account.force[c..]) + push) * (overlap - before);
+        (V::load(&account.work[c..]) + work).store(&mut account.work[c..]);
+        overlap.store(&mut account.overlap[c..]);
+        push.store(&mut account.force[c..]);
+        if TURNING {
+            let slid = V::splat(0.5 * self.step) * (V::load(&account.power[c..]) + power);
+            (V::load(&account.slid[c..]) + slid).store(&mut account.slid[c..]);
+            power.store(&mut account.power[c..]);
+        }
+    }
+
+    #[inline(always)]
+    fn give(&mut self, begin: usize, size: usize, block: &Block) {
+        match &mut self.receiver {
+            Receiver::List(list) => {
+                let list = &mut list[begin..][..size];
+                for n in 0..size {
+                    let twist = [0.0, 0.0, block.twist[n]];
+                    list[n] = Reaction { force: [block.force[0][n], block.force[1][n]], twist };
+                }
+            }
+            Receiver::Disks { pull, lever } => {
+                let ends = &self.lines.ends[self.first + begin..][..size];
+                for n in 0..size {
+                    let [a, b] = [ends[n][0] as usize, ends[n][1] as usize];
+                    let first = &mut pull[a];
+                    first[0] -= block.force[0][n];
+                    first[1] -= block.force[1][n];
+                    if TURNING {
+                        first[2] += lever[a] * block.twist[n];
+                    }
+                    let second = &mut pull[b];
+                    second[0] += block.force[0][n];
+                    second[1] += block.force[1][n];
+                    if TURNING {
+                        second[2] += lever[b] * block.twist[n];
+                    }
+                }
+            }
+        }
+    }
+}
