@@ -1,6 +1,14 @@
 //! Who is near whom: pairs of spheres closer than a skin, found by cells, over periodic sides too.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use super::Rig;
+
+/// From so many spheres on a search is shared among threads, so many at a time.
+const MANY: usize = 20_000;
+const GRAIN: usize = 2048;
 
 /// Two spheres that touch, or may do so before the list is made anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +40,7 @@ const BIG: f64 = 2.5;
 
 /// Width of the skin over the median radius. Wider lists hold more pairs that do not touch, narrower ones must be made anew
 /// more often; on an impact on a bed this is where the two balance.
-const SKIN: f64 = 0.6;
+const SKIN: f64 = 0.8;
 
 /// Leeway of big spheres over the median radius.
 const BIG_LEEWAY: f64 = 2.0;
@@ -79,6 +87,12 @@ impl<const D: usize> Grid<D> {
         std::array::from_fn(|k| {
             (((at[k] - self.low[k]) / self.width[k]).floor().max(0.0) as usize).min(self.count[k] - 1)
         })
+    }
+
+    /// The spheres of the cells from `first` to `last`.
+    #[inline]
+    fn between(&self, first: usize, last: usize) -> &[Packed<D>] {
+        &self.packed[self.start[first] as usize..self.start[last + 1] as usize]
     }
 
     fn index(&self, place: &[usize; D]) -> usize {
@@ -128,31 +142,55 @@ impl<const D: usize> Finder<D> {
             turns.push(turn);
         }
         let grid = self.grid(&wrapped);
+        if spheres.len() < MANY || rayon::current_num_threads() == 1 {
+            return self.near(rig, &grid, &wrapped, &turns, 0..spheres.len());
+        }
+        // Each thread some spheres in turn; the parts are joined in their order.
+        let parts: Vec<Vec<Near<D>>> = (0..spheres.len().div_ceil(GRAIN))
+            .into_par_iter()
+            .map(|part| {
+                let from = part * GRAIN;
+                self.near(rig, &grid, &wrapped, &turns, from..(from + GRAIN).min(spheres.len()))
+            })
+            .collect();
+        parts.concat()
+    }
+
+    /// The near pairs of which one of `these` spheres is the first.
+    fn near(
+        &self,
+        rig: &Rig<D>,
+        grid: &Grid<D>,
+        wrapped: &[Packed<D>],
+        turns: &[[i32; D]],
+        these: Range<usize>,
+    ) -> Vec<Near<D>> {
         let period = self.periods.map(|period| period.unwrap_or(0.0));
-        let mut list = Vec::with_capacity(spheres.len() * (D + 1));
+        let mut list = Vec::with_capacity(these.len() * (D + 2));
         let mut found: Vec<(u32, [i32; D])> = Vec::new();
-        for i in 0..spheres.len() {
+        for i in these {
             found.clear();
             let home = wrapped[i];
-            let mut visit = |other: &Packed<D>, shift: &[i32; D]| {
-                let mut squared = 0.0;
-                for k in 0..D {
-                    let apart = other.at[k] - home.at[k] + f64::from(shift[k]) * period[k];
-                    squared += apart * apart;
-                }
-                let near = home.size + other.size;
-                if squared < near * near && other.sphere > home.sphere {
-                    found.push((other.sphere, *shift));
+            let mut visit = |others: &[Packed<D>], shift: &[i32; D]| {
+                let at: [f64; D] = std::array::from_fn(|k| home.at[k] - f64::from(shift[k]) * period[k]);
+                for other in others {
+                    let mut squared = 0.0;
+                    for k in 0..D {
+                        squared += (other.at[k] - at[k]) * (other.at[k] - at[k]);
+                    }
+                    let near = home.size + other.size;
+                    // Both asked at once: each alone is as good as chance.
+                    if (squared < near * near) & (other.sphere > home.sphere) {
+                        found.push((other.sphere, *shift));
+                    }
                 }
             };
             if self.is_big[i] {
-                for other in &wrapped[i + 1..] {
-                    self.shifts(|shift| visit(other, shift));
-                }
+                self.shifts(|shift| visit(&wrapped[i + 1..], shift));
             } else {
-                self.around(&grid, &home.at, &mut visit);
+                self.around(grid, &home.at, &mut visit);
                 for &j in &self.big {
-                    self.shifts(|shift| visit(&wrapped[j as usize], shift));
+                    self.shifts(|shift| visit(&wrapped[j as usize..=j as usize], shift));
                 }
             }
             let from = list.len();
@@ -242,14 +280,15 @@ impl<const D: usize> Finder<D> {
         grid
     }
 
-    /// Visits every sphere in the cells around a point, with the periods by which it is shifted there.
+    /// Visits all spheres in the cells around a point, with the periods by which they are shifted there.
     #[inline]
-    fn around(&self, grid: &Grid<D>, at: &[f64; D], mut visit: impl FnMut(&Packed<D>, &[i32; D])) {
+    fn around(&self, grid: &Grid<D>, at: &[f64; D], mut visit: impl FnMut(&[Packed<D>], &[i32; D])) {
         let home = grid.place(at);
-        'cells: for code in 0..3_usize.pow(D as u32) {
+        let last = D - 1;
+        'rows: for code in 0..3_usize.pow(last as u32) {
             let mut place = [0_usize; D];
             let mut shift = [0_i32; D];
-            for k in 0..D {
+            for k in 0..last {
                 let step = (code / 3_usize.pow(k as u32) % 3) as isize - 1;
                 let cell = home[k] as isize + step;
                 if (0..grid.count[k] as isize).contains(&cell) {
@@ -258,12 +297,20 @@ impl<const D: usize> Finder<D> {
                     place[k] = cell.rem_euclid(grid.count[k] as isize) as usize;
                     shift[k] = step as i32;
                 } else {
-                    continue 'cells;
+                    continue 'rows;
                 }
             }
-            let cell = grid.index(&place);
-            for other in &grid.packed[grid.start[cell] as usize..grid.start[cell + 1] as usize] {
-                visit(other, &shift);
+            // Cells in a row along the last axis lie behind one another, but for those over a periodic side.
+            let row = grid.index(&place);
+            let (here, count) = (home[last], grid.count[last]);
+            visit(grid.between(row + here.saturating_sub(1), row + (here + 1).min(count - 1)), &shift);
+            if grid.periodic[last] && here == 0 {
+                shift[last] = -1;
+                visit(grid.between(row + count - 1, row + count - 1), &shift);
+            }
+            if grid.periodic[last] && here == count - 1 {
+                shift[last] = 1;
+                visit(grid.between(row, row), &shift);
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::dem::rig::pairs::Near;
 use crate::real::{Kernel, Real};
 
 use super::account::AccountRows;
-use super::react::{CLOSED, Grip, Reaction, between, meet};
+use super::react::{CLOSED, Grip, between, meet};
 
 /// Near pairs as parallel arrays: row c of each is pair c, as in [`Near`].
 #[derive(Default)]
@@ -45,8 +45,8 @@ pub struct Moving {
 pub enum Receiver<'a> {
     /// To the disks: force (N) and torque (N m), with their radii as lever arms.
     Disks { pull: &'a mut [[f64; 3]], lever: &'a [f64] },
-    /// Into a list, to be added up later.
-    List(&'a mut [Reaction<2>]),
+    /// Into a list, to be added up later: force, and couple per lever arm.
+    List(&'a mut [[f64; 3]]),
 }
 
 /// Successive contacts, from `first` on.
@@ -215,8 +215,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
             Receiver::List(list) => {
                 let list = &mut list[begin..][..size];
                 for n in 0..size {
-                    let twist = [0.0, 0.0, block.twist[n]];
-                    list[n] = Reaction { force: [block.force[0][n], block.force[1][n]], twist };
+                    list[n] = [block.force[0][n], block.force[1][n], block.twist[n]];
                 }
             }
             Receiver::Disks { pull, lever } => {
@@ -236,6 +235,80 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
                         second[2] += lever[b] * block.twist[n];
                     }
                 }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::dem::rig::bodies::Bodies;
+    use crate::dem::rig::contacts::{Contacts, Sums, Trial};
+    use crate::dem::rig::law::{ByDashpot, SpringDashpot};
+    use crate::dem::rig::pairs::Finder;
+    use crate::dem::rig::{Friction, LawBook, Rig, Spring};
+    use crate::real::Width;
+    use crate::sample::{Sample, Sphere};
+
+    /// Bits of all that a few sweeps over jostling disks of two materials come to; one contact at a time where there is no
+    /// width.
+    fn bits(width: Option<Width>, grip: [Spring; 2]) -> Vec<u64> {
+        let mut state = 7_u64;
+        let mut draw = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let spheres: Vec<Sphere<2>> = (0..400)
+            .map(|i| Sphere {
+                centre: [f64::from(i % 20) + 0.1 * draw(), f64::from(i / 20) + 0.1 * draw()],
+                radius: 0.45 + 0.1 * draw(),
+                material: usize::from(i % 20 == 3),
+            })
+            .collect();
+        let friction = |spring| Some(Friction { coefficient: 0.3, spring, damping: 0.7 });
+        let materials = vec![(1.4, friction(grip[0])), (4.6, friction(grip[1]))];
+        let binder = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut: false };
+        let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut: false };
+        let material = crate::material::find("440c", &[]).unwrap();
+        let mut rig = Rig::new(Sample { materials: vec![material; 2], spheres }, laws);
+        rig.periods = [Some(20.0), None];
+        let (finder, mut bodies) = (Finder::new(&rig), Bodies::new(&rig));
+        let mut contacts = Contacts::<2, SpringDashpot>::new(&rig, 1.0);
+        contacts.renew(&rig, &finder, &bodies, &binder);
+        contacts.width = width.unwrap_or(Width::Scalar);
+        if width.is_none() {
+            // With shares, even of one, contacts are taken one at a time.
+            contacts.share = vec![1.0; contacts.near.len()];
+        }
+        let mut sums = Sums::new(400, 0);
+        let mut bits = Vec::new();
+        for _ in 0..10 {
+            for i in 0..400 {
+                bodies.velocity[i] = [draw() - 0.5, draw() - 0.5];
+                bodies.spin[i][2] = draw() - 0.5;
+                for k in 0..2 {
+                    bodies.displacement[i][k] += 0.1 * bodies.velocity[i][k];
+                }
+            }
+            let trial =
+                Trial { velocity: &bodies.velocity.clone(), spin: &bodies.spin.clone(), flat_velocity: &[], step: 0.1 };
+            contacts.sweep(&rig, &bodies, trial, &mut sums);
+            bits.extend(sums.force.iter().flatten().chain(sums.torque.iter().flatten()).map(|x| x.to_bits()));
+        }
+        let closed = contacts.account.overlap.iter().filter(|&&overlap| overlap > 0.0).count();
+        assert!(closed > 100 && closed < contacts.len() - 100, "{closed} of {}", contacts.len());
+        bits.extend((0..contacts.len()).flat_map(|c| contacts.account.at(c).numbers()).map(f64::to_bits));
+        bits.extend((0..contacts.len()).map(|c| contacts.wound(c).to_bits()));
+        bits
+    }
+
+    /// Contacts side by side do what they do one at a time, to the bit: with springs, without, and with both kinds together.
+    #[test]
+    fn every_width_gives_the_same_forces() {
+        for grip in [[Spring::None; 2], [Spring::Constant(3.9); 2], [Spring::Constant(3.9), Spring::None]] {
+            let one_at_a_time = bits(None, grip);
+            for width in Width::available() {
+                assert!(bits(Some(width), grip) == one_at_a_time, "{width:?} {grip:?}");
             }
         }
     }

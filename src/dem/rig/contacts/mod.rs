@@ -97,10 +97,13 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     class: Vec<u32>,
     ends: Vec<End>,
     turning: bool,
-    /// For sums on several threads: the contacts of each sphere, in order, and which end it is.
-    by_sphere: Vec<(u32, bool)>,
+    /// For sums on several threads: the contacts of each sphere, in order, twice their index, plus one where it is the second
+    /// end.
+    by_sphere: Vec<u32>,
     first_of: Vec<u32>,
     reactions: Vec<Reaction<D>>,
+    /// As `reactions`, of disks in lanes.
+    flat_reactions: Vec<[f64; 3]>,
     /// For disks in lanes: the pairs as parallel arrays, the disks side by side, what acts on them, and their radii.
     lines: Lines,
     moving: Vec<Moving>,
@@ -162,6 +165,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             by_sphere: Vec::new(),
             first_of: Vec::new(),
             reactions: Vec::new(),
+            flat_reactions: Vec::new(),
             lines: Lines::default(),
             moving: Vec::new(),
             pull: Vec::new(),
@@ -337,6 +341,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         self.by_sphere.clear();
         self.first_of.clear();
         self.reactions.clear();
+        self.flat_reactions.clear();
         if self.near.len() < MANY || rayon::current_num_threads() == 1 {
             return;
         }
@@ -350,14 +355,13 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             self.first_of[i + 1] += self.first_of[i];
         }
         let mut next = self.first_of.clone();
-        self.by_sphere.resize(2 * self.near.len(), (0, false));
+        self.by_sphere.resize(2 * self.near.len(), 0);
         for (c, pair) in self.near.iter().enumerate() {
             for (side, end) in pair.ends.into_iter().enumerate() {
-                self.by_sphere[next[end as usize] as usize] = (c as u32, side == 1);
+                self.by_sphere[next[end as usize] as usize] = (2 * c + side) as u32;
                 next[end as usize] += 1;
             }
         }
-        self.reactions.resize(self.near.len(), Reaction::NONE);
     }
 
     /// Number of contacts, open ones included.

@@ -134,11 +134,8 @@ impl<V: Real> Grip<V> {
         let slips = most.lt(squared);
         if V::any(slips) {
             let shorter = V::select(slips, cap / squared.sqrt(), V::splat(1.0));
-            let softness = if SPRING {
-                V::select(zero.lt(self.stiffness), V::splat(1.0) / self.stiffness, zero)
-            } else {
-                zero
-            };
+            let softness =
+                if SPRING { V::select(zero.lt(self.stiffness), V::splat(1.0) / self.stiffness, zero) } else { zero };
             for k in 0..D {
                 drag[k] = drag[k] * shorter;
                 if SPRING {

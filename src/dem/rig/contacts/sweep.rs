@@ -14,7 +14,7 @@ use crate::dem::rig::bodies::{Bodies, axes_of_spin, dot, spin_cross};
 use crate::dem::rig::law::{Bonding, SpringDashpot};
 
 /// From so many contacts on a sweep is worth sharing among threads.
-pub const MANY: usize = 20_000;
+pub const MANY: usize = 60_000;
 
 /// Force sums on all bodies.
 #[derive(Clone, Debug)]
@@ -46,12 +46,12 @@ impl<const D: usize> Sums<D> {
 const GRAIN: usize = 2048;
 
 /// Successive pairs, from `first` on.
-struct Chunk<'a, const D: usize, M> {
+struct Chunk<'a, const D: usize, M, R> {
     first: usize,
     memory: &'a mut [M],
     account: AccountRows<'a>,
     stretch: [&'a mut [f64]; D],
-    reactions: &'a mut [Reaction<D>],
+    reactions: &'a mut [R],
 }
 
 impl<const D: usize, L: Bonding> Contacts<D, L> {
@@ -68,6 +68,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     fn sweep_pairs<const TURNING: bool>(&mut self, bodies: &Bodies<D>, trial: Trial<D>, sums: &mut Sums<D>) {
         let shared = !self.first_of.is_empty() && rayon::current_num_threads() > 1;
+        // Of disks in lanes both are done at once.
         if (self as &mut dyn Any).downcast_mut::<Contacts<2, SpringDashpot>>().is_some_and(|disks| {
             let in_lanes = disks.share.is_empty();
             if in_lanes {
@@ -79,12 +80,9 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             sums.clear_flats();
         } else if shared {
             self.react_all::<TURNING>(bodies, trial);
+            self.add_up::<TURNING>(sums);
         } else {
             self.add_all::<TURNING>(bodies, trial, sums);
-            return;
-        }
-        if shared {
-            self.add_up::<TURNING>(sums);
         }
     }
 
@@ -133,9 +131,10 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// Each contact on its own, in any order.
     fn react_all<const TURNING: bool>(&mut self, bodies: &Bodies<D>, trial: Trial<D>) {
         let Self { near, share, bond, reduced, bonds, memory, stretch, account, ends, reactions, .. } = self;
+        reactions.resize(near.len(), Reaction::NONE);
         let (near, share, bond, reduced) = (&near[..], &share[..], &bond[..], &reduced[..]);
         let (bonds, ends) = (&bonds[..], &ends[..]);
-        let work = |chunk: Chunk<'_, D, L::Memory>| {
+        let work = |chunk: Chunk<'_, D, L::Memory, Reaction<D>>| {
             let Chunk { first, memory, mut account, stretch, reactions } = chunk;
             for n in 0..reactions.len() {
                 let c = first + n;
@@ -172,10 +171,10 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             |(i, (force, torque))| {
                 *force = [0.0; D];
                 *torque = [0.0; 3];
-                for &(c, second) in &by_sphere[first_of[i] as usize..first_of[i + 1] as usize] {
-                    let reaction = &reactions[c as usize];
+                for &code in &by_sphere[first_of[i] as usize..first_of[i + 1] as usize] {
+                    let reaction = &reactions[code as usize / 2];
                     for k in 0..D {
-                        if second {
+                        if code % 2 == 1 {
                             force[k] += reaction.force[k];
                         } else {
                             force[k] -= reaction.force[k];
@@ -270,12 +269,12 @@ fn spring_at<const D: usize, const TURNING: bool>(stretch: [&[f64]; D], c: usize
 }
 
 /// All pairs in chunks; `memory` and `reactions` hold one row per pair.
-fn chunks<'a, const D: usize, M>(
+fn chunks<'a, const D: usize, M, R>(
     mut memory: &'a mut [M],
     mut account: AccountRows<'a>,
     stretch: &'a mut [Vec<f64>; D],
-    mut reactions: &'a mut [Reaction<D>],
-) -> Vec<Chunk<'a, D, M>> {
+    mut reactions: &'a mut [R],
+) -> Vec<Chunk<'a, D, M, R>> {
     let mut stretch = stretch.each_mut().map(|axis| axis.as_mut_slice());
     let (mut chunks, mut first) = (Vec::with_capacity(reactions.len() / GRAIN + 1), 0);
     while !reactions.is_empty() {
@@ -306,11 +305,16 @@ impl Contacts<2, SpringDashpot> {
     fn gather(&mut self, displacement: &[f64], velocity: &[f64], spin: &[[f64; 3]]) {
         let turning = self.turning;
         self.moving.clear();
-        self.moving.extend(self.ends.iter().enumerate().map(|(i, end)| Moving {
+        let of = |i: usize| Moving {
             at: [displacement[2 * i], displacement[2 * i + 1]],
             velocity: [velocity[2 * i], velocity[2 * i + 1]],
-            turn: if turning { end.radius * spin[i][2] } else { 0.0 },
-        }));
+            turn: if turning { self.lever[i] * spin[i][2] } else { 0.0 },
+        };
+        if self.first_of.is_empty() {
+            self.moving.extend((0..self.lever.len()).map(of));
+        } else {
+            self.moving.par_extend((0..self.lever.len()).into_par_iter().with_min_len(2048).map(of));
+        }
     }
 
     /// As `add_all` or, `shared` among threads, `react_all`, in the lanes of vector registers.
@@ -351,9 +355,27 @@ impl Contacts<2, SpringDashpot> {
             step,
         };
         if shared {
-            chunks(&mut memory[..pairs], account.rows(), stretch, &mut self.reactions).into_par_iter().for_each(
+            let reactions = &mut self.flat_reactions;
+            reactions.resize(pairs, [0.0; 3]);
+            chunks(&mut memory[..pairs], account.rows(), stretch, reactions).into_par_iter().for_each(
                 |Chunk { first, account, stretch, reactions, .. }| {
                     width.run(sweep(first, account, stretch, Receiver::List(reactions)));
+                },
+            );
+            // As `add_up`.
+            let (by_sphere, first_of, reactions) = (&self.by_sphere, &self.first_of, &*reactions);
+            force.par_chunks_exact_mut(2).zip(torque).enumerate().with_min_len(1024).for_each(
+                |(i, (force, torque))| {
+                    let mut sum = [0.0; 3];
+                    for &code in &by_sphere[first_of[i] as usize..first_of[i + 1] as usize] {
+                        let [x, y, twist] = reactions[code as usize / 2];
+                        let sign = if code % 2 == 1 { 1.0 } else { -1.0 };
+                        sum[0] += sign * x;
+                        sum[1] += sign * y;
+                        sum[2] += lever[i] * twist;
+                    }
+                    force.copy_from_slice(&sum[..2]);
+                    torque[2] = sum[2];
                 },
             );
             return;
@@ -363,9 +385,9 @@ impl Contacts<2, SpringDashpot> {
         let (account, _) = account.rows().split_at(pairs);
         let stretch = stretch.each_mut().map(|axis| axis.as_mut_slice());
         width.run(sweep(0, account, stretch, Receiver::Disks { pull: &mut self.pull, lever }));
-        for (i, [x, y, turn]) in self.pull.iter().enumerate() {
-            (force[2 * i], force[2 * i + 1]) = (*x, *y);
-            torque[i] = [0.0, 0.0, *turn];
+        for ((force, torque), [x, y, turn]) in force.chunks_exact_mut(2).zip(torque).zip(&self.pull) {
+            force.copy_from_slice(&[*x, *y]);
+            torque[2] = *turn;
         }
     }
 }

@@ -8,6 +8,8 @@
 
 mod acts;
 
+use std::ops::Range;
+
 use acts::{Act, Loaded};
 use rayon::prelude::*;
 
@@ -191,8 +193,9 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
     fn drift(&mut self, h: f64) {
         let Bodies { displacement, velocity, acceleration, spin, spin_rate, .. } = &mut self.bodies;
         if displacement.len() < MANY {
-            for i in 0..displacement.len() {
-                drift(h, &mut displacement[i], &velocity[i], &acceleration[i], &mut self.trial[i]);
+            let rows = displacement.iter_mut().zip(&*velocity).zip(&*acceleration).zip(&mut self.trial);
+            for (((displacement, velocity), acceleration), trial) in rows {
+                drift(h, displacement, velocity, acceleration, trial);
             }
         } else {
             let rows = displacement.par_iter_mut().zip(velocity.par_iter()).zip(acceleration.par_iter());
@@ -203,10 +206,16 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             );
         }
         if self.turning {
-            for i in 0..spin.len() {
+            let turn = |((trial, spin), rate): ((&mut [f64; 3], &[f64; 3]), &[f64; 3])| {
                 for k in axes_of_spin::<D>() {
-                    self.trial_spin[i][k] = spin[i][k] + h * spin_rate[i][k];
+                    trial[k] = spin[k] + h * rate[k];
                 }
+            };
+            if spin.len() < MANY {
+                self.trial_spin.iter_mut().zip(&*spin).zip(&*spin_rate).for_each(turn);
+            } else {
+                let rows = self.trial_spin.par_iter_mut().zip(spin.par_iter()).zip(spin_rate.par_iter());
+                rows.with_min_len(2048).for_each(turn);
             }
         }
         let Bodies { flat_moved, flat_velocity, flat_acceleration, .. } = &mut self.bodies;
@@ -224,10 +233,25 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             }
             squared > leeway * leeway
         };
-        let bodies = &self.bodies;
-        let leeway = &self.finder.leeway;
-        (0..leeway.len()).any(|i| strayed(&bodies.displacement[i], &self.seen[i], leeway[i]))
-            || bodies.flat_moved.iter().zip(&self.flat_seen).any(|(now, seen)| strayed(now, seen, self.finder.common))
+        let (bodies, seen, leeway) = (&self.bodies, &self.seen, &self.finder.leeway);
+        let displacement = &bodies.displacement;
+        // Mostly none has: without an early end the loop runs in vector registers.
+        let spheres = |range: Range<usize>| {
+            let (now, seen) = (&displacement[range.clone()], &seen[range.clone()]);
+            let mut any = false;
+            for ((now, seen), leeway) in now.iter().zip(seen).zip(&leeway[range]) {
+                any |= strayed(now, seen, *leeway);
+            }
+            any
+        };
+        let count = leeway.len();
+        let any = if count < MANY {
+            spheres(0..count)
+        } else {
+            let parts = (0..count.div_ceil(8192)).into_par_iter();
+            parts.any(|part| spheres(8192 * part..(8192 * (part + 1)).min(count)))
+        };
+        any || bodies.flat_moved.iter().zip(&self.flat_seen).any(|(now, seen)| strayed(now, seen, self.finder.common))
     }
 
     fn kick(&mut self, rig: &Rig<D>, h: f64) {
@@ -237,13 +261,13 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         let force = &self.sums.force;
         let damped = !damping.is_empty();
         if velocity.len() < MANY || damped {
-            for i in 0..velocity.len() {
-                let row = (&mut velocity[i], &mut acceleration[i]);
+            let rows = velocity.iter_mut().zip(acceleration).zip(force).zip(&*inverse_mass);
+            for (i, ((row, force), inverse)) in rows.enumerate() {
                 if damped {
-                    let lost = kick::<D, true>(h, row, &force[i], &inverse_mass[i], gravity, &damping[i]);
+                    let lost = kick::<D, true>(h, row, force, inverse, gravity, &damping[i]);
                     self.absorbed += 0.5 * h * rig.mass[i] * weight[i] * lost;
                 } else {
-                    kick::<D, false>(h, row, &force[i], &inverse_mass[i], gravity, &[0.0; D]);
+                    kick::<D, false>(h, row, force, inverse, gravity, &[0.0; D]);
                 }
             }
         } else {
@@ -254,12 +278,19 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         }
         if self.turning {
             let torque = &self.sums.torque;
-            for i in 0..spin.len() {
+            type Row<'a> = (((&'a mut [f64; 3], &'a mut [f64; 3]), &'a [f64; 3]), &'a f64);
+            let turn = |(((spin, spin_rate), torque), inverse): Row| {
                 for k in axes_of_spin::<D>() {
-                    let rate = torque[i][k] * inverse_inertia[i];
-                    spin[i][k] += 0.5 * h * (spin_rate[i][k] + rate);
-                    spin_rate[i][k] = rate;
+                    let rate = torque[k] * inverse;
+                    spin[k] += 0.5 * h * (spin_rate[k] + rate);
+                    spin_rate[k] = rate;
                 }
+            };
+            if spin.len() < MANY {
+                spin.iter_mut().zip(spin_rate).zip(torque).zip(&*inverse_inertia).for_each(turn);
+            } else {
+                let rows = spin.par_iter_mut().zip(spin_rate).zip(torque).zip(inverse_inertia.par_iter());
+                rows.with_min_len(2048).for_each(turn);
             }
         }
         let whole = flat_weight(rig);
