@@ -41,10 +41,12 @@ pub enum SettleError {
 
 /// A bed is at rest when its kinetic energy is below this part of m g d (Kondic et al. 2012).
 const STILL: f64 = 1e-10;
-/// The step (τ_c): 1/50 of a collision.
+/// The step of an impact (τ_c): 1/50 of a collision.
 pub(super) const STEP: f64 = 0.02;
+/// The step while a bed settles (τ_c): on the way only stability counts, and at rest forces balance whatever the step.
+const SETTLING: f64 = 0.06;
 /// Steps between two looks at the kinetic energy.
-const LOOK: u64 = 500;
+const LOOK: u64 = 200;
 /// Longest wait (τ_c).
 const PATIENCE: f64 = 50_000.0;
 /// Drag per mass (1/τ_c): falling grains reach g/drag = 0.06 in the default bed.
@@ -94,7 +96,7 @@ fn rest(
     rig.drag = DRAG;
     let unit = grains.fall();
     let begun = *time;
-    let mut simulation = Simulation::new(rig, STEP)?;
+    let mut simulation = Simulation::new(rig, SETTLING)?;
     loop {
         simulation.advance(LOOK, interrupt)?;
         *time = begun + simulation.time();
