@@ -16,6 +16,7 @@ mod decay;
 mod interface;
 mod medium;
 mod mixture;
+mod setting;
 mod sites;
 mod surface;
 mod value;
@@ -26,8 +27,9 @@ pub use decay::{Decay, RowPassage};
 pub use interface::{Interface, find_ratio, find_speed, interfaces};
 pub use medium::{Kind, Medium, MediumError};
 pub use mixture::mixture_speed;
+pub use setting::{Axis, Setting};
 pub use sites::site_speeds;
-pub use surface::{Axis, Node, Point, Setting, Surface, SurfaceError, points};
+pub use surface::{Node, Point, Surface, SurfaceError, points};
 pub use value::{DISSIPATED_AT, Value, dissipation};
 
 use std::f64::consts::PI;
