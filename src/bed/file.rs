@@ -5,7 +5,7 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use super::{BedImpact, Body, Damping, Grains, Intruder, Outline, Packing, Pile, Sides, Surface};
+use super::{BedImpact, Body, Damping, Ensemble, Grains, Intruder, Outline, Packing, Pile, Rubbing, Sides, Surface};
 use crate::document::{self, DocumentError, Entry, Scope, Section, Source, Written, is_plain_name, section};
 
 /// A checked bed file.
@@ -21,6 +21,8 @@ pub struct BedFile {
     pub origin: Origin,
     /// The impact.
     pub impact: BedImpact,
+    /// Many impacts in place of one, where they are asked for.
+    pub ensemble: Option<Ensemble>,
 }
 
 /// Where a bed comes from.
@@ -45,6 +47,7 @@ struct Top {
     walls: Section<WallsSection>,
     intruder: Section<IntruderSection>,
     run: Section<RunSection>,
+    ensemble: Section<EnsembleSection>,
 }
 
 #[derive(serde::Deserialize)]
@@ -60,6 +63,7 @@ section!(IntruderSection: Written {
     shape, diameter, half_width, half_height, width, mass, body, turns, speed, height, place
 });
 section!(RunSection: Written { window, step, sample });
+section!(EnsembleSection: Written { samples, speeds, friction });
 
 /// How each key is written, for messages.
 const EXAMPLES: &[&str] = &[
@@ -97,6 +101,9 @@ const EXAMPLES: &[&str] = &[
     "run.window = 400",
     "run.step = 0.02",
     "run.sample = 0.5",
+    "ensemble.samples = 10",
+    "ensemble.speeds = [0.1, 0.4, 0.7]",
+    "ensemble.friction = [\"kinetic\", \"static\"]",
 ];
 
 /// Most grains that a file may ask for.
@@ -157,8 +164,53 @@ impl BedFile {
             impact.window = number(&scope, "window", &run.window, impact.window, impact.step..=1e7)?;
             impact.sample = number(&scope, "sample", &run.sample, impact.sample, impact.step..=impact.window)?;
         }
-        Ok(Self { path: path.to_owned(), text: text.to_owned(), name: name.text()?.to_owned(), origin, impact })
+        let ensemble = match top.section("ensemble", &file.ensemble) {
+            Some(section) => Some(read_ensemble(&section, impact.intruder.speed)?),
+            None => None,
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            text: text.to_owned(),
+            name: name.text()?.to_owned(),
+            origin,
+            impact,
+            ensemble,
+        })
     }
+}
+
+fn read_ensemble((scope, file): &(Scope, &EnsembleSection), speed: f64) -> Result<Ensemble, DocumentError> {
+    let samples = match scope.optional("samples", &file.samples) {
+        Some(entry) => entry.whole(1..=10_000)?,
+        None => 1,
+    };
+    let speeds = match scope.optional("speeds", &file.speeds) {
+        Some(entry) => {
+            let speeds =
+                entry.one_or_more().iter().map(|item| within(item, 0.0..=10.0)).collect::<Result<Vec<_>, _>>()?;
+            let twice = (1..speeds.len()).any(|k| speeds[..k].contains(&speeds[k]));
+            if speeds.is_empty() || twice {
+                return Err(entry.refuse("must name at least one speed, each once"));
+            }
+            speeds
+        }
+        None => vec![speed],
+    };
+    let known = [("none", Rubbing::None), ("kinetic", Rubbing::Kinetic), ("static", Rubbing::Static)];
+    let friction = match scope.optional("friction", &file.friction) {
+        Some(entry) => {
+            let items = entry.one_or_more();
+            let kinds = items.iter().map(|item| item.choice("kind of friction", &known));
+            let kinds = kinds.collect::<Result<Vec<_>, _>>()?;
+            let twice = (1..kinds.len()).any(|k| kinds[..k].contains(&kinds[k]));
+            if kinds.is_empty() || twice {
+                return Err(entry.refuse("must name at least one kind of friction, each once"));
+            }
+            kinds
+        }
+        None => vec![Rubbing::AsGiven],
+    };
+    Ok(Ensemble { samples, speeds, friction })
 }
 
 /// A number within a range, or its default.
@@ -337,6 +389,7 @@ mod tests {
             ("walls", WallsSection::KEYS),
             ("intruder", IntruderSection::KEYS),
             ("run", RunSection::KEYS),
+            ("ensemble", EnsembleSection::KEYS),
         ];
         document::assert_examples(EXAMPLES, &sections);
     }

@@ -8,7 +8,9 @@
 //! - `packing`: how they are laid out at first; `settle`: how they come to rest; `store`: prepared beds as files
 //! - `measure`: volume fraction, coordination, pair correlation, surface
 //! - `intruder`: what strikes them; `impact`: what follows; `sound`: how fast a push travels through a bed
+//! - `ensemble`: many impacts, and what they come to on average
 
+mod ensemble;
 mod file;
 mod grains;
 mod impact;
@@ -19,6 +21,7 @@ mod settle;
 mod sound;
 mod store;
 
+pub use ensemble::{Case, Cell, Ensemble, Outcome, Rubbing, Spread, summarise};
 pub use file::{BedFile, Origin};
 pub use grains::{Damping, Grains, Surface};
 pub use impact::{BedImpact, Course, Moment, Snapshot, strike};

@@ -6,7 +6,7 @@ use super::svg::{Anchor, Svg};
 
 /// One line of a chart.
 pub struct Line {
-    /// What the legend says.
+    /// What the legend says; a line without a name is not in it.
     pub name: String,
     /// Stroke colour.
     pub colour: String,
@@ -78,7 +78,7 @@ impl Chart {
                 line.points.iter().filter(|p| p.iter().all(|x| x.is_finite())).map(place).collect();
             svg.polyline(&points, &style(line));
         }
-        for (k, line) in self.lines.iter().enumerate() {
+        for (k, line) in self.lines.iter().filter(|line| !line.name.is_empty()).enumerate() {
             let at = top + 12.0 + 20.0 * k as f64;
             let from = left + ROOM[0] + 14.0;
             svg.line([from, at], [from + 26.0, at], &style(line));

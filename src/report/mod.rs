@@ -13,7 +13,7 @@
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `surface`: a design surface as a picture, `surface_page` as a page that answers the pointer; `labels`: places for its labels
 //! - `plain_page`: pictures below some words
-//! - `chart`: lines over a quantity; `bed`: an impact on a granular bed
+//! - `chart`: lines over a quantity; `bed`: an impact on a granular bed; `ensemble`: many of them
 //! - `trial`: one simulated rig, from the records in its folder
 
 mod bed;
@@ -24,6 +24,7 @@ mod contact_curve;
 mod crystal;
 mod digits;
 mod drawing;
+mod ensemble;
 mod files;
 mod labels;
 mod maps;
@@ -41,6 +42,7 @@ mod trial;
 pub use bed::{BedPictures, draw_bed};
 pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;
+pub use ensemble::draw_ensemble;
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, write, write_numbers};
 pub use surface::{surface, surface_csv};
 pub use surface_page::surface_page;

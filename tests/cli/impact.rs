@@ -86,3 +86,38 @@ fn what_makes_no_bed_is_refused() {
     assert!(error.code == 2 && error.stderr.contains("none.csv"), "{}", error.stderr);
     assert!(desk.run(&["impact", "bed.toml", "--speed", "-1"]).code == 2);
 }
+
+/// Two speeds, two kinds of friction and three beds: means of what is kept; a lost run alone is made again, to the same bits for
+/// any number of threads.
+#[test]
+fn an_ensemble_is_taken_up_and_does_not_depend_on_threads() {
+    let text = smaller("bed.toml") + "\n[ensemble]\nspeeds = [0.2, 0.5]\nfriction = [\"kinetic\", \"static\"]\n";
+    let desk = Desk::new();
+    desk.write("bed.toml", text.clone());
+    let run = |threads: &str| {
+        desk.run(&["impact", "bed.toml", "--samples", "3", "--json", "--out", "out", "--threads", threads]).ok().json()
+    };
+    let first = run("2");
+    let cells = first["cells"].as_array().unwrap();
+    assert_eq!((cells.len(), first["impacts"].as_array().unwrap().len()), (4, 12));
+    let depth = |cell: usize| cells[cell]["final_depth_d"]["mean"].as_f64().unwrap();
+    let of_cell = |cell: usize| {
+        let runs = first["impacts"].as_array().unwrap()[3 * cell..3 * cell + 3].iter();
+        runs.map(|run| run["final_depth_d"].as_f64().unwrap()).sum::<f64>() / 3.0
+    };
+    assert!(depth(1) > depth(0) && (depth(2) - of_cell(2)).abs() < 1e-12, "{first}");
+    let files = || {
+        ["ensemble.csv", "ensemble.json", "impacts.csv", "depth.svg"]
+            .map(|name| std::fs::read(desk.path("out").join(name)).unwrap())
+    };
+    let (before, kept) = (files(), names(&desk.path("out/impacts")));
+    assert_eq!(kept.len(), 12);
+    std::fs::remove_file(desk.path("out/impacts").join(&kept[5])).unwrap();
+    let again = desk.run(&["impact", "bed.toml", "--samples", "3", "--out", "out", "--threads", "1"]).ok();
+    assert!(again.stderr.contains("12 impacts, 11 of them kept"), "{}", again.stderr);
+    assert!(files() == before && names(&desk.path("out/impacts")) == kept);
+
+    desk.write("twice.toml", text.replace("[0.2, 0.5]", "[0.2, 0.2]"));
+    let error = desk.run(&["impact", "twice.toml", "--json"]);
+    assert_eq!((error.code, error.json_error()["key"].clone()), (2, "ensemble.speeds".into()));
+}

@@ -1,12 +1,15 @@
 //! `granulens impact`: an intruder strikes a granular bed.
+//!
+//! - `beds`: beds at rest, kept and used again
+//! - `ensemble`: many impacts, and what they come to on average
+
+mod beds;
+mod ensemble;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use granulens::bed::{
-    Bed, BedFile, Course, Damping, Measures, Origin, SettleError, Settled, measure, read, settle, sound_speed, strike,
-    write,
-};
+use granulens::bed::{Bed, BedFile, Course, Ensemble, Measures, Origin, Rubbing, measure, sound_speed, strike};
 use granulens::dem::rig::RigStop;
 use granulens::report::{BedPictures, draw_bed};
 use serde::Serialize;
@@ -15,11 +18,15 @@ use super::Common;
 use super::console::{Steps, emit, emit_json, interrupt, note, pretty};
 use super::failure::Failure;
 use super::folder::Folder;
+use beds::{load, place, pour};
 
 /// Strike a granular bed with an intruder: depth, forces, energies
 ///
 /// The bed is poured and settles first, or comes from a file; settled beds are kept in reports/beds and used again. The output
 /// folder, reports/NAME unless --out names another, appears when it is complete.
+///
+/// With --samples, or a section [ensemble] in the file, beds of several seeds are struck at each of the speeds and with each kind
+/// of friction, and means with their 95 % intervals are given. Runs are kept as they finish: run again to go on after a stop.
 #[derive(clap::Args)]
 pub struct Impact {
     /// Bed file, such as designs/bed.toml
@@ -31,8 +38,11 @@ pub struct Impact {
     #[arg(long)]
     fresh: bool,
     /// Measure the speed of sound in the bed too
-    #[arg(long)]
+    #[arg(long, conflicts_with = "samples")]
     sound: bool,
+    /// Strike so many beds, of successive seeds, in place of the number in the file
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    samples: Option<u32>,
 }
 
 /// What --json prints; lengths in mean diameters, times in collision times, forces in m d/tau_c^2.
@@ -76,6 +86,9 @@ impl Impact {
         if let (Some(seed), Origin::Pile(pile)) = (common.seed, &mut file.origin) {
             pile.seed = seed;
         }
+        if let Some(ensemble) = self.ensemble(&file) {
+            return ensemble::run(common, &self.bed, &file, &ensemble, self.fresh);
+        }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&file.name));
         let folder = Folder::begin(&place)?;
         let (bed, settled_in) = self.prepare(common, &file)?;
@@ -110,47 +123,39 @@ impl Impact {
         }
     }
 
+    /// Many impacts, if the file or the command asks for them; a speed of the command is the only one.
+    fn ensemble(&self, file: &BedFile) -> Option<Ensemble> {
+        let speeds = vec![file.impact.intruder.speed];
+        let mut ensemble = match (&file.ensemble, self.samples) {
+            (Some(ensemble), _) => ensemble.clone(),
+            (None, Some(samples)) => Ensemble { samples, speeds: speeds.clone(), friction: vec![Rubbing::AsGiven] },
+            (None, None) => return None,
+        };
+        ensemble.samples = self.samples.unwrap_or(ensemble.samples);
+        if self.speed.is_some() {
+            ensemble.speeds = speeds;
+        }
+        Some(ensemble)
+    }
+
     /// The bed at rest: from its file, from an earlier run, or settled now, with the seconds that took.
     fn prepare(&self, common: &Common, file: &BedFile) -> Result<(Bed, Option<f64>), Failure> {
-        let load = |path: &Path| read(path).map_err(|error| Failure::input(error.to_string()));
         let pile = match &file.origin {
             Origin::File(path) => return Ok((load(path)?, None)),
             Origin::Pile(pile) => pile,
         };
-        let grains = &file.impact.grains;
-        // Friction rests while a bed settles, so that beds with and without share their rest.
-        let rest = serde_json::json!({
-            "pile": pile,
-            "stiffness": grains.stiffness,
-            "gravity": grains.gravity,
-            "restitution": [grains.grains.restitution, grains.walls.restitution],
-            "exact": grains.damping == Damping::Exact,
-            "cut": grains.cut,
-        });
-        let key = crc32fast::hash(rest.to_string().as_bytes());
-        let path = Path::new("reports/beds").join(format!("bed-{key:08x}.csv"));
+        let path = place(pile, &file.impact.grains);
         if path.exists() && !self.fresh {
             note(common, &format!("bed: {} (settled before)", path.display()));
             return Ok((load(&path)?, None));
         }
-        note(common, "the bed settles; with 6000 grains that takes a minute or two, once");
-        let begun = Instant::now();
+        note(common, "the bed settles; with 6000 grains that takes half a minute, once");
         let bar = Steps::unbounded(common);
-        let settled = settle(pile, grains, interrupt(), |time, kinetic| {
+        let bed = pour(&self.bed, pile, &file.impact.grains, |time, kinetic| {
             bar.at(time, &format!("settling: {time:.0} tau_c, kinetic energy {kinetic:.1e} m g d"));
         });
         bar.done();
-        let Settled { bed, time, smoothed } = settled.map_err(|error| match error {
-            SettleError::Stop(RigStop::Interrupted { .. }) => {
-                Failure::Interrupted("the bed had not settled yet; nothing was written".to_owned())
-            }
-            SettleError::Stop(stop) => Failure::Guard(vec![unit(&stop)]),
-            error => Failure::input(format!("{}: {error}", self.bed.display())),
-        })?;
-        let seconds = begun.elapsed().as_secs_f64();
-        let notes =
-            format!("A bed at rest after {time:.0} tau_c; {smoothed} grains taken off its surface.\nMade from {rest}");
-        write(&path, &bed, &notes).map_err(|error| Failure::input(error.to_string()))?;
+        let (bed, seconds) = bed?;
         note(common, &format!("bed: {} (settled in {seconds:.0} s)", path.display()));
         Ok((bed, Some(seconds)))
     }

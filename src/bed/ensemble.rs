@@ -1,0 +1,259 @@
+//! Many impacts: beds of several seeds, speeds and kinds of friction, and what they come to on average.
+
+use serde::{Deserialize, Serialize};
+
+use super::{BedImpact, Course, Grains, Measures};
+
+/// Which impacts are made: every speed with every kind of friction on every sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ensemble {
+    /// Beds, of successive seeds.
+    pub samples: u32,
+    /// Speeds of the intruder (d/τ_c).
+    pub speeds: Vec<f64>,
+    /// Kinds of friction.
+    pub friction: Vec<Rubbing>,
+}
+
+/// A kind of friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rubbing {
+    /// As the bed file has it.
+    AsGiven,
+    /// None.
+    None,
+    /// Damping and a cap alone, k_t = 0.
+    Kinetic,
+    /// With Cundall and Strack's spring: the file's k_t or, where that is zero, 0.8 k.
+    Static,
+}
+
+impl Rubbing {
+    /// Its name, as in a bed file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AsGiven => "as-given",
+            Self::None => "none",
+            Self::Kinetic => "kinetic",
+            Self::Static => "static",
+        }
+    }
+
+    /// Grains with this kind of friction.
+    pub fn of(self, mut grains: Grains) -> Grains {
+        for surface in [&mut grains.grains, &mut grains.walls] {
+            match self {
+                Self::AsGiven => {}
+                Self::None => (surface.friction, surface.tangential_stiffness) = (0.0, 0.0),
+                Self::Kinetic => surface.tangential_stiffness = 0.0,
+                Self::Static if surface.tangential_stiffness == 0.0 => surface.tangential_stiffness = 0.8,
+                Self::Static => {}
+            }
+        }
+        grains
+    }
+}
+
+/// One impact of an ensemble.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// Kind of friction.
+    pub friction: Rubbing,
+    /// Speed (d/τ_c).
+    pub speed: f64,
+    /// Place of the sample among all, from 0.
+    pub sample: u32,
+}
+
+impl Case {
+    /// The impact of a bed file as this case has it.
+    pub fn of(&self, impact: &BedImpact) -> BedImpact {
+        let mut impact = *impact;
+        impact.grains = self.friction.of(impact.grains);
+        impact.intruder.speed = self.speed;
+        impact
+    }
+}
+
+impl Ensemble {
+    /// All cases: friction first, then speeds, then samples.
+    pub fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for &friction in &self.friction {
+            for &speed in &self.speeds {
+                cases.extend((0..self.samples).map(|sample| Case { friction, speed, sample }));
+            }
+        }
+        cases
+    }
+}
+
+/// What came of one impact.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Kind of friction.
+    pub friction: Rubbing,
+    /// Speed (d/τ_c).
+    pub speed: f64,
+    /// Seed of the bed; none for one from a file.
+    pub seed: Option<u64>,
+    /// Of the bed at rest.
+    pub volume_fraction: f64,
+    /// Of the bed at rest.
+    pub coordination: f64,
+    /// Mean depth at the end (d).
+    pub final_depth_d: f64,
+    /// Greatest depth (d).
+    pub max_depth_d: f64,
+    /// By how much the intruder went deeper than it stayed (d).
+    pub overshoot_d: f64,
+    /// Greatest force on the intruder (m d/τ_c²).
+    pub peak_force: f64,
+    /// When it was felt (τ_c).
+    pub peak_force_time_tau_c: f64,
+    /// Why a guard stopped the run, if one did; then it does not count in the means.
+    pub stop: Option<String>,
+}
+
+impl Outcome {
+    /// From the course of a case on a bed.
+    pub fn new(case: &Case, seed: Option<u64>, measures: &Measures, course: &Course) -> Self {
+        Self {
+            friction: case.friction,
+            speed: case.speed,
+            seed,
+            volume_fraction: measures.volume_fraction,
+            coordination: measures.coordination,
+            final_depth_d: course.final_depth,
+            max_depth_d: course.max_depth,
+            overshoot_d: course.overshoot(),
+            peak_force: course.peak_force[0],
+            peak_force_time_tau_c: course.peak_force[1],
+            stop: course.stop.as_ref().map(|stop| stop.words("tau_c", &|body| body.to_string())),
+        }
+    }
+}
+
+/// Mean of a number over samples, and how far it can be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation of single samples (n − 1); none for one sample.
+    pub deviation: Option<f64>,
+    /// Half the width of the 95 % confidence interval of the mean, by Student's t; none for one sample.
+    pub interval: Option<f64>,
+}
+
+impl Spread {
+    /// Of some numbers, at least one.
+    pub fn of(numbers: &[f64]) -> Self {
+        let count = numbers.len() as f64;
+        let mean = numbers.iter().sum::<f64>() / count;
+        if numbers.len() < 2 {
+            return Self { mean, deviation: None, interval: None };
+        }
+        let variance = numbers.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0);
+        let interval = student(numbers.len() - 1) * (variance / count).sqrt();
+        Self { mean, deviation: Some(variance.sqrt()), interval: Some(interval) }
+    }
+}
+
+/// Quantile 0.975 of Student's distribution: tabulated to 10 degrees of freedom ν, then by its expansion in 1/ν (Abramowitz and
+/// Stegun 26.7.5), to 10⁻⁴.
+fn student(freedom: usize) -> f64 {
+    const FEW: [f64; 10] =
+        [12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582, 2.446_912, 2.364_624, 2.306_004, 2.262_157, 2.228_139];
+    if let Some(quantile) = freedom.checked_sub(1).and_then(|k| FEW.get(k)) {
+        return *quantile;
+    }
+    let (x, v) = (1.959_963_985_f64, freedom as f64);
+    let (x3, x5, x7) = (x.powi(3), x.powi(5), x.powi(7));
+    x + (x3 + x) / (4.0 * v)
+        + (5.0 * x5 + 16.0 * x3 + 3.0 * x) / (96.0 * v * v)
+        + (3.0 * x7 + 19.0 * x5 + 17.0 * x3 - 15.0 * x) / (384.0 * v * v * v)
+}
+
+/// All samples of one kind of friction at one speed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cell {
+    /// Kind of friction.
+    pub friction: Rubbing,
+    /// Speed (d/τ_c).
+    pub speed: f64,
+    /// Samples that count.
+    pub samples: usize,
+    /// Runs that a guard stopped.
+    pub stopped: usize,
+    /// Depth at the end (d).
+    pub final_depth_d: Spread,
+    /// Greatest depth (d).
+    pub max_depth_d: Spread,
+    /// Greatest depth less that at the end (d).
+    pub overshoot_d: Spread,
+    /// Greatest force on the intruder (m d/τ_c²).
+    pub peak_force: Spread,
+}
+
+/// Means over the samples, a cell for each kind of friction and speed, in the order of the ensemble; cells in which no run came to
+/// its end are left out.
+pub fn summarise(ensemble: &Ensemble, outcomes: &[Outcome]) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for &friction in &ensemble.friction {
+        for &speed in &ensemble.speeds {
+            let here = outcomes.iter().filter(|outcome| outcome.friction == friction && outcome.speed == speed);
+            let (whole, stopped): (Vec<&Outcome>, Vec<&Outcome>) = here.partition(|outcome| outcome.stop.is_none());
+            if whole.is_empty() {
+                continue;
+            }
+            let of = |number: fn(&Outcome) -> f64| {
+                Spread::of(&whole.iter().map(|outcome| number(outcome)).collect::<Vec<f64>>())
+            };
+            cells.push(Cell {
+                friction,
+                speed,
+                samples: whole.len(),
+                stopped: stopped.len(),
+                final_depth_d: of(|outcome| outcome.final_depth_d),
+                max_depth_d: of(|outcome| outcome.max_depth_d),
+                overshoot_d: of(|outcome| outcome.overshoot_d),
+                peak_force: of(|outcome| outcome.peak_force),
+            });
+        }
+    }
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quantiles as tables print them.
+    #[test]
+    fn quantiles_are_student_s() {
+        for (freedom, quantile) in [(1, 12.706), (4, 2.776), (11, 2.201), (20, 2.086), (49, 2.0096), (1000, 1.9623)] {
+            assert!((student(freedom) - quantile).abs() < 6e-4, "{freedom}: {}", student(freedom));
+        }
+    }
+
+    /// 1, 2, 3, 4: mean 2.5, variance 5/3, standard error √(5/12).
+    #[test]
+    fn means_and_intervals_are_those_of_the_textbook() {
+        let spread = Spread::of(&[1.0, 2.0, 3.0, 4.0]);
+        assert!((spread.mean - 2.5).abs() < 1e-15);
+        assert!((spread.deviation.unwrap() - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert!((spread.interval.unwrap() - 3.182_446 * (5.0_f64 / 12.0).sqrt()).abs() < 1e-15);
+        assert_eq!(Spread::of(&[7.0]), Spread { mean: 7.0, deviation: None, interval: None });
+    }
+
+    #[test]
+    fn kinds_of_friction_are_what_they_are_called() {
+        let kinetic = Grains::default();
+        let fixed = Rubbing::Static.of(kinetic);
+        assert_eq!((fixed.grains.tangential_stiffness, fixed.walls.tangential_stiffness), (0.8, 0.8));
+        assert_eq!(Rubbing::Kinetic.of(fixed), kinetic);
+        assert!(!Rubbing::None.of(fixed).laws(true).has_friction());
+        assert!(Rubbing::AsGiven.of(kinetic).laws(true).has_friction());
+    }
+}
