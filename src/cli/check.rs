@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use granulens::dem::Stop;
 use granulens::design::{Design, Measure};
-use granulens::evaluate::{Evaluation, Plan, evaluate};
+use granulens::evaluate::{Evaluation, Plan, evaluate, impact};
 use granulens::layout::{Baseline, Layout};
 use granulens::outcome::{Checked, FORMAT};
 use granulens::units::Dimension::{Energy, Time};
 
 use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
+use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file, write_json};
 use super::{Common, Motion};
@@ -44,6 +45,10 @@ impl Check {
         let overrides = self.motion.overrides(common);
         let plan = Plan::new(&design, overrides, &layout.palette)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        if common.dry_run {
+            let seconds = arrangement(&layout.sample(), &impact(&design, &plan))?;
+            return tell(common, &[Part::new("the layout, with full records", 1, Some(seconds))]);
+        }
         probe(self.spheres.as_ref())?;
         probe(common.out.as_ref())?;
         let begun = Instant::now();

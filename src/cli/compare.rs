@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{Comparison, compare, stops};
+use granulens::evaluate::{Comparison, compare, impact, stops};
 use granulens::layout::{self, Layout};
 use granulens::outcome::Outcome;
 use granulens::report;
 
 use super::console::{Bar, emit, emit_json, interrupt};
+use super::cost::{Part, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
 use super::{Common, Motion, propose};
@@ -39,6 +40,9 @@ impl Compare {
             }
         }
         .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        if common.dry_run {
+            return cost(common, &design, &comparison);
+        }
         probe(common.out.as_ref())?;
         let bar = Bar::new(common, comparison.len());
         let outcome = compare(&comparison, interrupt(), &bar)?;
@@ -57,6 +61,13 @@ impl Compare {
         }
         guard(&outcome)
     }
+}
+
+/// What the arrangements of a comparison will cost.
+pub fn cost(common: &Common, design: &Design, comparison: &Comparison) -> Result<(), Failure> {
+    let alone = super::cost::arrangement(&comparison.subject.sample(), &impact(design, &comparison.plan))?;
+    let count = comparison.len() as u64;
+    tell(common, &[Part::new("arrangements, with full records", count, Some(alone * count as f64))])
 }
 
 /// Reads a layout on the design's lattice; host and lens material keep the first places of the palette.

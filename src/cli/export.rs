@@ -16,7 +16,7 @@ use super::compare::read_layout;
 use super::console::{Count, interrupt, note};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
-use super::{Common, Motion, propose, time};
+use super::{Common, Motion, cost, propose, time};
 
 /// Write a crystal and its motion for LAMMPS, OVITO or ParaView
 ///
@@ -111,6 +111,20 @@ impl Export {
         common: &Common,
         run: impl Fn(Option<LawKind>) -> Result<Run<D>, Failure>,
     ) -> Result<(), Failure> {
+        if common.dry_run {
+            let mut parts = Vec::new();
+            for (asked, law, what) in [
+                (self.lammps.is_some(), Some(LawKind::Hertz), "the run for LAMMPS"),
+                (self.xyz.is_some() || self.vtp.is_some(), None, "the run to be shown"),
+            ] {
+                if asked {
+                    let run = run(law)?;
+                    let mut simulation = begin(run.rig, run.step)?;
+                    parts.push(cost::Part::new(what, 1, Some(cost::rig(&mut simulation, run.steps))));
+                }
+            }
+            return cost::tell(common, &parts);
+        }
         let folders: Vec<&PathBuf> = self.lammps.iter().chain(&self.vtp).collect();
         if let Some(taken) = folders.iter().find(|folder| folder.exists()) {
             return Err(Failure::input_with_help(
@@ -193,6 +207,10 @@ struct Run<const D: usize> {
     steps: u64,
 }
 
+fn begin<const D: usize>(rig: Rig<D>, step: f64) -> Result<Simulation<D>, Failure> {
+    Simulation::new(rig, step).map_err(|error: RigError| Failure::input(error.to_string()))
+}
+
 /// Runs it, and hands over the state at the start and after every so many steps.
 fn follow<const D: usize>(
     common: &Common,
@@ -200,8 +218,7 @@ fn follow<const D: usize>(
     every: u64,
     mut frame: impl FnMut(&Simulation<D>),
 ) -> Result<(), Failure> {
-    let mut simulation =
-        Simulation::new(run.rig, run.step).map_err(|error: RigError| Failure::input(error.to_string()))?;
+    let mut simulation = begin(run.rig, run.step)?;
     let interrupt = interrupt();
     let bar = Count::new(common, (run.steps / every) as usize, "frames");
     frame(&simulation);

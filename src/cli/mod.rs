@@ -3,12 +3,14 @@
 //! - `failure`: what went wrong, as text or JSON, and the exit codes
 //! - `console`: output that survives a closed pipe, Ctrl-C, progress
 //! - `folder`: output folders that appear only when complete
+//! - `cost`: what a command would cost
 
 mod bench;
 mod check;
 mod compare;
 mod console;
 mod contact;
+mod cost;
 mod design;
 mod export;
 mod failure;
@@ -70,6 +72,9 @@ struct Common {
     /// JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
+    /// Read and check everything, say what the command would cost, and do nothing
+    #[arg(long, global = true)]
+    dry_run: bool,
 }
 
 /// What each does is said at its own arguments, from where the help takes it.
@@ -92,6 +97,19 @@ enum Command {
     Bench(bench::Bench),
 }
 
+impl Command {
+    /// Whether it can take long: then --dry-run says how long.
+    fn simulates(&self) -> bool {
+        match self {
+            Self::Study(study) => study.simulates(),
+            Self::Run(_) | Self::Simulate(_) | Self::Check(_) | Self::Compare(_) => true,
+            Self::Reproduce(_) | Self::Export(_) | Self::Impact(_) => true,
+            Self::Design(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
+            Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
+        }
+    }
+}
+
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -107,6 +125,10 @@ pub fn main() -> ExitCode {
     failure::draw_errors();
     let common = &cli.common;
     let done = match cli.command {
+        _ if common.dry_run && !cli.command.simulates() => Err(Failure::input_with_help(
+            "--dry-run is for commands that simulate; this one takes seconds at most",
+            "Leave it out.",
+        )),
         Command::Run(command) => command.run(common),
         Command::Design(command) => command.run(common),
         Command::Trace(command) => command.run(common),

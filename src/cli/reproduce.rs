@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::Common;
 use super::console::{Count, emit, emit_json, interrupt, note};
+use super::cost;
 use super::failure::Failure;
 use super::folder::{probe, write_file, write_json};
 
@@ -34,6 +35,10 @@ impl Reproduce {
                 emit(&reproduce::list(&rows));
             }
             return Ok(());
+        }
+        if common.dry_run {
+            let seconds = rows.iter().map(|row| row.seconds).sum();
+            return cost::tell(common, &[cost::Part::new("rows", rows.len() as u64, Some(seconds))]);
         }
         probe(common.out.as_ref())?;
         let threads = rayon::current_num_threads();

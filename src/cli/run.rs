@@ -31,6 +31,9 @@ impl Run {
         let overrides = self.motion.overrides(common);
         let comparison = Comparison::of_lens(&design, &lens, overrides)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        if common.dry_run {
+            return super::compare::cost(common, &design, &comparison);
+        }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
         let folder = Folder::begin(&place)?;
         note(common, &super::design::words(&design, &lens));

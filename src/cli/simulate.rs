@@ -4,15 +4,16 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use granulens::dem::rig::Simulation;
 use granulens::report;
 use granulens::setup::{Bench, Setup};
 use granulens::trial::{self, Ending, Keeping, Summary, TrialError};
 use granulens::units::Dimension::{Force, Time};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::Common;
 use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
+use super::{Common, cost};
 
 /// Simulate a rig file or the lens of a design, with records, checkpoints and pictures
 ///
@@ -52,6 +53,13 @@ impl Simulate {
             &format!("{} spheres; step {}: {}", bench.sites.len(), Time.show(bench.plan.step), bench.plan.step_reason),
         );
         bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        if common.dry_run {
+            let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step)
+                .map_err(|error| failure(bench, &TrialError::Rig(error)))?;
+            let seconds = cost::rig(&mut simulation, bench.plan.steps());
+            let what = format!("{} steps of {} spheres, without records", bench.plan.steps(), bench.sites.len());
+            return cost::tell(common, &[cost::Part::new(what, 1, Some(seconds))]);
+        }
         let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(bench.plan.steps()) };
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {elapsed} ({eta} left)") {
             bar.set_style(style);

@@ -11,9 +11,10 @@
 //! - `set`: impacts, and crystals that are not built as drawn; `tolerance`: what a layout loses then; `prices`: what spheres cost
 //! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
 //! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with
-//! - `run`: ask, evaluate, write down, tell
+//! - `run`: ask, evaluate, write down, tell; `cost`: how long that will take
 
 mod baselines;
+mod cost;
 mod entry;
 mod family;
 mod file;
@@ -32,6 +33,7 @@ mod state;
 mod tolerance;
 
 pub use baselines::{BaselineScores, Spread};
+pub use cost::{StageCost, costs};
 pub use entry::{Entry, Scored};
 pub use file::Study;
 pub use journal::{Journal, Loaded};

@@ -5,10 +5,12 @@
 //! - `layouts`: what a wrong layout file hears
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
 //! - `simulate`: rigs; `impact`: granular beds
+//! - `cost`: what --dry-run says
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption
 
 mod check;
+mod cost;
 mod folders;
 mod impact;
 mod jobs;

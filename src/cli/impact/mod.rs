@@ -2,8 +2,10 @@
 //!
 //! - `beds`: beds at rest, kept and used again
 //! - `ensemble`: many impacts, and what they come to on average
+//! - `cost`: how long they would take
 
 mod beds;
+mod cost;
 mod ensemble;
 
 use std::path::{Path, PathBuf};
@@ -85,6 +87,9 @@ impl Impact {
         }
         if let (Some(seed), Origin::Pile(pile)) = (common.seed, &mut file.origin) {
             pile.seed = seed;
+        }
+        if common.dry_run {
+            return cost::of(common, &file, self.ensemble(&file).as_ref(), self.fresh);
         }
         if let Some(ensemble) = self.ensemble(&file) {
             return ensemble::run(common, &self.bed, &file, &ensemble, self.fresh);

@@ -53,6 +53,11 @@ struct Named {
 }
 
 impl Study {
+    /// Whether it can take long.
+    pub fn simulates(&self) -> bool {
+        matches!(self.job, Job::Run(_))
+    }
+
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         match self.job {
             Job::Run(run) => run.run(common),

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use granulens::outcome::FORMAT;
-use granulens::study::{Ended, State, Study as Studied, run};
+use granulens::study::{Ended, State, Study as Studied, costs, run};
+use granulens::units::Dimension::Time;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -13,6 +14,7 @@ use super::words::words;
 use super::{best_layout, folder};
 use crate::cli::Common;
 use crate::cli::console::{emit, emit_json, interrupt, note, pretty};
+use crate::cli::cost::{Part, tell};
 use crate::cli::failure::Failure;
 use crate::cli::folder::write_file;
 
@@ -53,6 +55,16 @@ impl Run {
 
 fn go(path: &Path, events: bool, common: &Common) -> Result<(), Failure> {
     let study = Studied::read(path, common.seed)?;
+    if common.dry_run {
+        let parts: Vec<Part> = costs(&study, interrupt())?
+            .iter()
+            .map(|stage| {
+                let what = format!("evaluations of {}, step {}", stage.method, Time.show(stage.step));
+                Part::new(what, stage.evaluations, Some(stage.core_seconds))
+            })
+            .collect();
+        return tell(common, &parts);
+    }
     let folder = folder(common, path);
     let begun = Instant::now();
     let mut meter = Meter::new(common, study.budget(), events);

@@ -1,0 +1,53 @@
+//! What a study will cost, from one batch at each of its steps.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use super::{Study, StudyError};
+use crate::evaluate::Evaluator;
+use crate::real::Width;
+
+/// What a stage will cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageCost {
+    /// Name of its method.
+    pub method: &'static str,
+    /// Evaluations at most.
+    pub evaluations: u64,
+    /// Step (s).
+    pub step: f64,
+    /// Time of one core for all of them (s).
+    pub core_seconds: f64,
+}
+
+/// Simulates one batch of the layout that the study starts from, at each of its steps and under all its impacts.
+///
+/// # Errors
+/// As [`run`](super::run), but for the journal, which is not looked at.
+pub fn costs(study: &Study, interrupt: &AtomicBool) -> Result<Vec<StageCost>, StudyError> {
+    let lanes = Width::widest().lanes();
+    let batch = vec![study.bases[0].clone(); lanes];
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let rungs = (0..study.rungs.len())
+        .map(|rung| {
+            let overrides = study.overrides(rung);
+            let evaluator = Evaluator::new(&study.design, &study.cases(), study.palette.clone(), overrides, interrupt)?
+                .recording(study.detail());
+            let begun = Instant::now();
+            match &one {
+                Ok(pool) => pool.install(|| evaluator.marks(&batch, interrupt))?,
+                Err(_) => evaluator.marks(&batch, interrupt)?,
+            };
+            Ok((evaluator.plan().step, begun.elapsed().as_secs_f64() / lanes as f64))
+        })
+        .collect::<Result<Vec<_>, StudyError>>()?;
+    Ok(study
+        .stages
+        .iter()
+        .map(|stage| {
+            let (step, seconds) = rungs[stage.rung];
+            let evaluations = stage.evaluations;
+            StageCost { method: stage.work.name(), evaluations, step, core_seconds: seconds * evaluations as f64 }
+        })
+        .collect())
+}
