@@ -52,7 +52,7 @@ fn depth(name: &str, speed: f64, course: &Course) -> String {
     };
     let chart = Chart {
         title: format!("{name}: depth of the intruder, struck at {speed} d/τ_c"),
-        labels: ["time [τ_c]".to_owned(), "depth below the surface [d]".to_owned()],
+        labels: ["time (τ_c)".to_owned(), "depth below the surface (d)".to_owned()],
         lines: vec![rest, line("depth D", 0, course.moments.iter().map(|m| [m.time, m.depth]))],
     };
     chart.svg()
@@ -62,7 +62,7 @@ fn force(name: &str, speed: f64, course: &Course) -> String {
     let of = |k: usize| course.moments.iter().map(move |m| [m.time, m.force[k]]);
     let chart = Chart {
         title: format!("{name}: force of the grains on the intruder, struck at {speed} d/τ_c"),
-        labels: ["time [τ_c]".to_owned(), "force [m d/τ_c²]".to_owned()],
+        labels: ["time (τ_c)".to_owned(), "force (m d/τ_c²)".to_owned()],
         lines: vec![line("sideways", 6, of(0)), line("upwards", 0, of(1))],
     };
     chart.svg()
@@ -84,7 +84,7 @@ fn energy(name: &str, course: &Course) -> String {
     });
     let chart = Chart {
         title: format!("{name}: where the energy of grains and intruder is and went"),
-        labels: ["time [τ_c]".to_owned(), "energy [m d²/τ_c²]".to_owned()],
+        labels: ["time (τ_c)".to_owned(), "energy (m d²/τ_c²)".to_owned()],
         lines: lines.collect(),
     };
     chart.svg()
@@ -93,7 +93,7 @@ fn energy(name: &str, course: &Course) -> String {
 fn correlation(name: &str, measures: &Measures) -> String {
     let chart = Chart {
         title: format!("{name}: pair correlation of the bed before the impact"),
-        labels: ["distance of centres [d]".to_owned(), "g(r)".to_owned()],
+        labels: ["distance of centres (d)".to_owned(), "g(r)".to_owned()],
         lines: vec![line("g(r)", 0, measures.pair_correlation.iter().copied())],
     };
     chart.svg()
@@ -148,7 +148,7 @@ fn snapshot(name: &str, bed: &Bed, course: &Course) -> String {
         &mut svg,
         [left + width + 24.0, upper + 14.0],
         height.min(300.0) - 14.0,
-        "force [m d/τ_c²]",
+        "force (m d/τ_c²)",
         1.0,
         [true, false],
     );

@@ -15,10 +15,13 @@ pub fn draw_ensemble(name: &str, cells: &[Cell]) -> String {
             kinds.push(cell.friction);
         }
     }
+    // Kinds stand a little beside one another, so that no interval hides another.
+    let middle = 0.5 * (kinds.len() as f64 - 1.0);
     let mut lines = Vec::new();
     for (k, kind) in kinds.into_iter().enumerate() {
         let mut here: Vec<&Cell> = cells.iter().filter(|cell| cell.friction == kind).collect();
         here.sort_by(|a, b| a.speed.total_cmp(&b.speed));
+        let place = |speed: f64| speed + 1.2 * (k as f64 - middle) * CAP * widest;
         let line = |name: &str, points: Vec<[f64; 2]>| Line {
             name: name.to_owned(),
             colour: COLOURS[k % COLOURS.len()].to_owned(),
@@ -26,18 +29,18 @@ pub fn draw_ensemble(name: &str, cells: &[Cell]) -> String {
             points,
         };
         for cell in &here {
-            let (x, depth) = (cell.speed, cell.final_depth_d);
+            let (x, depth) = (place(cell.speed), cell.final_depth_d);
             let half = depth.interval.unwrap_or(0.0);
             let (low, high, cap) = (depth.mean - half, depth.mean + half, CAP * widest);
             lines.push(line("", vec![[x, low], [x, high]]));
             lines.push(line("", vec![[x - cap, low], [x + cap, low]]));
             lines.push(line("", vec![[x - cap, high], [x + cap, high]]));
         }
-        lines.push(line(kind.name(), here.iter().map(|cell| [cell.speed, cell.final_depth_d.mean]).collect()));
+        lines.push(line(kind.name(), here.iter().map(|cell| [place(cell.speed), cell.final_depth_d.mean]).collect()));
     }
     let chart = Chart {
         title: format!("{name}: depth at the end, means of several beds with 95 % intervals"),
-        labels: ["speed of the intruder [d/τ_c]".to_owned(), "depth below the surface [d]".to_owned()],
+        labels: ["speed of the intruder (d/τ_c)".to_owned(), "depth below the surface (d)".to_owned()],
         lines,
     };
     chart.svg()
