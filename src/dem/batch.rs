@@ -54,7 +54,7 @@ pub fn simulate_batch<const D: usize>(
     width: Width,
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
-    Ok(simulate_batch_timed(samples, impact, width, interrupt)?.0)
+    Ok(dispatch(samples, &Terms { impact, width, interrupt, timed: false })?.0)
 }
 
 /// As [`simulate_batch`], and what its parts took. Runge-Kutta's sweeps count as motion.
@@ -67,38 +67,47 @@ pub fn simulate_batch_timed<const D: usize>(
     width: Width,
     interrupt: &AtomicBool,
 ) -> Result<(Vec<Brief>, Phases), BatchError> {
-    fn in_line(s: &[Sample<1>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<(Vec<Brief>, Phases), BatchError> {
-        side_by_side(s, i, w, stop)
+    dispatch(samples, &Terms { impact, width, interrupt, timed: true })
+}
+
+/// What all designs of a batch share.
+struct Terms<'a> {
+    impact: &'a Impact,
+    width: Width,
+    interrupt: &'a AtomicBool,
+    timed: bool,
+}
+
+/// Compiled here for each dimension; see `dem::same`.
+fn dispatch<const D: usize>(samples: &[Sample<D>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
+    fn in_line(samples: &[Sample<1>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
+        side_by_side(samples, terms)
     }
-    fn in_plane(s: &[Sample<2>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<(Vec<Brief>, Phases), BatchError> {
-        side_by_side(s, i, w, stop)
+    fn in_plane(samples: &[Sample<2>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
+        side_by_side(samples, terms)
     }
-    fn in_space(s: &[Sample<3>], i: &Impact, w: Width, stop: &AtomicBool) -> Result<(Vec<Brief>, Phases), BatchError> {
-        side_by_side(s, i, w, stop)
+    fn in_space(samples: &[Sample<3>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
+        side_by_side(samples, terms)
     }
     // Only what has a size can be told apart by its type: a vector of samples, copied in a millionth of the run's time.
     let samples = samples.to_vec();
     let dimension: &dyn Any = &samples;
     if let Some(samples) = dimension.downcast_ref::<Vec<Sample<1>>>() {
-        in_line(samples, impact, width, interrupt)
+        in_line(samples, terms)
     } else if let Some(samples) = dimension.downcast_ref::<Vec<Sample<2>>>() {
-        in_plane(samples, impact, width, interrupt)
+        in_plane(samples, terms)
     } else if let Some(samples) = dimension.downcast_ref::<Vec<Sample<3>>>() {
-        in_space(samples, impact, width, interrupt)
+        in_space(samples, terms)
     } else {
         const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
         unreachable!("one of the three")
     }
 }
 
-fn side_by_side<const D: usize>(
-    samples: &[Sample<D>],
-    impact: &Impact,
-    width: Width,
-    interrupt: &AtomicBool,
-) -> Result<(Vec<Brief>, Phases), BatchError> {
+fn side_by_side<const D: usize>(samples: &[Sample<D>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
+    let &Terms { impact, width, interrupt, timed } = terms;
     let Some(first) = samples.first() else { return Ok((Vec::new(), Phases::default())) };
-    let mut clock = Clock::new(true);
+    let mut clock = Clock::new(timed);
     let alike = |sample: &Sample<D>| {
         sample.spheres.len() == first.spheres.len()
             && sample.spheres.iter().zip(&first.spheres).all(|(a, b)| a.centre == b.centre && a.radius == b.radius)
@@ -112,7 +121,8 @@ fn side_by_side<const D: usize>(
     let mut briefs = Vec::with_capacity(samples.len());
     for group in samples.chunks(width.lanes()) {
         let group: Vec<&Sample<D>> = group.iter().collect();
-        let (of_group, spent) = follow(&Group { samples: &group, touching: &touching, impact, interrupt }, width)?;
+        let (of_group, spent) =
+            follow(&Group { samples: &group, touching: &touching, impact, interrupt, timed }, width)?;
         briefs.extend(of_group);
         phases += spent;
     }
@@ -126,6 +136,7 @@ struct Group<'a, const D: usize> {
     touching: &'a Touching<D>,
     impact: &'a Impact,
     interrupt: &'a AtomicBool,
+    timed: bool,
 }
 
 /// Chooses the law once for the group.
@@ -156,8 +167,8 @@ impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, 
 
     #[inline(always)]
     fn run<V: Real>(self) -> Self::Output {
-        let Group { samples, touching, impact, interrupt } = *self.group;
-        let clock = Clock::new(true);
+        let Group { samples, touching, impact, interrupt, timed } = *self.group;
+        let clock = Clock::new(timed);
         let laws = LaneTable::<L, V>::new(samples, touching, impact.constants, self.law).ok_or(BatchError::Kinds)?;
         let spheres = samples[0].spheres.len();
         let mut grains = Grains::<V, D>::at_rest(samples, &impact.mirrors);
