@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{BedImpact, Course, Grains, Measures};
+use super::{BedImpact, Course, Grains, Measures, stop_words};
 
 /// Which impacts are made: every speed with every kind of friction on every sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,7 +130,7 @@ impl Outcome {
             overshoot_d: course.overshoot(),
             peak_force: course.peak_force[0],
             peak_force_time_tau_c: course.peak_force[1],
-            stop: course.stop.as_ref().map(|stop| stop.words("tau_c", &|body| body.to_string())),
+            stop: course.stop.as_ref().map(stop_words),
         }
     }
 }

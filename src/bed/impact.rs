@@ -93,6 +93,11 @@ impl Course {
     }
 }
 
+/// Why a guard stopped a run on a bed, its times in the units of beds.
+pub fn stop_words(stop: &RigStop) -> String {
+    stop.words("tau_c", &|body| body.to_string())
+}
+
 /// Follows an impact. `progress` hears each moment.
 ///
 /// # Errors

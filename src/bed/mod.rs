@@ -24,7 +24,7 @@ mod store;
 pub use ensemble::{Case, Cell, Ensemble, Outcome, Rubbing, Spread, summarise};
 pub use file::{BedFile, Origin};
 pub use grains::{Damping, Grains, Surface};
-pub use impact::{BedImpact, Course, Moment, Snapshot, strike};
+pub use impact::{BedImpact, Course, Moment, Snapshot, stop_words, strike};
 pub use intruder::{Body, Intruder, Outline};
 pub use measure::{Measures, measure};
 pub use packing::{Packing, Pile, Sides};

@@ -3,12 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use granulens::bed::{Bed, Damping, Grains, Pile, SettleError, Settled, read, settle, write};
+use granulens::bed::{Bed, Damping, Grains, Pile, SettleError, Settled, read, settle, stop_words, write};
 use granulens::dem::rig::RigStop;
 
 use super::super::console::interrupt;
 use super::super::failure::Failure;
-use super::unit;
 
 /// A bed from its file.
 pub fn load(path: &Path) -> Result<Bed, Failure> {
@@ -41,7 +40,7 @@ pub fn pour(file: &Path, pile: &Pile, grains: &Grains, progress: impl FnMut(f64,
         SettleError::Stop(RigStop::Interrupted { .. }) => {
             Failure::Interrupted("the bed had not settled yet; it was not kept".to_owned())
         }
-        SettleError::Stop(stop) => Failure::Guard(vec![unit(&stop)]),
+        SettleError::Stop(stop) => Failure::Guard(vec![stop_words(&stop)]),
         error => Failure::input(format!("{}: {error}", file.display())),
     })?;
     let notes = format!(

@@ -11,7 +11,9 @@ mod ensemble;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use granulens::bed::{Bed, BedFile, Course, Ensemble, Measures, Origin, Rubbing, measure, sound_speed, strike};
+use granulens::bed::{
+    Bed, BedFile, Course, Ensemble, Measures, Origin, Rubbing, measure, sound_speed, stop_words, strike,
+};
 use granulens::dem::rig::RigStop;
 use granulens::report::{BedPictures, draw_bed};
 use serde::Serialize;
@@ -121,9 +123,9 @@ impl Impact {
         note(common, &format!("report: {}", place.join("impact.html").display()));
         match course.stop {
             Some(stop @ RigStop::Interrupted { .. }) => {
-                Err(Failure::Interrupted(format!("{}; what was followed is in {}", unit(&stop), place.display())))
+                Err(Failure::Interrupted(format!("{}; what was followed is in {}", stop_words(&stop), place.display())))
             }
-            Some(stop) => Err(Failure::Guard(vec![unit(&stop)])),
+            Some(stop) => Err(Failure::Guard(vec![stop_words(&stop)])),
             None => Ok(()),
         }
     }
@@ -202,10 +204,6 @@ impl Impact {
 }
 
 /// A guard's words; times are in collision times here.
-fn unit(stop: &RigStop) -> String {
-    stop.words("tau_c", &|body| body.to_string())
-}
-
 fn numbers<'a>(
     file: &'a BedFile,
     bed: &Bed,
@@ -243,7 +241,7 @@ fn numbers<'a>(
         residual: last.energy.residual(),
         seconds: seconds.unwrap_or(0.0),
         settled_in_seconds,
-        stop: course.stop.as_ref().map(unit),
+        stop: course.stop.as_ref().map(stop_words),
     }
 }
 
