@@ -97,11 +97,12 @@ pub fn rig<const D: usize>(simulation: &mut Simulation<D>, steps: u64) -> f64 {
     let begun = Instant::now();
     let mut done = 0;
     while done < steps && begun.elapsed().as_secs_f64() < TASTE {
+        let chunk = CHUNK.min(steps - done);
         // A guard that stops it here will stop the run too.
-        if simulation.advance(CHUNK.min(steps - done), interrupt()).is_err() {
+        if simulation.advance(chunk, interrupt()).is_err() {
             break;
         }
-        done += CHUNK.min(steps - done);
+        done += chunk;
     }
     begun.elapsed().as_secs_f64() * steps as f64 / done.max(1) as f64
 }

@@ -44,16 +44,15 @@ pub struct Flaw {
 }
 
 impl Flaw {
-    /// The material of a site where the drawing says `drawn`.
-    fn laid(&self, site: usize, drawn: u8) -> u8 {
-        let Some(&(_, shift)) = self.wrong.iter().find(|(wrong, _)| *wrong == site) else { return drawn };
-        let place = self.letters.iter().position(|&letter| letter == drawn);
-        place.map_or(drawn, |place| self.letters[(place + usize::from(shift)) % self.letters.len()])
-    }
-
     /// What is built where `drawn` is wanted: a material for every site.
     pub fn built(&self, drawn: &[u8]) -> Vec<u8> {
-        drawn.iter().enumerate().map(|(site, &drawn)| self.laid(site, drawn)).collect()
+        let mut built = drawn.to_vec();
+        for &(site, shift) in &self.wrong {
+            if let Some(place) = self.letters.iter().position(|&letter| letter == drawn[site]) {
+                built[site] = self.letters[(place + usize::from(shift)) % self.letters.len()];
+            }
+        }
+        built
     }
 }
 
@@ -113,10 +112,7 @@ impl Field {
         for (k, &(_, site)) in spheres.iter().enumerate() {
             images[site] = [images[site][0].min(k), k];
         }
-        let on = |row: u32| {
-            let of: Vec<usize> = (0..spheres.len()).filter(|&k| sites[spheres[k].1].row == row).collect();
-            of
-        };
+        let on = |row: u32| -> Vec<usize> { (0..spheres.len()).filter(|&k| sites[spheres[k].1].row == row).collect() };
         let slack = 1e-9 * lattice.diameter();
         let is_struck = |&k: &usize| {
             let x = spheres[k].0[0];
