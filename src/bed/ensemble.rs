@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{BedImpact, Course, Grains, Measures, stop_words};
+use crate::chance::Mean;
 
 /// Which impacts are made: every speed with every kind of friction on every sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,30 +150,9 @@ pub struct Spread {
 impl Spread {
     /// Of some numbers, at least one.
     pub fn of(numbers: &[f64]) -> Self {
-        let count = numbers.len() as f64;
-        let mean = numbers.iter().sum::<f64>() / count;
-        if numbers.len() < 2 {
-            return Self { mean, deviation: None, interval: None };
-        }
-        let variance = numbers.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0);
-        let interval = student(numbers.len() - 1) * (variance / count).sqrt();
-        Self { mean, deviation: Some(variance.sqrt()), interval: Some(interval) }
+        let Mean { mean, deviation, interval } = Mean::of(numbers);
+        Self { mean, deviation, interval }
     }
-}
-
-/// Quantile 0.975 of Student's distribution: tabulated to 10 degrees of freedom ν, then by its expansion in 1/ν (Abramowitz and
-/// Stegun 26.7.5), to 10⁻⁴.
-fn student(freedom: usize) -> f64 {
-    const FEW: [f64; 10] =
-        [12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582, 2.446_912, 2.364_624, 2.306_004, 2.262_157, 2.228_139];
-    if let Some(quantile) = freedom.checked_sub(1).and_then(|k| FEW.get(k)) {
-        return *quantile;
-    }
-    let (x, v) = (1.959_963_985_f64, freedom as f64);
-    let (x3, x5, x7) = (x.powi(3), x.powi(5), x.powi(7));
-    x + (x3 + x) / (4.0 * v)
-        + (5.0 * x5 + 16.0 * x3 + 3.0 * x) / (96.0 * v * v)
-        + (3.0 * x7 + 19.0 * x5 + 17.0 * x3 - 15.0 * x) / (384.0 * v * v * v)
 }
 
 /// All samples of one kind of friction at one speed.
@@ -228,24 +208,6 @@ pub fn summarise(ensemble: &Ensemble, outcomes: &[Outcome]) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Quantiles as tables print them.
-    #[test]
-    fn quantiles_are_student_s() {
-        for (freedom, quantile) in [(1, 12.706), (4, 2.776), (11, 2.201), (20, 2.086), (49, 2.0096), (1000, 1.9623)] {
-            assert!((student(freedom) - quantile).abs() < 6e-4, "{freedom}: {}", student(freedom));
-        }
-    }
-
-    /// 1, 2, 3, 4: mean 2.5, variance 5/3, standard error √(5/12).
-    #[test]
-    fn means_and_intervals_are_those_of_the_textbook() {
-        let spread = Spread::of(&[1.0, 2.0, 3.0, 4.0]);
-        assert!((spread.mean - 2.5).abs() < 1e-15);
-        assert!((spread.deviation.unwrap() - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15);
-        assert!((spread.interval.unwrap() - 3.182_446 * (5.0_f64 / 12.0).sqrt()).abs() < 1e-15);
-        assert_eq!(Spread::of(&[7.0]), Spread { mean: 7.0, deviation: None, interval: None });
-    }
 
     #[test]
     fn kinds_of_friction_are_what_they_are_called() {

@@ -18,6 +18,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 pub use crate::document::DocumentError as DesignError;
+pub(crate) use prices::add as add_price;
 pub use threshold::{Measure, Threshold};
 
 use crate::contact::{Constants, LawKind};

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::digits::{NONE, decimals, significant};
 use super::profiles::random_kinds;
+use crate::chance::Mean;
 use crate::outcome::{ArrangementOutcome, Outcome, Scores};
 
 /// How many digits a quantity is shown with.
@@ -99,13 +100,11 @@ impl Spread {
     /// Of the finite values; none if there are none.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
-        let count = values.len() as f64;
         if values.is_empty() {
             return None;
         }
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-        Some(Self { mean, deviation: (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt()) })
+        let Mean { mean, deviation, .. } = Mean::of(&values);
+        Some(Self { mean, deviation })
     }
 }
 

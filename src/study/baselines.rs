@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::rung::Summary;
 use super::{Entry, Study, StudyError};
+use crate::chance::Mean;
 use crate::evaluate::Evaluator;
 use crate::layout::{Baseline, Layout};
 use crate::search::Dice;
@@ -39,22 +40,12 @@ pub struct Spread {
     pub range: [f64; 2],
 }
 
-/// Quantiles of 0.975 of Student's distribution for 1, 2, ... degrees of freedom.
-const STUDENT: [f64; 15] =
-    [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131];
-
 impl Spread {
     /// Of some values; none of no value.
     pub fn of(values: &[f64]) -> Option<Self> {
-        let count = values.len() as f64;
         let range = [values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?];
-        let mean = values.iter().sum::<f64>() / count;
-        let half_width = (values.len() > 1).then(|| {
-            let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-            // Beyond the table the normal distribution's, a little too narrow up to some 100.
-            STUDENT.get(values.len() - 2).unwrap_or(&1.96) * (variance / count).sqrt()
-        });
-        Some(Self { mean, half_width, range })
+        let Mean { mean, interval, .. } = Mean::of(values);
+        Some(Self { mean, half_width: interval, range })
     }
 }
 
@@ -132,12 +123,12 @@ pub(super) fn evaluate(
 mod tests {
     use super::Spread;
 
-    /// By hand: 1, 2, 3, 4 has mean 2.5 and variance 5/3; t = 3.182 for three degrees of freedom.
+    /// By hand: 1, 2, 3, 4 has mean 2.5 and variance 5/3; t = 3.18245 for three degrees of freedom.
     #[test]
     fn intervals_are_students() {
         let spread = Spread::of(&[1.0, 4.0, 2.0, 3.0]).unwrap();
         assert_eq!((spread.mean, spread.range), (2.5, [1.0, 4.0]));
-        assert!((spread.half_width.unwrap() - 3.182 * (5.0_f64 / 12.0).sqrt()).abs() < 1e-12);
+        assert!((spread.half_width.unwrap() - 3.182_446 * (5.0_f64 / 12.0).sqrt()).abs() < 1e-12);
         assert_eq!(Spread::of(&[1.0]).unwrap().half_width, None);
         assert_eq!(Spread::of(&[]), None);
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::family::RayNotes;
 use super::measure::{Loom, Measure, Over};
 use super::prices;
 use super::set::{self, ImpactFile, Tolerance, ToleranceFile};
@@ -263,7 +264,7 @@ impl Study {
         }
         let asks = |stage: &Stage| matches!(stage.work, Work::Search(Method::Painter(_)));
         if let Some(k) = self.stages.iter().position(asks)
-            && self.painter().is_none()
+            && self.painter(&RayNotes::default()).is_none()
         {
             let message = "methods of the lens-family need a design with a [lens], and its material and the host among materials.";
             return Err(source.fail_in("stage", k, "method", message.to_owned()));

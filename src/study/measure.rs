@@ -130,7 +130,7 @@ pub struct Fabric {
     /// Mass of the simulated half, spheres on its mirror lines counting as halves (kg)
     #[serde(rename = "mass_kg")]
     pub mass: f64,
-    /// Price of the same spheres; 0 where a study has no prices.
+    /// Price of the same spheres; 0 where neither study nor design has prices.
     #[serde(default)]
     pub cost: f64,
     /// Spheres that are not of the host.

@@ -1,13 +1,16 @@
 //! What spheres cost.
 
+use std::collections::BTreeMap;
+
 use toml::Table;
 
 use super::source::Source;
 use super::{Measure, Objective, StudyError};
-use crate::design::Design;
+use crate::design::{Design, add_price};
 use crate::material::Material;
 
-/// The price of a sphere of each material of the palette, in whatever currency; 0 for all where no cost is asked for.
+/// The price of a sphere of each material of the palette, in whatever currency: the study's, and where it has none the
+/// design's. 0 for all where no cost is asked for.
 pub(super) fn read(
     source: &Source<'_>,
     table: Option<&Table>,
@@ -16,27 +19,33 @@ pub(super) fn read(
     objective: &Objective,
 ) -> Result<Vec<f64>, StudyError> {
     let asked = objective.wishes.iter().any(|wish| wish.measure == Measure::Cost);
-    let mut prices = vec![None; palette.len()];
+    let mut own = BTreeMap::new();
     for (name, price) in table.into_iter().flatten() {
-        let fail = |message: String| source.fail("prices", format!("prices.{name}: {message}"));
-        let material = design.material(name).map_err(|error| fail(format!("{error}.")))?;
-        let price = match price {
+        let fail = |message: String| source.fail("prices", format!("prices.{name} = {price} {message}"));
+        let number = match price {
             toml::Value::Integer(price) => *price as f64,
             toml::Value::Float(price) => *price,
-            other => return Err(fail(format!("{other} is no number; the price of one sphere is, in any currency."))),
+            _ => return Err(fail("must be a number: the price of one sphere, in any currency.".to_owned())),
         };
-        if !(price.is_finite() && price >= 0.0) {
-            return Err(fail(format!("a price of {price} must not be negative.")));
-        }
-        if let Some(place) = palette.iter().position(|known| *known == material) {
-            prices[place] = Some(price);
-        }
+        add_price(&mut own, (name, number), &design.own_materials)
+            .map_err(|wrong| fail(format!("{}. {}", wrong.rule, wrong.help)))?;
     }
-    if let Some(place) = prices.iter().position(Option::is_none).filter(|_| asked) {
-        let name = &palette[place].name;
-        let message =
-            format!("cost is asked for, but [prices] does not say that of {name}. Add {name} = 0.35, for one sphere.");
+    // Two prices of one material are no doubt two currencies, or one is out of date.
+    let differs = |(name, price): &(&String, &f64)| design.prices.get(*name).is_some_and(|known| known != *price);
+    if let Some((name, price)) = own.iter().find(differs) {
+        let message = format!(
+            "prices: {name} = {price} here, and {} in the design. Leave out one of the two, or make them alike.",
+            design.prices[name]
+        );
+        return Err(source.fail("prices", message));
+    }
+    let price = |material: &Material| own.get(&material.name).or_else(|| design.prices.get(&material.name)).copied();
+    if let Some(unpriced) = palette.iter().find(|material| price(material).is_none()).filter(|_| asked) {
+        let name = &unpriced.name;
+        let message = format!(
+            "cost is asked for, but [prices] of neither study nor design says that of {name}. Add {name} = 0.35, for one sphere."
+        );
         return Err(source.fail("cost", message));
     }
-    Ok(prices.into_iter().map(Option::unwrap_or_default).collect())
+    Ok(palette.iter().map(|material| price(material).unwrap_or_default()).collect())
 }

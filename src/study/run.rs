@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::entry::pack;
+use super::family::RayNotes;
 use super::rung::{Judged, Rung, Summary, order};
 use super::stage::{Stage, Work};
 use super::state::{self, Ended, Found, RungState, StageState, State};
@@ -89,8 +90,22 @@ pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut im
         tolerance: None,
     };
     let first = study.first();
-    let run =
-        Run { study, evaluators, keys, steps, journal, cache, rungs, first, interrupt, deadline, state, top: None };
+    let rays = RayNotes::default();
+    let run = Run {
+        study,
+        evaluators,
+        keys,
+        steps,
+        journal,
+        cache,
+        rungs,
+        first,
+        interrupt,
+        deadline,
+        state,
+        rays,
+        top: None,
+    };
     run.go(watch)
 }
 
@@ -109,6 +124,8 @@ struct Run<'a> {
     interrupt: &'a AtomicBool,
     deadline: Option<Instant>,
     state: State,
+    /// What rays say of lenses that were asked for.
+    rays: RayNotes,
     /// Rung, choice and loss of the best or nearest.
     top: Option<(usize, Choice, Loss)>,
 }
@@ -153,7 +170,7 @@ impl Run<'_> {
             } else {
                 self.state.baselines = baselines;
                 self.state.tolerance = self.tolerance(finest)?;
-                self.state.glances = self.rungs[finest].glances(self.study);
+                self.state.glances = self.rungs[finest].glances(self.study, &self.rays);
             }
         }
         Ok(self.state)
@@ -202,7 +219,7 @@ impl Run<'_> {
             Work::Search(method) => {
                 let space = self.study.space();
                 let painter = match method {
-                    Method::Painter(_) => self.study.painter(),
+                    Method::Painter(_) => self.study.painter(&self.rays),
                     Method::LevelSet => starts.first().map(|start| Painter::level_sets(&space, stage.order, start)),
                     _ => None,
                 };

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::family::RayNotes;
 use super::measure::{Fabric, Measure, Side, value};
 use super::{Entry, GlanceState, Study};
 use crate::evaluate::Glance;
@@ -65,22 +66,30 @@ impl Rung {
         ranked
     }
 
-    /// What guesses without a simulation would have said of some of the layouts, evenly over their order.
-    pub fn glances(&self, study: &Study) -> Vec<GlanceState> {
+    /// What guesses without a simulation would have said of some of the layouts, evenly over their order; and what rays said of
+    /// those of them that were laid from lenses, if there are any.
+    pub(super) fn glances(&self, study: &Study, rays: &RayNotes) -> Vec<GlanceState> {
         let finished: Vec<&Judged> = self.all.iter().filter(|judged| judged.loss.is_finite()).collect();
         let count = finished.len().min(GLANCED);
         let some: Vec<&Judged> = (0..count).map(|k| finished[k * finished.len() / count]).collect();
+        let told = |name: &str, costs: &[f64], losses: &[f64]| GlanceState {
+            name: name.to_owned(),
+            rank_correlation: rank_correlation(costs, losses),
+            shared: losses.len() as u64,
+        };
         let losses: Vec<f64> = some.iter().map(|judged| judged.loss.total).collect();
-        let worth = |glance: Glance| {
+        let late = |glance: Glance| {
             let early: Vec<f64> =
                 some.par_iter().map(|judged| -glance.delay(&study.design, &study.layout(&judged.choice))).collect();
-            GlanceState {
-                name: glance.name().to_owned(),
-                rank_correlation: rank_correlation(&early, &losses),
-                shared: count as u64,
-            }
+            told(glance.name(), &early, &losses)
         };
-        Glance::ALL.map(worth).to_vec()
+        let mut glances = Glance::ALL.map(late).to_vec();
+        let traced = some.iter().filter_map(|judged| Some((-rays.of(&judged.choice)?, judged.loss.total)));
+        let (scattered, losses): (Vec<f64>, Vec<f64>) = traced.unzip();
+        if !losses.is_empty() {
+            glances.push(told("rays", &scattered, &losses));
+        }
+        glances
     }
 
     /// The rank correlation of the losses here and there, over the layouts known at both, and how many these are.

@@ -91,9 +91,10 @@ pub struct RungState {
 /// What a guess without a simulation is worth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GlanceState {
-    /// Which: see [`Glance`](crate::evaluate::Glance).
+    /// Which: see [`Glance`](crate::evaluate::Glance); or `rays`, of layouts that were laid from lenses: how many of these run
+    /// through the focus and not through the protected region.
     pub name: String,
-    /// Spearman's rank correlation of its order, late on the axis first, with that of the objective at the finest step.
+    /// Spearman's rank correlation of its order, the most promising first, with that of the objective at the finest step.
     pub rank_correlation: Option<f64>,
     /// Over how many layouts.
     pub shared: u64,

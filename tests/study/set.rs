@@ -204,6 +204,29 @@ fn protection_is_compared_with_the_best_baseline() {
     assert!((host / brass / of_means - 1.0).abs() < 1e-14);
 }
 
+/// A study without prices has those of its design, and may add what these leave out; the two may not contradict each other.
+#[test]
+fn prices_may_stand_in_the_design() {
+    let objective = STUDY.lines().find(|line| line.starts_with("objective")).unwrap();
+    let cost = |prices: &str, of_design: &str| {
+        let asked = format!("objective = {{ cost = {{ minimise = 1 }} }}\n{prices}");
+        let desk = Desk::new(&STUDY.replace(objective, &asked));
+        let design = std::fs::read_to_string(desk.path("tiny.toml")).unwrap();
+        std::fs::write(desk.path("tiny.toml"), design + of_design).unwrap();
+        let study = Study::read(&desk.path("study.toml"), None).map_err(|error| error.to_string())?;
+        Ok::<f64, String>(study.loom.fabric(&layout(&study)).cost)
+    };
+    let both = "\n[prices]\nstainless-440c = 1\nbrass = 3\n";
+    let of_design = cost("", both).unwrap();
+    assert_eq!(of_design, cost("prices = { stainless-440c = 1, brass-260 = 3 }", "").unwrap());
+    assert_eq!(of_design, cost("prices = { brass = 3 }", "\n[prices]\nstainless-440c = 1\n").unwrap());
+    assert_eq!(of_design, cost("prices = { brass-260 = 3.0 }", both).unwrap());
+    let refusal = cost("prices = { brass = 4 }", both).unwrap_err();
+    assert!(refusal.contains("study.toml:6: prices: brass-260 = 4 here, and 3 in the design."), "{refusal}");
+    let refusal = cost("", "\n[prices]\nbrass = 3\n").unwrap_err();
+    assert!(refusal.contains("study nor design says that of stainless-440c"), "{refusal}");
+}
+
 #[test]
 fn wrong_sets_hear_their_line() {
     for (old, new, says) in [
@@ -225,18 +248,29 @@ fn wrong_sets_hear_their_line() {
     }
     let objective = STUDY.lines().find(|line| line.starts_with("objective")).unwrap();
     for (written, says) in [
-        ("objective = { cost = { minimise = 1 } }", "study.toml:5: cost is asked for, but [prices] does not say"),
+        (
+            "objective = { cost = { minimise = 1 } }\nprices = { brass = \"3\" }",
+            "study.toml:6: prices.brass = \"3\" must be a number",
+        ),
+        (
+            "objective = { cost = { minimise = 1 } }\nprices = { brass = 1, brass-260 = 2 }",
+            "study.toml:6: prices.brass-260 = 2 is the second price of this material",
+        ),
+        (
+            "objective = { cost = { minimise = 1 } }",
+            "study.toml:5: cost is asked for, but [prices] of neither study nor design says that of stainless-440c",
+        ),
         (
             "objective = { cost = { minimise = 1 } }\nprices = { stainless-440c = 1 }",
-            "study.toml:5: cost is asked for, but [prices] does not say that of brass-260",
+            "study.toml:5: cost is asked for, but [prices] of neither study nor design says that of brass-260",
         ),
         (
             "objective = { cost = { minimise = 1 } }\nprices = { stainles = 1 }",
-            "study.toml:6: prices.stainles: unknown material",
+            "study.toml:6: prices.stainles = 1 is the price of no known material. Known are",
         ),
         (
             "objective = { cost = { minimise = 1 } }\nprices = { brass = -1 }",
-            "study.toml:6: prices.brass: a price of -1 must not be negative",
+            "study.toml:6: prices.brass = -1 must not be negative. Write the price of one sphere",
         ),
     ] {
         let desk = Desk::new(&STUDY.replace(objective, written));
