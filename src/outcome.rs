@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 mod traced;
 
-pub use traced::{Front, Traced, TracedDecay, TracedRay, TracedSpot};
+pub use traced::{Front, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
 
 use crate::dem::Stop;
 use crate::lattice::Site;
@@ -153,6 +153,12 @@ pub struct Proposal {
     pub arrival: Option<[f64; 2]>,
     /// How many times more rays pass the focal region, less what faces reflect; none for a region of no width.
     pub predicted_gain: Option<f64>,
+    /// The parts of a lens for several focal regions, in order across the crystal; empty with a single one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<PartProposal>,
+    /// What rays bring to each of several focal regions, in the order of the target; empty with a single one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foci: Vec<FocusProposal>,
     /// What to know before trusting the rays.
     pub warnings: Vec<String>,
     /// The faces as polylines (x, z) (m), x >= 0.
@@ -161,6 +167,54 @@ pub struct Proposal {
     /// A few rays as polylines (x, z) (m), to be drawn; they run to the end of the crystal.
     #[serde(rename = "rays_m")]
     pub rays: Vec<Vec<[f64; 2]>>,
+}
+
+/// A part of a lens that is split among several focal regions: data of first order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartProposal {
+    /// The focal regions that it is for, counted from 1: several only where they are the same.
+    pub foci: Vec<usize>,
+    /// The strip of the struck width that it takes (m).
+    #[serde(rename = "window_m")]
+    pub window: [f64; 2],
+    /// First row.
+    pub apex_row: u32,
+    /// Last row.
+    pub back_row: u32,
+    /// Radius of its curved face (m), or what the family has in its place.
+    #[serde(rename = "radius_m")]
+    pub radius: Option<f64>,
+    /// Where its own axis lies (m).
+    #[serde(rename = "axis_m")]
+    pub axis: f64,
+    /// Greatest angle of a face against the rows (rad).
+    #[serde(rename = "rim_angle_rad")]
+    pub rim_angle: f64,
+    /// How much of its strip it covers (m).
+    #[serde(rename = "aperture_m")]
+    pub aperture: f64,
+    /// Greatest extent along the wave (m).
+    #[serde(rename = "thickness_m")]
+    pub thickness: f64,
+    /// Focal length (m) of rays close to its axis, where that lies in its strip.
+    #[serde(rename = "focal_length_m")]
+    pub focal_length: Option<f64>,
+    /// Fraction of its strip's rays that come to its focus, and the same without a lens.
+    pub fraction: [f64; 2],
+}
+
+/// What rays bring to one of several focal regions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FocusProposal {
+    /// Its share of the blow, as asked for.
+    pub share: f64,
+    /// Fraction of the struck width that passes it at its mid depth, and the same without a lens.
+    pub fraction: [f64; 2],
+    /// Earliest and latest time (s) at which rays come to its middle row within it.
+    #[serde(rename = "arrival_s")]
+    pub arrival: Option<[f64; 2]>,
+    /// How many times more rays pass it than without a lens, less what faces reflect.
+    pub predicted_gain: Option<f64>,
 }
 
 /// What one arrangement did.

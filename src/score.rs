@@ -4,14 +4,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::dem::Record;
 use crate::lattice::HexagonalSheet;
-use crate::target::{Region, Target};
+use crate::target::Target;
 
 /// Scores of one arrangement; `null` where a ratio has no denominator.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scores {
-    /// F: mean over the focal region of each sphere's maximum kinetic energy (J).
+    /// F: mean over the focal region, or all of them taken together, of each sphere's maximum kinetic energy (J).
     #[serde(rename = "focal_mean_J")]
     pub focal_mean: f64,
+    /// The same over each focal region by itself (J); empty with a single one.
+    #[serde(default, rename = "foci_mean_J", skip_serializing_if = "Vec::is_empty")]
+    pub foci: Vec<f64>,
+    /// How evenly the foci have been served, from 0 to 1: see [`balance`]; none with a single one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub balance: Option<f64>,
     /// P: the same over the protected region (J).
     #[serde(rename = "protected_mean_J")]
     pub protected_mean: f64,
@@ -49,15 +55,27 @@ pub struct Scores {
     pub exit_force: f64,
 }
 
-/// Mean over a region's sites; none for a region without sites.
-fn mean(values: &[f64], region: &Region, lattice: &HexagonalSheet) -> Option<f64> {
-    let sites = region.sites(lattice);
+/// Mean over sites; none where there are none.
+fn mean(values: &[f64], sites: &[usize]) -> Option<f64> {
     (!sites.is_empty()).then(|| sites.iter().map(|&i| values[i]).sum::<f64>() / sites.len() as f64)
 }
 
-/// F and P: means over the focal and the protected region of each sphere's maximum kinetic energy (J).
+/// F and P: means over all focal regions, taken together, and over the protected one of each sphere's maximum kinetic energy (J).
 pub fn means(max_kinetic: &[f64], lattice: &HexagonalSheet, target: &Target) -> [f64; 2] {
-    [&target.focus, &target.protect].map(|region| mean(max_kinetic, region, lattice).unwrap_or(0.0))
+    [target.focal_sites(lattice), target.protect.sites(lattice)].map(|sites| mean(max_kinetic, &sites).unwrap_or(0.0))
+}
+
+/// The same mean over each focal region by itself (J), in the order of the target.
+pub fn focal_means(max_kinetic: &[f64], lattice: &HexagonalSheet, target: &Target) -> Vec<f64> {
+    target.foci.iter().map(|focus| mean(max_kinetic, &focus.region.sites(lattice)).unwrap_or(0.0)).collect()
+}
+
+/// How evenly the foci have been served: of their `means`, each over its share, the least over the greatest. 1 where all are
+/// as their shares, 0 where one has nothing; none with a single focus.
+pub fn balance(means: &[f64], target: &Target) -> Option<f64> {
+    let each = || means.iter().zip(&target.foci).map(|(mean, focus)| mean / focus.share);
+    let [least, most] = [each().reduce(f64::min)?, each().reduce(f64::max)?];
+    if means.len() > 1 { ratio(least, most) } else { None }
 }
 
 /// `a` over `b`, where `b` is not zero.
@@ -70,8 +88,11 @@ impl Scores {
     pub fn new(record: &Record<2>, lattice: &HexagonalSheet, target: &Target) -> Self {
         let [focal_mean, protected_mean] = means(&record.max_kinetic, lattice, target);
         let ledger = &record.ledger;
+        let foci = focal_means(&record.max_kinetic, lattice, target);
         Self {
             focal_mean,
+            balance: balance(&foci, target),
+            foci: if foci.len() > 1 { foci } else { Vec::new() },
             protected_mean,
             contrast: ratio(focal_mean, protected_mean),
             focal_gain: None,

@@ -93,7 +93,7 @@ fn the_good_file_is_read_as_written() {
     assert_eq!(design.host.name, "stainless-440c");
     assert_eq!((design.law, design.constants), (LawKind::Hertz, Constants::Text));
     assert_eq!((design.impact.force, design.impact.duration), (26e3, 20e-6));
-    assert_eq!((design.target.focus.rows, design.target.focus.x), ([30, 34], [0.0, 2.5 * 6.35e-3]));
+    assert_eq!((design.target.foci[0].region.rows, design.target.foci[0].region.x), ([30, 34], [0.0, 2.5 * 6.35e-3]));
     assert_eq!(design.target.protect.x, [12.0 * 6.35e-3, 104.775 / 1000.0]);
     let lens = design.lens.as_ref().unwrap();
     assert_eq!((lens.material.name.as_str(), lens.rows), ("my-steel", [3, 20]));
@@ -270,6 +270,39 @@ fn wrong_target() {
         (focus, "rows = [30, 34], x = [\"0 D\", \"two D\"]"),
         (focus, "rows = [28, 30], x = [\"0 D\", \"12.5 D\"]"),
     ]);
+    insta::assert_snapshot!(page);
+}
+
+#[test]
+fn wrong_foci() {
+    let focus = "focus = { rows = [30, 34], x = [\"0 D\", \"2.5 D\"] }";
+    let first = "{ rows = [26, 28], x = [\"0 D\", \"2 D\"] }";
+    let list = |second: &str| format!("focus = [{first}, {second}]");
+    let good = list("{ rows = [30, 34], x = [\"7 D\", \"9 D\"], share = 3 }");
+    let design = Design::parse("good.toml", &with(focus, &good).replace("rows = [3, 20]", "")).unwrap();
+    assert_eq!(design.target.foci.iter().map(|focus| focus.share).collect::<Vec<_>>(), [0.25, 0.75]);
+    let changes: Vec<(&str, String)> = vec![
+        (focus, "focus = []".to_owned()),
+        (focus, "focus = 3".to_owned()),
+        (focus, list("3")),
+        (focus, list("{ rows = [30, 34] }")),
+        (focus, list("{ rows = [30, 34], x = [\"7 D\", \"9 D\"], part = 3 }")),
+        (focus, list("{ rows = [30, 60], x = [\"7 D\", \"9 D\"] }")),
+        (focus, list("{ rows = [30, 34], x = [\"7 D\", \"9 D\"], share = 0 }")),
+        (focus, list("{ rows = [30, 34], x = [\"7 D\", \"9 D\"], share = \"half\" }")),
+        (focus, list("{ rows = [30, 34], x = [\"7 D\", \"12 D\"] }")),
+        (focus, focus.replace(" }", ", share = 1 }")),
+        (focus, format!("focus = [{}]", [first; 7].join(", "))),
+    ];
+    let mut page = page(&changes.iter().map(|(old, new)| (*old, new.as_str())).collect::<Vec<_>>());
+    let several = with(focus, &good);
+    for (old, new) in [
+        ("\"plano-convex\"", "\"graded\""),
+        ("\"plano-convex\"", "\"plano-convex\"\naxis = \"3 D\""),
+        ("rows = [3, 20]", "rows = [3, 26]"),
+    ] {
+        entry(&mut page, &format!("with two foci: {new}"), &refusal(new, &several.replace(old, new)));
+    }
     insta::assert_snapshot!(page);
 }
 

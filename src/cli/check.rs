@@ -145,10 +145,17 @@ fn thresholds(design: &Design, checked: &Checked) -> Result<(), Failure> {
 
 fn words(checked: &Checked) -> String {
     let scores = &checked.scores;
+    let foci = match scores.balance {
+        Some(balance) => {
+            let each: Vec<String> = scores.foci.iter().map(|mean| Energy.show(*mean)).collect();
+            format!("by focus           {}; balance {balance:.3}\n", each.join(", "))
+        }
+        None => String::new(),
+    };
     let contrast = scores.contrast.map_or_else(|| "-".to_owned(), |c| format!("{c:.4}"));
     format!(
         "focal mean F       {}\n\
-         protected mean P   {}\n\
+         {foci}protected mean P   {}\n\
          contrast F/P       {contrast}\n\
          work in            {}\n\
          kinetic            {}\n\

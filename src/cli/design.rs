@@ -7,6 +7,7 @@ use granulens::evaluate::{proposal, validity};
 use granulens::layout;
 use granulens::lens::Lens;
 use granulens::material::Material;
+use granulens::target::Focus;
 use granulens::units::Dimension::{Force, Length, Mass, Time};
 use serde_json::json;
 
@@ -61,7 +62,10 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         Some(z) => format!("crosses the axis at row {:.1}", z / design.lattice.row_spacing() + 1.0),
         None => "does not cross the axis".to_owned(),
     };
-    let [mid, x] = [design.target.focus.mid_row(), design.target.focus.x[1] / diameter];
+    let reach = match &design.target.foci[..] {
+        [Focus { region, .. }] => format!("the focus (row {}, x <= {:.1} D)", region.mid_row(), region.x[1] / diameter),
+        several => format!("one of the {} foci", several.len()),
+    };
     let of = |material: &Material| format!("{}: {}", material.name, validity(design, material).words());
     let radius = match (lens.family.radius(), lens.radius) {
         (Some(name), Some(radius)) => format!(", {name} {} ({})", in_diameters(radius), Length.show(radius)),
@@ -72,14 +76,22 @@ pub fn words(design: &Design, lens: &Lens) -> String {
     let first = &lens.first_order;
     let focal = first.focal_length.map_or("none".to_owned(), in_diameters);
     let arrival = first.arrival.map_or("never".to_owned(), |[a, b]| format!("{} to {}", Time.show(a), Time.show(b)));
-    let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
+    // Of several parts there is no innermost ray, nor one focal length.
+    let crossings = match lens.foci.len() {
+        1 => format!("; innermost ray {}, rim ray {}", crossing(lens.crossing[0]), crossing(lens.crossing[1])),
+        _ => String::new(),
+    };
+    let whole = match lens.foci.len() {
+        1 => format!(", axis at {}, focal length {focal}", in_diameters(lens.axis)),
+        _ => format!(", {} parts", lens.parts.len()),
+    };
     let mut words = format!(
         "speeds: {} {:.0} m/s, {} {:.0} m/s (bound, 2D), ratio {:.3}, critical angle {critical}\n\
          impact: {} per sphere, {} per contact; {}\n\
          lens: rows {} to {}, {}{radius}, steepest {:.1} deg, half aperture {}, {} spheres\n\
-         piece: {} in both halves, {}, thickness {}, axis at {}, focal length {focal}\n\
-         rays: {} of the struck width reach the focus (row {mid}, x <= {x:.1} D), {} without the lens; {} pass the protected \
-         region, {} without; arrival {arrival}; innermost ray {}, rim ray {}",
+         piece: {} in both halves, {}, thickness {}{whole}\n\
+         rays: {} of the struck width reach {reach}, {} without the lens; {} pass the protected \
+         region, {} without; arrival {arrival}{crossings}",
         host.name,
         lens.host_speed,
         material.name,
@@ -97,19 +109,66 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         counts.join(", "),
         Mass.show(first.mass),
         in_diameters(first.thickness),
-        in_diameters(lens.axis),
         percent(lens.fraction),
         percent(lens.fraction_without),
         percent(lens.protected[0]),
         percent(lens.protected[1]),
-        crossing(lens.crossing[0]),
-        crossing(lens.crossing[1]),
     );
+    if lens.foci.len() > 1 {
+        words.push_str(&words_of_parts(design, lens));
+    }
     if let Some(cost) = first.cost(&lens.palette, &design.prices) {
         words.push_str(&format!("\ncost: {cost:.2} for all spheres of both halves, in the currency of [prices]"));
     }
     for warning in &lens.warnings {
         words.push_str(&format!("\nwarning: {warning}"));
+    }
+    words
+}
+
+fn percent(fraction: f64) -> String {
+    format!("{:.1} %", 100.0 * fraction)
+}
+
+/// Each part of a lens for several foci, and what rays bring to each of these.
+fn words_of_parts(design: &Design, lens: &Lens) -> String {
+    let diameter = design.lattice.diameter();
+    let in_diameters = |length: f64| format!("{:.2} D", length / diameter);
+    let mut words = String::new();
+    for part in &lens.parts {
+        let foci: Vec<String> = part.foci.iter().map(|focus| (focus + 1).to_string()).collect();
+        let radius = match (lens.family.radius(), part.radius) {
+            (Some(name), Some(radius)) => format!(", {name} {}", in_diameters(radius)),
+            _ => String::new(),
+        };
+        let focal = part.focal_length.map_or(String::new(), |f| format!(", focal length {}", in_diameters(f)));
+        words.push_str(&format!(
+            "\npart for focus {}: x {} to {}, rows {} to {}{radius}, axis at {}{focal}, steepest {:.1} deg; {} of its strip's \
+             rays come to it, {} without",
+            foci.join(" and "),
+            in_diameters(part.window[0]),
+            in_diameters(part.window[1]),
+            part.apex_row,
+            part.back_row,
+            in_diameters(part.axis),
+            part.rim_angle.to_degrees(),
+            percent(part.fraction),
+            percent(part.fraction_without),
+        ));
+    }
+    for (k, (rays, Focus { region, share })) in lens.foci.iter().zip(&design.target.foci).enumerate() {
+        let arrival = rays.arrival.map_or("never".to_owned(), |[a, b]| format!("{} to {}", Time.show(a), Time.show(b)));
+        let gain = rays.gain.map_or("none".to_owned(), |gain| format!("{gain:.2}"));
+        let [from, to] = region.x.map(in_diameters);
+        words.push_str(&format!(
+            "\nfocus {} (row {}, x {from} to {to}): asked {} of the blow, rays bring {} of the struck width, {} without the lens; \
+             gain by rays {gain}, arrival {arrival}",
+            k + 1,
+            region.mid_row(),
+            percent(*share),
+            percent(rays.fraction),
+            percent(rays.fraction_without),
+        ));
     }
     words
 }

@@ -102,6 +102,8 @@ impl Failure {
             LensError::Rows { .. } => ("lens.rows", "Leave it out to have the rows up to the focal region."),
             LensError::FocusRows { .. } => ("target.focus.rows", "Choose rows of the crystal."),
             LensError::FocusWidth(_) => ("target.focus.x", "Give the nearer distance from the axis first."),
+            LensError::Split { .. } => ("lens.family", "Choose another family, or leave one focal region."),
+            LensError::PartsAxis(_) => ("lens.axis", "Leave it out: each part stands before its own region."),
             LensError::Axis { .. } => ("lens.axis", "Leave it out to have it placed before the focal region."),
             LensError::Span { .. } => ("lens.rows", "Widen them, or ask for fewer stages."),
             LensError::MaxAngle(_) => ("lens.max_interface_angle", "Leave it out for 60 degrees."),

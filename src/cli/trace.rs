@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use granulens::design::Design;
 use granulens::evaluate::{Overrides, Plan, calibrate, trace_arrivals, trace_lens};
 use granulens::material::Material;
-use granulens::outcome::Traced;
+use granulens::outcome::{Traced, TracedFocus};
 use granulens::report;
 use granulens::units::Dimension::{Force, Length, Time};
 use granulens::wave::Decay;
@@ -116,6 +116,9 @@ fn words(traced: &Traced) -> String {
             }
         }
     }
+    if traced.foci.len() > 1 {
+        lines.extend(traced.foci.iter().enumerate().map(|(k, focus)| of_focus(k, focus, traced.diameter)));
+    }
     let [rays, eikonal] = traced.focal_arrival;
     let by_rays = if traced.proposal.is_some() { format!("{} by rays, ", shown(rays)) } else { String::new() };
     lines.push(format!(
@@ -134,4 +137,21 @@ fn words(traced: &Traced) -> String {
         }
     }
     lines.join("\n")
+}
+
+/// What comes to one of several foci.
+fn of_focus(k: usize, focus: &TracedFocus, diameter: f64) -> String {
+    let inside = focus.passages.iter().filter(|[_, x, _]| (focus.x[0]..=focus.x[1]).contains(x)).count();
+    let spot = focus.spot.map_or(String::new(), |spot| {
+        format!(", centre {} off the axis, mean radius {:.2} D", Length.show(spot.centre), spot.radius / diameter)
+    });
+    let shown = |time: Option<f64>| time.map_or("never".to_owned(), |time| Time.show(time));
+    format!(
+        "focus {} (row {:.1}): {inside} of its {} rays come into it{spot}; first arrival {} by rays, {} by the eikonal equation",
+        k + 1,
+        focus.depth / (0.75_f64.sqrt() * diameter) + 1.0,
+        focus.passages.len(),
+        shown(focus.arrival[0]),
+        shown(focus.arrival[1]),
+    )
 }

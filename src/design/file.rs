@@ -4,7 +4,7 @@
 //! by the check, in the same words as everything else. Only unknown keys and values in the place of sections are found here.
 
 use super::prices::PricesFile;
-use crate::document::{OwnMaterials, Section, Written, section};
+use crate::document::{OneOrSeveral, OwnMaterials, Section, Written, section};
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -25,7 +25,15 @@ pub(super) struct DesignFile {
 
 section!(CrystalFile: Written { packing, diameter, rows, half_width, sides, host, law, constants, friction });
 section!(ImpactFile: Written { kind, force, duration });
-section!(TargetFile: Section<RegionFile> { focus, protect });
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TargetFile {
+    pub focus: OneOrSeveral<FocusFile>,
+    pub protect: Section<RegionFile>,
+}
+
+section!(FocusFile: Written { rows, x, share });
 section!(RegionFile: Written { rows, x });
 section!(LensFile: Written {
     family, material, others, apex_row, back_row, radius, max_interface_angle, rows, axis, stages, raster, seed
@@ -56,6 +64,7 @@ pub(super) const EXAMPLES: &[&str] = &[
     "target.focus = { rows = [30, 34], x = [\"0 D\", \"2.5 D\"] }",
     "target.focus.rows = [30, 34]",
     "target.focus.x = [\"0 D\", \"2.5 D\"]",
+    "target.focus.share = 0.5",
     "target.protect = { rows = [30, 34], x = [\"12 D\", \"16.5 D\"] }",
     "target.protect.rows = [30, 34]",
     "target.protect.x = [\"12 D\", \"16.5 D\"]",
@@ -97,8 +106,8 @@ mod tests {
         let sections = [
             ("crystal", CrystalFile::KEYS),
             ("impact", ImpactFile::KEYS),
-            ("target", TargetFile::KEYS),
-            ("target.focus", RegionFile::KEYS),
+            ("target", &["focus", "protect"]),
+            ("target.focus", FocusFile::KEYS),
             ("target.protect", RegionFile::KEYS),
             ("lens", LensFile::KEYS),
             ("run", RunFile::KEYS),

@@ -24,7 +24,17 @@ pub(super) fn read(
     own: &[Material],
 ) -> Result<LensRequest, DesignError> {
     let families = Family::ALL.map(|family| (family.name(), family));
-    let family = scope.required("family", &file.family)?.choice("lens family", &families)?;
+    let written = scope.required("family", &file.family)?;
+    let family = written.choice("lens family", &families)?;
+    let foci = target.foci.len();
+    if foci > 1 && !family.is_split() && family != Family::Shield {
+        let split: Vec<&str> =
+            Family::ALL.iter().filter(|family| family.is_split()).map(|family| family.name()).collect();
+        return Err(written.fail(
+            &format!("cannot be split among {foci} focal regions"),
+            &format!("Ask for one that can: {}; or leave one target.focus.", split.join(", ")),
+        ));
+    }
     let foreign = |entry: &Entry| {
         let material = document::chosen(entry, own)?;
         if material.name == host.name {
@@ -40,7 +50,7 @@ pub(super) fn read(
         Some(entry) => others(&entry, family, &material, foreign)?,
         None => Vec::new(),
     };
-    let focus = target.focus.rows[0];
+    let focus = target.focal_rows()[0];
     let rows = match scope.optional("rows", &file.rows) {
         Some(entry) => {
             let [first, last] = region::rows(&entry, lattice.rows())?;
@@ -112,6 +122,12 @@ pub(super) fn read(
         Some(entry) if !family.has_axis() => {
             let rule = format!("has no meaning for a lens of the family {}", family.name());
             return Err(entry.fail(&rule, "Leave it out: its edge lies on the axis or on the far mirror line."));
+        }
+        Some(entry) if foci > 1 && family.is_split() => {
+            return Err(entry.fail(
+                &format!("has no meaning with {foci} focal regions, each of which has a part with an axis of its own"),
+                "Leave it out: each part stands before its own region.",
+            ));
         }
         Some(entry) => Some(axis(&entry, lattice)?),
         None => None,

@@ -1,29 +1,64 @@
-//! The section [target]: two regions inside the crystal that hold spheres and share none.
+//! The section [target]: regions inside the crystal that hold spheres; what is protected shares none with a focus.
 
 use super::DesignError;
-use super::file::{EXAMPLES, RegionFile, TargetFile};
-use crate::document::{Entry, Scope, example};
+use super::file::{EXAMPLES, TargetFile};
+use crate::document::{Entry, Scope, Written, example};
 use crate::lattice::{HexagonalSheet, Site};
-use crate::target::{Region, Target};
+use crate::target::{Focus, Region, Target};
 
 pub(super) fn target((scope, file): &(Scope, &TargetFile), lattice: &HexagonalSheet) -> Result<Target, DesignError> {
-    let focus = scope.required_section("focus", &file.focus, &how("focus"))?;
-    let focus = region(&focus, lattice)?;
-    let (place, protect) = scope.required_section("protect", &file.protect, &how("protect"))?;
-    let protect = region(&(place, protect), lattice)?;
-    let target = Target { focus, protect };
-    let shared =
-        first_site(lattice, [focus.rows[0].max(protect.rows[0]), focus.rows[1].min(protect.rows[1])], |site| {
-            focus.contains(site, lattice.diameter()) && protect.contains(site, lattice.diameter())
-        });
-    if let (Some(site), Some((place, _))) = (shared, scope.section("protect", &file.protect)) {
-        let x = in_diameters(site.x, lattice);
-        return Err(place.fail(
-            &format!("shares spheres with target.focus, such as that of row {} at x = {x} D", site.row),
-            "Move or shrink one of them; energy cannot be wanted and unwanted in the same sphere.",
+    let foci = scope.one_or_several("focus", &file.focus, &how("focus"))?;
+    if foci.len() > MOST_FOCI {
+        return Err(scope.fail(
+            &format!("has {} foci, more than {MOST_FOCI}", foci.len()),
+            "A lens is split among its foci, and so many leave none of them a part to speak of.",
         ));
     }
-    Ok(target)
+    let (place, protect) = scope.required_section("protect", &file.protect, &how("protect"))?;
+    let mut wanted = Vec::new();
+    for (scope, file) in &foci {
+        wanted.push((region(scope, [&file.rows, &file.x], lattice)?, share(scope, &file.share, foci.len())?));
+    }
+    let protect = region(&place, [&protect.rows, &protect.x], lattice)?;
+    for ((focus, _), (scope, _)) in wanted.iter().zip(&foci) {
+        let both = [focus.rows[0].max(protect.rows[0]), focus.rows[1].min(protect.rows[1])];
+        let shared = first_site(lattice, both, |site| {
+            focus.contains(site, lattice.diameter()) && protect.contains(site, lattice.diameter())
+        });
+        if let Some(site) = shared {
+            let x = in_diameters(site.x, lattice);
+            return Err(place.fail(
+                &format!("shares spheres with {}, such as that of row {} at x = {x} D", scope.name(), site.row),
+                "Move or shrink one of them; energy cannot be wanted and unwanted in the same sphere.",
+            ));
+        }
+    }
+    let sum: f64 = wanted.iter().map(|(_, share)| share).sum();
+    Ok(Target {
+        foci: wanted.into_iter().map(|(region, share)| Focus { region, share: share / sum }).collect(),
+        protect,
+    })
+}
+
+/// More leave no strip of a lens of common size two diameters wide.
+const MOST_FOCI: usize = 6;
+
+/// A focus's part of the blow, over that of the others.
+fn share(scope: &Scope, written: &Written, foci: usize) -> Result<f64, DesignError> {
+    match scope.optional("share", written) {
+        None => Ok(1.0),
+        Some(entry) if foci == 1 => Err(entry.fail(
+            "has no use with a single focus",
+            "Leave it out, or write each focus below a [[target.focus]] of its own.",
+        )),
+        Some(entry) => match entry.number()? {
+            share if share > 0.0 => Ok(share),
+            _ => Err(entry.fail(
+                "must be more than zero",
+                "Shares count relative to each other; leave out a focus that gets none.",
+            )),
+        },
+    }
 }
 
 fn how(key: &str) -> String {
@@ -31,9 +66,13 @@ fn how(key: &str) -> String {
     format!("Add it to target, like {example}.")
 }
 
-fn region((scope, file): &(Scope, &RegionFile), lattice: &HexagonalSheet) -> Result<Region, DesignError> {
-    let rows = rows(&scope.required("rows", &file.rows)?, lattice.rows())?;
-    let entry = scope.required("x", &file.x)?;
+fn region(
+    scope: &Scope,
+    [written_rows, written_x]: [&Written; 2],
+    lattice: &HexagonalSheet,
+) -> Result<Region, DesignError> {
+    let rows = rows(&scope.required("rows", written_rows)?, lattice.rows())?;
+    let entry = scope.required("x", written_x)?;
     let [near, far] = entry.pair()?;
     let x = [near.length(lattice.diameter())?, far.length(lattice.diameter())?];
     let shown = entry.range_text();

@@ -7,8 +7,8 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -20,6 +20,15 @@ pub(crate) type Written = Option<Spanned<toml::Value>>;
 pub(crate) type Section<T> = Option<Spanned<Keys<T>>>;
 /// Sections that may be repeated, `[[pattern]]`, in the order of the file.
 pub(crate) type Sections<T> = Option<Vec<Spanned<Keys<T>>>>;
+
+/// A section that is written once, `[target.focus]`, or several times, `[[target.focus]]`.
+pub(crate) type OneOrSeveral<T> = Option<Spanned<Times<T>>>;
+
+/// How often a section is written.
+pub(crate) enum Times<T> {
+    Once(T),
+    Several(Vec<Spanned<Keys<T>>>),
+}
 
 /// Declares the keys of a section.
 macro_rules! section {
@@ -100,6 +109,25 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Keys<T> {
             }
         }
         deserializer.deserialize_map(TableOnly(PhantomData)).map(Keys)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Times<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Either<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Either<T> {
+            type Value = Times<T>;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str(NOT_A_TABLE)
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Times<T>, A::Error> {
+                T::deserialize(MapAccessDeserializer::new(map)).map(Times::Once)
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Times<T>, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(list)).map(Times::Several)
+            }
+        }
+        deserializer.deserialize_any(Either(PhantomData))
     }
 }
 

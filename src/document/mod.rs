@@ -19,7 +19,7 @@ pub use error::DocumentError;
 pub(crate) use error::Source;
 #[cfg(test)]
 pub(crate) use keys::assert_examples;
-pub(crate) use keys::{Section, Sections, Written, example, read, section};
+pub(crate) use keys::{OneOrSeveral, Section, Sections, Written, example, read, section};
 pub(crate) use own::{OwnMaterials, chosen, materials};
 pub(crate) use syntax::{parse, place};
 pub(crate) use text::text;

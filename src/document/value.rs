@@ -5,7 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use toml::{Spanned, Value};
 
 use super::error::{DocumentError, Source, did_you_mean, nearest};
-use super::keys::{Section, Sections, Written, numbered};
+use super::keys::{Keys, OneOrSeveral, Section, Sections, Times, Written, numbered};
 use crate::units::Dimension;
 
 /// A section that was written: its keys are asked for by name.
@@ -65,10 +65,28 @@ impl<'a> Scope<'a> {
 
     /// Repeated sections below this one, each with its number.
     pub fn sections<T>(&self, key: &str, sections: &'a Sections<T>) -> Vec<(Scope<'a>, &'a T)> {
-        let named = |(k, section): (usize, &'a toml::Spanned<super::keys::Keys<T>>)| {
+        sections.as_deref().map_or_else(Vec::new, |sections| self.numbered(key, sections))
+    }
+
+    fn numbered<T>(&self, key: &str, sections: &'a [Spanned<Keys<T>>]) -> Vec<(Scope<'a>, &'a T)> {
+        let named = |(k, section): (usize, &'a Spanned<Keys<T>>)| {
             (Self::new(self.source, numbered(&self.path(key), k), section.span()), &section.get_ref().0)
         };
-        sections.iter().flatten().enumerate().map(named).collect()
+        sections.iter().enumerate().map(named).collect()
+    }
+
+    /// A section below this one that must be there and may be repeated, each then with its number; `help` says how to write it.
+    pub fn one_or_several<T>(
+        &self,
+        key: &str,
+        sections: &'a OneOrSeveral<T>,
+        help: &str,
+    ) -> Result<Vec<(Scope<'a>, &'a T)>, DocumentError> {
+        match sections.as_ref().map(|written| (written.get_ref(), written.span())) {
+            Some((Times::Once(section), place)) => Ok(vec![(Self::new(self.source, self.path(key), place), section)]),
+            Some((Times::Several(sections), _)) if !sections.is_empty() => Ok(self.numbered(key, sections)),
+            _ => Err(self.missing(key, help.to_owned())),
+        }
     }
 
     /// A section below this one that must be there; `help` says how to write it.

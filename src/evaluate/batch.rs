@@ -13,7 +13,7 @@ use crate::design::Design;
 use crate::material::Material;
 use crate::real::Width;
 use crate::sample::Sample;
-use crate::score::{means, ratio};
+use crate::score::{balance, focal_means, means, ratio};
 
 /// Scores of one layout under one impact, as a search needs them.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,8 @@ pub struct Marks {
     pub focal_gain: Option<f64>,
     /// Q = P/P(all lens material)
     pub protection: Option<f64>,
+    /// How evenly several foci are served; see [`balance`]
+    pub balance: Option<f64>,
     /// P over the least P of the rivals under the same impact, where there are rivals
     pub against_best: Option<f64>,
     /// What else was felt, where that is asked for.
@@ -296,8 +298,10 @@ impl<'a> Evaluator<'a> {
     fn score(&self, brief: Brief, field: usize) -> Marks {
         let uniform = self.uniform[field];
         let [focal_mean, protected_mean] = means(&brief.max_kinetic, &self.design.lattice, &self.design.target);
+        let foci = focal_means(&brief.max_kinetic, &self.design.lattice, &self.design.target);
         Marks {
             focal_mean,
+            balance: balance(&foci, &self.design.target),
             protected_mean,
             contrast: ratio(focal_mean, protected_mean),
             focal_gain: ratio(focal_mean, uniform[0]),

@@ -10,9 +10,12 @@ use super::{Doubts, Evaluation, Overrides, Plan, PlanError, evaluate, validity};
 use crate::dem::Stop;
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
-use crate::lens::Lens;
-use crate::outcome::{ArrangementOutcome, FORMAT, Manifest, Outcome, Proposal, SphereRecord};
+use crate::lens::{FocusRays, Lens, Part};
+use crate::outcome::{
+    ArrangementOutcome, FORMAT, FocusProposal, Manifest, Outcome, PartProposal, Proposal, SphereRecord,
+};
 use crate::score::Scores;
+use crate::target::Focus;
 
 /// Is told of every arrangement that is finished.
 pub trait Progress: Sync {
@@ -196,7 +199,7 @@ pub fn compare(
         sites: lattice.sites(),
         diameter: lattice.diameter(),
         half_width: lattice.half_width(),
-        target: design.target,
+        target: design.target.clone(),
         materials: comparison.subject.palette.iter().map(|m| m.name.clone()).collect(),
         proposal: comparison.proposal.clone(),
         arrangements,
@@ -237,6 +240,26 @@ fn relate(arrangements: &mut [ArrangementOutcome]) {
 
 /// What ray tracing proposed, as it is stored.
 pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
+    let several = lens.foci.len() > 1;
+    let part = |part: &Part| PartProposal {
+        foci: part.foci.iter().map(|focus| focus + 1).collect(),
+        window: part.window,
+        apex_row: part.apex_row,
+        back_row: part.back_row,
+        radius: part.radius,
+        axis: part.axis,
+        rim_angle: part.rim_angle,
+        aperture: part.aperture,
+        thickness: part.thickness,
+        focal_length: part.focal_length,
+        fraction: [part.fraction, part.fraction_without],
+    };
+    let focus = |(rays, focus): (&FocusRays, &Focus)| FocusProposal {
+        share: focus.share,
+        fraction: [rays.fraction, rays.fraction_without],
+        arrival: rays.arrival,
+        predicted_gain: rays.gain,
+    };
     let strengths: Vec<_> = lens.palette.iter().map(|material| (material, validity(design, material))).collect();
     let [host, material] = [&strengths[0].1, &strengths[1].1];
     Proposal {
@@ -270,6 +293,8 @@ pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
         cost: lens.first_order.cost(&lens.palette, &design.prices),
         arrival: lens.first_order.arrival,
         predicted_gain: lens.first_order.gain,
+        parts: lens.parts.iter().filter(|_| several).map(part).collect(),
+        foci: lens.foci.iter().zip(&design.target.foci).filter(|_| several).map(focus).collect(),
         warnings: lens.warnings.clone(),
         faces: lens.faces(),
         rays: lens.sample_rays(17),

@@ -38,7 +38,7 @@ impl Felt {
         target: &Target,
         mass: impl Fn(usize) -> f64,
     ) -> Self {
-        let regions = [&target.focus, &target.protect].map(|region| region.sites(lattice));
+        let regions = [target.focal_sites(lattice), target.protect.sites(lattice)];
         let both = |sites: &Vec<usize>| -> Vec<usize> { sites.iter().flat_map(|&site| field.on(site)).collect() };
         let momentum = regions.each_ref().map(|sites| {
             let of: Vec<f64> =

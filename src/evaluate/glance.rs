@@ -27,11 +27,12 @@ impl Glance {
         }
     }
 
-    /// By how much (s) the wave comes later above the focal region than above the protected one, in the last row before both. A
+    /// By how much (s) the wave comes later above the focal region than above the protected one, in the last row before both;
+    /// of several foci the mean by their shares. A
     /// lens that gathers holds the wave back on its axis, so that the front behind it is hollow.
     pub fn delay(self, design: &Design, layout: &Layout) -> f64 {
         let (lattice, target) = (&layout.lattice, &design.target);
-        let row = target.focus.rows[0].min(target.protect.rows[0]).saturating_sub(1).max(1);
+        let row = target.focal_rows()[0].min(target.protect.rows[0]).saturating_sub(1).max(1);
         let sites = lattice.sites();
         let times: Vec<f64> = match self {
             Self::Eikonal => eikonal(design, layout, None).at_sites(),
@@ -43,7 +44,8 @@ impl Glance {
             let of: Vec<f64> = (0..sites.len()).filter(within).map(|i| times[i]).collect();
             of.iter().sum::<f64>() / of.len().max(1) as f64
         };
-        mean(target.focus.x) - mean(target.protect.x)
+        let focal: f64 = target.foci.iter().map(|focus| focus.share * mean(focus.region.x)).sum();
+        focal - mean(target.protect.x)
     }
 }
 

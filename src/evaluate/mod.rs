@@ -158,11 +158,11 @@ impl Doubts {
         };
         let plastic = !matches!(design.law, LawKind::Hertz | LawKind::HertzThesis);
         let depth = if plastic { record.contacts.iter().map(depth).fold(0.0, f64::max) } else { 0.0 };
-        let regions = [&design.target.focus, &design.target.protect];
+        let target = &design.target;
         let strongest = record.max_kinetic.iter().copied().fold(0.0, f64::max);
-        let unreached = regions
-            .iter()
-            .flat_map(|region| region.sites(&layout.lattice))
+        let unreached = [target.focal_sites(&layout.lattice), target.protect.sites(&layout.lattice)]
+            .into_iter()
+            .flatten()
             .filter(|&site| record.max_kinetic[site] <= UNREACHED * strongest)
             .count();
         // Of a run that was stopped early nobody expects that it gets there.

@@ -4,8 +4,9 @@ use super::proposal;
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::lens::Lens;
-use crate::outcome::{FORMAT, Front, Traced, TracedDecay, TracedRay, TracedSpot};
+use crate::outcome::{FORMAT, Front, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
 use crate::ray::{Eikonal, Spot, Trace, caustic, fan, least_spot, spot, wavefront};
+use crate::target::{Focus, Region};
 use crate::wave::{Decay, site_speeds};
 
 /// Rays behind spots, caustic and wavefronts.
@@ -34,24 +35,48 @@ pub fn trace_lens(
         points: trace.path.points,
         times: trace.path.times,
     };
-    // A lens on either mirror line has its image beyond it: its spot lies there, not in the middle of one half.
-    let edge = [0.0, lens.lattice.half_width()].into_iter().find(|edge| *edge == lens.axis);
-    let about =
-        |spot: Spot| TracedSpot { depth: spot.depth, centre: spot.centre, radius: spot.radius, rays: spot.rays };
-    let [depth, end] =
-        [design.target.focus.mid_row(), f64::from(design.lattice.rows())].map(|row| design.lattice.depth(row));
+    let end = design.lattice.depth(f64::from(design.lattice.rows()));
     let behind = lens.faces().into_iter().flatten().map(|point| point[1]).fold(0.0, f64::max);
     let layout = lens.layout();
-    let traced = trace_layout(design, &layout, &eikonal(design, &layout, None), decays, |_| times.clone());
+    let mut traced = trace_layout(design, &layout, &eikonal(design, &layout, None), decays, |_| times.clone());
+    for (k, focus) in traced.foci.iter_mut().enumerate() {
+        let part = lens.parts.iter().find(|part| part.foci.contains(&k));
+        let [low, high] = part.map_or([0.0, lens.lattice.half_width()], |part| part.window);
+        // A ray on the line between two strips belongs to neither.
+        let slack = 1e-9 * lens.lattice.half_width();
+        let [low, high] = [if low > 0.0 { low + slack } else { low }, high - slack];
+        let own: Vec<&Trace> = fine.iter().filter(|trace| (low..=high).contains(&trace.path.points[0][0])).collect();
+        let passages = own.iter().filter_map(|trace| {
+            let (x, time) = trace.path.at_depth(focus.depth)?;
+            Some([trace.path.points[0][0], x, time])
+        });
+        focus.passages = passages.collect();
+        focus.spot = spot(own, focus.depth, edge(lens, part.map_or(lens.axis, |part| part.axis))).map(told);
+        focus.arrival[0] = lens.foci[k].arrival.map(|range| range[0]);
+    }
+    // Several foci have each their own.
+    let spots = match &traced.foci[..] {
+        [focus] => [focus.spot, least_spot(&fine, [behind, end], edge(lens, lens.axis)).map(told)],
+        _ => [None, None],
+    };
     Traced {
         proposal: Some(proposal(design, lens)),
         rays: fan(&*optics, rays).into_iter().map(ray).collect(),
         wavefronts: times.iter().map(|&time| Front { time, lines: wavefront(&fine, time) }).collect(),
         caustic: caustic(&*optics, FINE),
-        spots: [spot(&fine, depth, edge), least_spot(&fine, [behind, end], edge)].map(|spot| spot.map(about)),
+        spots,
         focal_arrival: [lens.first_order.arrival.map(|range| range[0]), traced.focal_arrival[1]],
         ..traced
     }
+}
+
+/// A lens on either mirror line has its image beyond it: its spot lies there, not in the middle of one half.
+fn edge(lens: &Lens, axis: f64) -> Option<f64> {
+    [0.0, lens.lattice.half_width()].into_iter().find(|edge| *edge == axis)
+}
+
+fn told(spot: Spot) -> TracedSpot {
+    TracedSpot { depth: spot.depth, centre: spot.centre, radius: spot.radius, rays: spot.rays }
 }
 
 /// First arrivals in any layout, and where they are at times (s) chosen for the latest of them. `plain` are those by the bound.
@@ -71,12 +96,27 @@ fn trace_layout(
         let lines = eikonal.isochrone(time).into_iter().map(|piece| piece.to_vec()).collect();
         Front { time, lines }
     };
-    let focus = design.target.focus.sites(lattice);
-    let mid = design.target.focus.mid_row();
     let sites = lattice.sites();
-    let in_middle = focus.iter().filter(|&&site| (f64::from(sites[site].row) - mid).abs() <= 0.5);
-    let middle: Vec<usize> = in_middle.copied().collect();
-    let first = |arrivals: &[f64]| middle.iter().map(|&site| arrivals[site]).min_by(f64::total_cmp);
+    let first = |region: &Region, arrivals: &[f64]| {
+        let mid = region.mid_row();
+        let in_middle = |site: &usize| (f64::from(sites[*site].row) - mid).abs() <= 0.5;
+        region.sites(lattice).into_iter().filter(in_middle).map(|site| arrivals[site]).min_by(f64::total_cmp)
+    };
+    let by_bound = plain.at_sites();
+    let foci: Vec<TracedFocus> = design
+        .target
+        .foci
+        .iter()
+        .map(|Focus { region, .. }| TracedFocus {
+            depth: lattice.depth(region.mid_row()),
+            x: region.x,
+            passages: Vec::new(),
+            spot: None,
+            arrival: [None, first(region, &by_bound)],
+            arrival_decaying: decays.and_then(|_| first(region, &first_arrival)),
+        })
+        .collect();
+    let earliest = |of: fn(&TracedFocus) -> Option<f64>| foci.iter().filter_map(of).min_by(f64::total_cmp);
     let materials: Vec<String> = layout.palette.iter().map(|material| material.name.clone()).collect();
     let told = decays.unwrap_or_default().iter().zip(&materials).map(|(decay, material)| TracedDecay {
         material: material.clone(),
@@ -89,7 +129,7 @@ fn trace_layout(
         impact: design.impact_in_words(),
         diameter: lattice.diameter(),
         half_width: lattice.half_width(),
-        target: design.target,
+        target: design.target.clone(),
         decays: told.collect(),
         materials,
         layout: layout.materials.clone(),
@@ -99,8 +139,9 @@ fn trace_layout(
         caustic: Vec::new(),
         spots: [None, None],
         isochrones: times.iter().map(isochrone).collect(),
-        focal_arrival: [None, first(&plain.at_sites())],
-        focal_arrival_decaying: decays.and_then(|_| first(&first_arrival)),
+        focal_arrival: [None, earliest(|focus| focus.arrival[1])],
+        focal_arrival_decaying: earliest(|focus| focus.arrival_decaying),
+        foci,
         first_arrival,
         sites,
     }

@@ -49,7 +49,7 @@ pub enum LensError {
         given: u32,
         /// Rows that may hold lens material.
         rows: [u32; 2],
-        /// First row of the focal region.
+        /// First row of any focal region.
         focus: u32,
         /// Least possible.
         first: u32,
@@ -90,6 +90,17 @@ pub enum LensError {
         /// Least number of rows.
         least: u32,
     },
+    /// A lens of the family is one and cannot be split among several foci.
+    #[error("a lens of the family {family} cannot be split among {foci} focal regions")]
+    Split {
+        /// Its name.
+        family: &'static str,
+        /// Number of focal regions.
+        foci: usize,
+    },
+    /// An axis is given, and each of several parts has its own.
+    #[error("axis = {}: each of several focal regions has a part with an axis of its own", Length.show(*.0))]
+    PartsAxis(f64),
     /// No lens within the limits serves the target.
     #[error(transparent)]
     Unreachable(Box<Unreachable>),
@@ -101,14 +112,24 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
     if !is_range(request.rows) || request.rows[0] == request.rows[1] {
         return Err(LensError::Rows { given: request.rows, rows: lattice.rows() });
     }
-    let focus = &target.focus;
-    if !is_range(focus.rows) {
-        return Err(LensError::FocusRows { given: focus.rows, rows: lattice.rows() });
+    for focus in target.foci.iter().map(|focus| &focus.region) {
+        if !is_range(focus.rows) {
+            return Err(LensError::FocusRows { given: focus.rows, rows: lattice.rows() });
+        }
+        // A comparison with NaN has no order.
+        if focus.x[0].partial_cmp(&focus.x[1]).is_none_or(|order| order.is_gt()) {
+            return Err(LensError::FocusWidth(focus.x));
+        }
     }
-    // A comparison with NaN has no order.
-    if focus.x[0].partial_cmp(&focus.x[1]).is_none_or(|order| order.is_gt()) {
-        return Err(LensError::FocusWidth(focus.x));
+    if target.foci.len() > 1 {
+        if !request.family.is_split() && request.family != super::Family::Shield {
+            return Err(LensError::Split { family: request.family.name(), foci: target.foci.len() });
+        }
+        if let Some(axis) = request.axis.filter(|_| request.family.is_split()) {
+            return Err(LensError::PartsAxis(axis));
+        }
     }
+    let first_focal = target.focal_rows()[0];
     let max_angle = request.max_interface_angle;
     if !(max_angle > 0.0 && max_angle < std::f64::consts::FRAC_PI_2) {
         return Err(LensError::MaxAngle(max_angle));
@@ -122,7 +143,7 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
     if request.rows[1] - request.rows[0] < span {
         return Err(LensError::Span { family: request.family.name(), given: request.rows, least: span + 1 });
     }
-    let last_row = request.rows[1].min(focus.rows[0] - 1);
+    let last_row = request.rows[1].min(first_focal - 1);
     if let Some(given) = request.apex_row {
         let last = last_row.saturating_sub(1);
         if given < request.rows[0] || given > last {
@@ -132,7 +153,7 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
     if let Some(given) = request.back_row {
         let first = request.apex_row.unwrap_or(request.rows[0]) + 1;
         if given < first || given > last_row {
-            let (rows, focus) = (request.rows, focus.rows[0]);
+            let (rows, focus) = (request.rows, first_focal);
             return Err(LensError::BackRow { given, rows, focus, first, last: last_row });
         }
     }
@@ -140,7 +161,8 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
         if !(given.is_finite() && given > 0.0) {
             return Err(LensError::RadiusSign(given));
         }
-        if !matches!(request.family, super::Family::PlanoConvex) || request.axis.is_some() {
+        let one = target.foci.len() == 1;
+        if !matches!(request.family, super::Family::PlanoConvex) || request.axis.is_some() || !one {
             return Ok(());
         }
         // The thinnest lens that the rows allow has the smallest least radius.

@@ -81,6 +81,12 @@ impl Family {
         !matches!(self, Self::AsphericFront | Self::AsphericBack | Self::Prism)
     }
 
+    /// Whether it can be split among several foci: a graded slab is one, a plano-concave lens gathers nowhere, and a shield is
+    /// about the protected region, which is one.
+    pub const fn is_split(self) -> bool {
+        !matches!(self, Self::PlanoConcave | Self::Graded | Self::Shield)
+    }
+
     /// Whether it makes sense to give it an axis of its own: a prism has none.
     pub const fn has_axis(self) -> bool {
         !matches!(self, Self::Prism)
@@ -108,9 +114,9 @@ pub(super) struct Place {
     pub depth: [f64; 2],
     /// Distance between rows (m).
     pub spacing: f64,
-    /// Distance from the axis to the far mirror line (m).
-    pub half_width: f64,
-    /// Where the lens's own axis lies (m).
+    /// What it may take of the crystal's width (m): from mirror line to mirror line, or the strip of one of several foci.
+    pub window: [f64; 2],
+    /// Where the lens's own axis lies (m); that of a part of a lens may lie outside its strip.
     pub axis: f64,
     /// Depth at which rays shall meet (m).
     pub focus: f64,
@@ -125,18 +131,18 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Distance from the lens's axis to the farther mirror line (m).
+    /// Distance from the lens's axis to the farther end of the window (m).
     fn widest(&self) -> f64 {
-        self.axis.max(self.half_width - self.axis)
+        (self.axis - self.window[0]).max(self.window[1] - self.axis)
     }
 
     fn thickness(&self) -> f64 {
         self.depth[1] - self.depth[0]
     }
 
-    /// The part of the crystal within `reach` of the lens's axis.
+    /// The part of the window within `reach` of the lens's axis.
     fn within(&self, reach: f64) -> [f64; 2] {
-        [(self.axis - reach).max(0.0), (self.axis + reach).min(self.half_width)]
+        [(self.axis - reach).max(self.window[0]), (self.axis + reach).min(self.window[1])]
     }
 
     /// Depths of first and last row of a stage; whole rows, one of host between two stages.
@@ -197,7 +203,7 @@ impl Family {
 
     /// The form between two rows; none if there is none within the limits.
     pub(super) fn form(self, place: &Place, curvature: f64) -> Option<Form> {
-        let Place { depth: [first, last], half_width, axis, speeds: [host, lens], .. } = *place;
+        let Place { depth: [first, last], window, axis, speeds: [host, lens], .. } = *place;
         let conic = |z: f64, curvature: f64, constant: f64, x: [f64; 2]| Conic {
             vertex: Vector2::new(axis, z),
             curvature,
@@ -206,7 +212,6 @@ impl Family {
         };
         let one =
             |front: Face, back: Face, x: [f64; 2]| Some(Form::Elements(vec![Element { front, back, x, material: 1 }]));
-        let whole = [0.0, half_width];
         match self {
             Self::PlanoConvex => Some(Form::Elements(vec![plano_convex(place, [first, last], curvature, 1)])),
             Self::Stages => Some(Form::Elements(
@@ -224,8 +229,8 @@ impl Family {
             }
             Self::PlanoConcave | Self::Shield => {
                 let vertex = last - HOLLOW * place.spacing;
-                let front = conic(vertex, -curvature, 0.0, whole);
-                (curvature > 0.0).then(|| one(Face::Conic(front), Face::flat(last, whole), whole))?
+                let front = conic(vertex, -curvature, 0.0, window);
+                (curvature > 0.0).then(|| one(Face::Conic(front), Face::flat(last, window), window))?
             }
             Self::AsphericFront => {
                 let front = EqualTime::new(first, last, last + 1.0 / curvature, axis, place.widest(), [host, lens])?;
@@ -246,7 +251,7 @@ impl Family {
             }
             Self::Fresnel => {
                 let step = last - first;
-                let base = conic(first, curvature, 0.0, whole);
+                let base = conic(first, curvature, 0.0, window);
                 let zones = (base.sag(place.widest()) / step).ceil();
                 // One zone is a plano-convex lens.
                 if !(2.0..=MOST_ZONES).contains(&zones) {
@@ -258,14 +263,14 @@ impl Family {
                 for k in (0..zones as u32).map(f64::from) {
                     let (inner, outer) = (radius(k), if k + 1.0 == zones { place.widest() } else { radius(k + 1.0) });
                     for [a, b] in [[axis - outer, axis - inner], [axis + inner, axis + outer]] {
-                        let x = [a.max(0.0), b.min(half_width)];
+                        let x = [a.max(window[0]), b.min(window[1])];
                         if x[1] > x[0] {
                             pieces.push(conic(first - k * step, curvature, 0.0, x));
                         }
                     }
                 }
                 pieces.sort_by(|a, b| a.x[0].total_cmp(&b.x[0]));
-                one(Face::Zoned(pieces), Face::flat(last, whole), whole)
+                one(Face::Zoned(pieces), Face::flat(last, window), window)
             }
             Self::Graded => (last < place.focus).then(|| {
                 Form::Graded(Profile {
@@ -276,14 +281,14 @@ impl Family {
                 })
             }),
             Self::Prism => {
-                // The edge lies at the far mirror line or, if negative, on the axis; thickest at the other.
-                let slope = (last - first) / half_width;
+                // The edge lies at the far mirror line or, if negative, on the axis; thickest at the other. Of a part likewise.
+                let slope = (last - first) / (window[1] - window[0]);
                 let ends = if curvature > 0.0 { [first, last] } else { [last, first] };
-                let front = Face::Ramp { from: [0.0, ends[0]], to: [half_width, ends[1]] };
-                (slope.atan() <= place.max_angle + 1e-9).then(|| one(front, Face::flat(last, whole), whole))?
+                let front = Face::Ramp { from: [window[0], ends[0]], to: [window[1], ends[1]] };
+                (slope.atan() <= place.max_angle + 1e-9).then(|| one(front, Face::flat(last, window), window))?
             }
         }
-        .filter(|form| form.steepest() <= place.max_angle + 1e-9)
+        .filter(|form| form.is_there() && form.steepest() <= place.max_angle + 1e-9)
     }
 }
 

@@ -135,6 +135,7 @@ impl Form {
                         interfaces.extend(curves.map(|curve| Interface { curve, speeds, name: format!("{name}{of}") }));
                     }
                 }
+                interfaces.extend(walls(elements, around));
                 Box::new(Scene { interfaces, speed, half_width, end, reflections: 0 })
             }
             Self::Graded(profile) => {
@@ -184,6 +185,23 @@ impl Form {
         }
     }
 
+    /// Whether every element has some width: a part of a lens may lie beyond the reach of its faces.
+    pub(super) fn is_there(&self) -> bool {
+        match self {
+            Self::Elements(elements) => elements.iter().all(|element| element.x[0] < element.x[1]),
+            Self::Graded(_) => true,
+        }
+    }
+
+    /// Several forms beside each other as one; graded ones have no place in it.
+    pub(super) fn beside(forms: impl IntoIterator<Item = Self>) -> Self {
+        let elements = forms.into_iter().flat_map(|form| match form {
+            Self::Elements(elements) => elements,
+            Self::Graded(_) => Vec::new(),
+        });
+        Self::Elements(elements.collect())
+    }
+
     /// Greatest angle of a face against the rows (rad); steps of zones do not count.
     pub fn steepest(&self) -> f64 {
         let Self::Elements(elements) = self else { return 0.0 };
@@ -196,6 +214,15 @@ impl Form {
                 Face::Ramp { from, to } => ((to[1] - from[1]) / (to[0] - from[0])).abs().atan(),
             })
             .fold(0.0, f64::max)
+    }
+
+    /// How much of a window (m) it covers.
+    pub(super) fn covered(&self, window: [f64; 2]) -> f64 {
+        let ends = match self {
+            Self::Elements(elements) => elements.iter().map(|e| e.x).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]),
+            Self::Graded(_) => Some(window),
+        };
+        ends.map_or(0.0, |[low, high]| high.min(window[1]) - low.max(window[0]))
     }
 
     /// How far across the lens reaches from its axis (m), and its greatest extent along the wave (m).
@@ -218,4 +245,39 @@ impl Form {
 fn steepest(conic: &Conic, x: [f64; 2]) -> f64 {
     let ends = [conic.x[0].max(x[0]), conic.x[1].min(x[1])];
     ends.map(|x| conic.slope(x - conic.vertex.x).abs().atan()).into_iter().fold(0.0, f64::max)
+}
+
+/// Walls along z where elements end, between the mirror lines, with some thickness: parts of a lens that are made for different
+/// foci adjoin, and seldom with equal faces.
+fn walls(elements: &[Element], around: Surrounds) -> Vec<Interface> {
+    let least = 1e-9 * around.half_width;
+    let inside = |x: &f64| *x > least && *x < around.half_width - least;
+    let mut ends: Vec<f64> = elements.iter().flat_map(|element| element.x).filter(inside).collect();
+    ends.sort_by(f64::total_cmp);
+    ends.dedup_by(|a, b| *a - *b < least);
+    let mut walls = Vec::new();
+    for x in ends {
+        // What lies on either side: depths of front and back, and the speed between them.
+        let beside = |side: f64| -> Vec<([f64; 2], f64)> {
+            let reaches = |e: &&Element| e.x[0] < x + side * 2.0 * least && x + side * 2.0 * least < e.x[1];
+            let of = |e: &Element| ([e.front.height(x), e.back.height(x)], around.speeds[usize::from(e.material)]);
+            elements.iter().filter(reaches).map(of).collect()
+        };
+        let sides = [beside(-1.0), beside(1.0)];
+        let mut depths: Vec<f64> = sides.iter().flatten().flat_map(|(depths, _)| *depths).collect();
+        depths.sort_by(f64::total_cmp);
+        for pair in depths.windows(2).filter(|pair| pair[1] - pair[0] > least) {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let speeds = sides.each_ref().map(|side| {
+                let here = side.iter().find(|([front, back], _)| (*front..*back).contains(&middle));
+                here.map_or(around.speeds[0], |(_, speed)| *speed)
+            });
+            if speeds[0] != speeds[1] {
+                // Towards −z, so that its second side is that of greater x.
+                let wall = Segment { from: Vector2::new(x, pair[1]), to: Vector2::new(x, pair[0]) };
+                walls.push(Interface { curve: Box::new(wall), speeds, name: "side of a part".to_owned() });
+            }
+        }
+    }
+    walls
 }

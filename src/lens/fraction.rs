@@ -165,13 +165,27 @@ impl Stripes {
     }
 }
 
-/// Fraction of the struck width whose rays pass `depth` (m) between `region[0]` and `region[1]` (m) from the axis, by `count`
-/// rays through any optics, evenly from the axis to the mirror line.
+/// Fraction of a strip of the struck width (m) whose rays pass one of the `goals`, each a depth (m) and two distances from the
+/// axis (m) between which they shall be there, by `count` rays through any optics, evenly over the strip.
 ///
 /// Between neighbours that have met the same interfaces the place of arrival is taken as linear; between others each counts
-/// for half of the way. Rays that do not come to the depth are lost.
-pub(super) fn passing(optics: &dyn Optics, depth: f64, region: [f64; 2], count: usize) -> f64 {
-    let within = Stripes::new(region, optics.half_width());
+/// for half of the way. Of what several goals take of such a way the greatest counts, which is exact but for the few ways
+/// that edges of two goals cut. Rays that do not come to a depth are lost.
+pub(super) fn passing(optics: &dyn Optics, strip: [f64; 2], goals: &[(f64, [f64; 2])], count: usize) -> f64 {
+    passing_of(&crate::ray::fan_between(optics, strip, count), goals, optics.half_width())
+}
+
+/// The same by rays that are traced already.
+pub(super) fn passing_of(traces: &[Trace], goals: &[(f64, [f64; 2])], half_width: f64) -> f64 {
+    let ways: Vec<Vec<f64>> = goals.iter().map(|goal| ways_within(traces, *goal, half_width)).collect();
+    let count = traces.len() - 1;
+    let most = |k: usize| ways.iter().map(|ways| ways[k]).fold(0.0, f64::max);
+    ((0..count).map(most).sum::<f64>() / count as f64).clamp(0.0, 1.0)
+}
+
+/// For each pair of neighbouring rays the share of the way between them that lies within a goal.
+fn ways_within(traces: &[Trace], (depth, region): (f64, [f64; 2]), half_width: f64) -> Vec<f64> {
+    let within = Stripes::new(region, half_width);
     let passage = |trace: &Trace| -> Option<(f64, usize)> {
         let leg = trace.path.points.windows(2).position(|ends| (ends[0][1]..=ends[1][1]).contains(&depth))?;
         Some((trace.path.at_depth(depth)?.0, leg))
@@ -179,22 +193,29 @@ pub(super) fn passing(optics: &dyn Optics, depth: f64, region: [f64; 2], count: 
     let alone = |arrival: &Option<(f64, usize)>| {
         arrival.map_or(0.0, |(x, _)| if (region[0]..=region[1]).contains(&x) { 0.5 } else { 0.0 })
     };
-    let traces = crate::ray::fan(optics, count);
     let arrivals: Vec<Option<(f64, usize)>> = traces.iter().map(passage).collect();
-    let mut sum = 0.0;
-    for k in 1..traces.len() {
-        let same = |leg: usize| traces[k - 1].events.get(..leg) == traces[k].events.get(..leg);
-        sum += match (arrivals[k - 1], arrivals[k]) {
-            (Some((from, a)), Some((to, b))) if a == b && same(a) => within.share(from, to),
-            _ => alone(&arrivals[k - 1]) + alone(&arrivals[k]),
-        };
-    }
-    (sum / (traces.len() - 1) as f64).clamp(0.0, 1.0)
+    (1..traces.len())
+        .map(|k| {
+            let same = |leg: usize| traces[k - 1].events.get(..leg) == traces[k].events.get(..leg);
+            match (arrivals[k - 1], arrivals[k]) {
+                (Some((from, a)), Some((to, b))) if a == b && same(a) => within.share(from, to),
+                _ => alone(&arrivals[k - 1]) + alone(&arrivals[k]),
+            }
+        })
+        .collect()
 }
 
-/// Fraction of the struck width from which straight rays pass through the region.
-pub(super) fn without(region: [f64; 2], half_width: f64) -> f64 {
-    Stripes::new(region, half_width).width / half_width
+/// Fraction of a strip of the struck width (m) from which straight rays pass through one of the regions.
+pub(super) fn without(regions: &[[f64; 2]], strip: [f64; 2]) -> f64 {
+    let mut inside: Vec<[f64; 2]> =
+        regions.iter().map(|x| [x[0].max(strip[0]), x[1].min(strip[1])]).filter(|x| x[0] < x[1]).collect();
+    inside.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let (mut sum, mut reached) = (0.0, f64::NEG_INFINITY);
+    for [low, high] in inside {
+        sum += (high - low.max(reached)).max(0.0);
+        reached = reached.max(high);
+    }
+    sum / (strip[1] - strip[0])
 }
 
 #[cfg(test)]

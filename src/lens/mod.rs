@@ -6,6 +6,7 @@
 //! - `family`: the families, and the form that each takes between two rows; `equal_time`, `graded`, `plano_convex` for theirs
 //! - `form`: a lens as a shape: faces, what rays and sites see of it
 //! - `raster`: from the smooth shape to sites
+//! - `parts`: one lens for several foci, cut into strips
 //! - `fraction`: how much of the struck width rays send through a region
 //! - `solve`: the search for the form that sends most
 //! - `proposed`: the lens that was found, and its first-order data
@@ -18,6 +19,7 @@ mod family;
 mod form;
 mod fraction;
 mod graded;
+mod parts;
 mod plano_convex;
 mod proposed;
 mod raster;
@@ -29,6 +31,7 @@ pub use equal_time::EqualTime;
 pub use family::Family;
 pub use form::{Element, Face, Form};
 pub use graded::Profile;
+pub use parts::{FocusRays, Part};
 pub use plano_convex::Shape;
 pub use proposed::{FirstOrder, Lens};
 pub use raster::Raster;
@@ -39,7 +42,9 @@ use crate::lattice::HexagonalSheet;
 use crate::material::Material;
 use crate::target::Target;
 use crate::wave::{Dimension, bound};
-use solve::{Grid, Problem};
+use parts::Strip;
+use proposed::Found;
+use solve::{Candidate, Grid, Problem};
 
 /// What kind of lens is asked for, and what is already decided about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,9 +106,13 @@ impl LensRequest {
 /// 10⁻⁶ the one of fewest spheres is taken. If first row, last row and radius (of families that have one) are all given,
 /// nothing is sought and a small fraction is no error.
 ///
+/// For several focal regions the struck width is cut into strips in proportion to their shares, and each strip takes a part
+/// that is sought in the same way for its own region, from the rays of its own strip; all in front of the first of the regions.
+/// What rays make of the lens as a whole is traced through all parts.
+///
 /// # Errors
-/// [`LensError::Unreachable`] if no such lens does better than straight rays do; the others if the request contradicts
-/// itself or the crystal.
+/// [`LensError::Unreachable`] if no such lens, or no such part for one of the regions, does better than straight rays do; the
+/// others if the request contradicts itself or the crystal.
 pub fn propose(
     lattice: &HexagonalSheet,
     host: &Material,
@@ -113,9 +122,31 @@ pub fn propose(
 ) -> Result<Lens, LensError> {
     check::check(lattice, request, target)?;
     let speed = |material| bound(Dimension::Two, [material; 2], lattice.diameter(), constants).speed;
-    let mut problem = Problem::new(lattice, [speed(host), speed(&request.material)], request, target);
-    problem.others = request.others.iter().map(speed).collect();
-    let evaluate = |shape| Lens::evaluate(&problem, shape, host, request, target, constants);
+    let speeds = [speed(host), speed(&request.material)];
+    let strips = if target.foci.len() > 1 && request.family.is_split() {
+        parts::split(&target.foci, lattice)
+    } else {
+        vec![Strip { foci: (0..target.foci.len()).collect(), window: [0.0, lattice.half_width()] }]
+    };
+    let mut parts = Vec::new();
+    for strip in &strips {
+        let mut problem = match &strips[..] {
+            [_] => Problem::new(lattice, speeds, request, target),
+            _ => Problem::part(lattice, speeds, request, target, strip),
+        };
+        problem.others = request.others.iter().map(speed).collect();
+        let focus = (strips.len() > 1).then(|| strip.foci[0]);
+        let shape = shape(&problem, request, focus)?;
+        let Some(form) = problem.form([shape.apex_row, shape.back_row], 1.0 / shape.radius) else {
+            return Err(unreachable(&problem, request, focus, None));
+        };
+        parts.push(Found { problem, shape, form, foci: strip.foci.clone() });
+    }
+    Ok(Lens::evaluate(&parts, host, request, target, constants))
+}
+
+/// The best shape that solves a problem, for the focus with this index where there are several.
+fn shape(problem: &Problem, request: &LensRequest, focus: Option<usize>) -> Result<Shape, LensError> {
     let needs_radius = request.family.radius().is_some();
     let given = match (request.apex_row, request.back_row, request.radius) {
         (Some(apex_row), Some(back_row), Some(radius)) if needs_radius => Some(Shape { apex_row, back_row, radius }),
@@ -129,8 +160,12 @@ pub fn propose(
         (Some(_), Some(_)) if !needs_radius => best.map(|best| best.shape),
         _ => given.or(best.filter(|best| problem.gains(best) && problem.may_gain()).map(|best| best.shape)),
     };
-    let unreachable = || Box::new(Unreachable::explain(&problem, &request.material.name, best));
-    shape.and_then(evaluate).ok_or_else(|| LensError::Unreachable(unreachable()))
+    shape.ok_or_else(|| unreachable(problem, request, focus, best))
+}
+
+fn unreachable(problem: &Problem, request: &LensRequest, focus: Option<usize>, best: Option<Candidate>) -> LensError {
+    let why = Unreachable::explain(problem, &request.material.name, best);
+    LensError::Unreachable(Box::new(Unreachable { focus, ..why }))
 }
 
 #[cfg(test)]

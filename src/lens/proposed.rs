@@ -3,17 +3,18 @@
 use std::collections::BTreeMap;
 
 use super::form::{Form, Surrounds};
-use super::fraction::{passing, without};
+use super::fraction::{passing, passing_of, without};
 use super::graded::fractions;
+use super::parts::{FocusRays, Part};
 use super::plano_convex::Shape;
 use super::raster::{Raster, raster};
-use super::solve::{Grid, Problem};
+use super::solve::{Grid, LEAST_GAIN, Problem};
 use super::{Family, LensRequest};
 use crate::contact::Constants;
 use crate::lattice::{HexagonalSheet, Site};
 use crate::layout::Layout;
 use crate::material::Material;
-use crate::ray::{Event, Fate, Optics, Trace, fan};
+use crate::ray::{Event, Fate, Optics, Trace, fan, fan_between};
 use crate::target::{Region, Target};
 use crate::units::Dimension::Length;
 use crate::wave::{Dimension, mixture_speed};
@@ -35,9 +36,9 @@ pub struct Lens {
     /// Last row.
     pub back_row: u32,
     /// Radius of the curved face (m); of aspheric lenses the distance at which they gather, of graded slabs the focal length
-    /// aimed at; none of prisms.
+    /// aimed at; none of prisms, and where several parts have each their own.
     pub radius: Option<f64>,
-    /// Distance of its own axis from that of the crystal (m).
+    /// Distance of its own axis from that of the crystal (m), of several parts that of the first.
     pub axis: f64,
     /// Greatest angle of a curved face against the rows (rad).
     pub rim_angle: f64,
@@ -53,7 +54,11 @@ pub struct Lens {
     pub materials: Vec<u8>,
     /// Number of spheres in the half crystal that are not of the host.
     pub spheres: usize,
-    /// Fraction of the struck width that rays send through the focal region at its mid depth.
+    /// Its parts, in order across the crystal: one unless there are several foci.
+    pub parts: Vec<Part>,
+    /// What rays bring to each focus, in the order of the target.
+    pub foci: Vec<FocusRays>,
+    /// Fraction of the struck width that rays send through the focal region at its mid depth; of several, through any.
     pub fraction: f64,
     /// The same fraction without a lens.
     pub fraction_without: f64,
@@ -73,7 +78,7 @@ pub struct Lens {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirstOrder {
     /// Focal length (m) of rays close to its own axis: their distance from it over their slope behind the lens; negative if they
-    /// spread. None if they stay parallel.
+    /// spread. None if they stay parallel, and where several parts have each their own.
     pub focal_length: Option<f64>,
     /// Greatest extent along the wave (m).
     pub thickness: f64,
@@ -81,7 +86,7 @@ pub struct FirstOrder {
     pub counts: Vec<usize>,
     /// Mass of everything but the host in the whole piece (kg).
     pub mass: f64,
-    /// Earliest and latest time (s) at which rays come to the middle row of the focal region within it.
+    /// Earliest and latest time (s) at which rays come to the middle row of a focal region within it.
     pub arrival: Option<[f64; 2]>,
     /// How many times more rays pass the focal region than without a lens, less what faces reflect: the fraction's gain times
     /// 4 Z Z′/(Z + Z′)² for each of two faces, Z = ρ V. It knows nothing of decay, which in metals outweighs it.
@@ -97,44 +102,106 @@ impl FirstOrder {
     }
 }
 
+/// A part that was found: where it was sought, and what it is.
+pub(super) struct Found<'a> {
+    pub problem: Problem<'a>,
+    pub shape: Shape,
+    pub form: Form,
+    /// Indices of the foci that it is for.
+    pub foci: Vec<usize>,
+}
+
+impl Found<'_> {
+    /// What fraction of its strip's rays it would send to its focus if no other part were there.
+    fn alone(&self) -> f64 {
+        let speeds = self.problem.palette_speeds();
+        let optics = self.form.optics(self.problem.surrounds(&speeds));
+        passing(&*optics, self.problem.window, &[(self.problem.depth, self.problem.region)], RAYS)
+    }
+
+    /// The part in the lens that rays run through, followed by those of its strip, `own`.
+    fn part(&self, optics: &dyn Optics, own: &[Trace]) -> Part {
+        let Self { problem, shape, form, foci } = self;
+        let [low, high] = problem.window;
+        let [_, thickness] = form.extent(problem.axis, problem.lattice.half_width());
+        let aimed = problem.family != Family::Prism && (low..=high).contains(&problem.axis);
+        Part {
+            foci: foci.clone(),
+            window: problem.window,
+            apex_row: shape.apex_row,
+            back_row: shape.back_row,
+            radius: problem.family.radius().map(|_| shape.radius),
+            axis: problem.axis,
+            rim_angle: form.steepest(),
+            aperture: form.covered(problem.window),
+            thickness,
+            focal_length: if aimed { focal_length(optics, problem.axis) } else { None },
+            fraction: passing_of(own, &[(problem.depth, problem.region)], problem.lattice.half_width()),
+            fraction_without: without(&[problem.region], problem.window),
+        }
+    }
+}
+
 impl Lens {
-    /// None if the family has no form there.
+    /// Of parts beside each other, or one, which are known to have a form.
     pub(super) fn evaluate(
-        problem: &Problem,
-        shape: Shape,
+        found: &[Found],
         host: &Material,
         request: &LensRequest,
         target: &Target,
         constants: Constants,
-    ) -> Option<Self> {
+    ) -> Self {
+        let Found { problem, shape, .. } = &found[0];
+        let one = found.len() == 1;
         let (lattice, family) = (problem.lattice, problem.family);
-        let form = problem.form([shape.apex_row, shape.back_row], 1.0 / shape.radius)?;
+        let form = if one { found[0].form.clone() } else { Form::beside(found.iter().map(|part| part.form.clone())) };
         let speeds = problem.palette_speeds();
         let half_width = lattice.half_width();
         let optics = form.optics(problem.surrounds(&speeds));
         let by_fan = problem.is_fast();
-        let fraction = if by_fan {
-            problem.fan(Grid::fine(family), shape.rim_angle(lattice)).fraction(
+        let traces = fan(&*optics, RAYS);
+        let goal = |region: &Region| (lattice.depth(region.mid_row()), region.x);
+        let share = |goals: &[(f64, [f64; 2])]| passing_of(&traces, goals, half_width);
+        let goals: Vec<(f64, [f64; 2])> = target.foci.iter().map(|focus| goal(&focus.region)).collect();
+        let whole = [0.0, half_width];
+        // Where one lens of all the width serves several foci, they are the same region.
+        let same = goals.iter().all(|goal| *goal == goals[0]);
+        let fraction = match goals[0] {
+            (depth, x) if by_fan => problem.fan(Grid::fine(family), shape.rim_angle(lattice)).fraction(
                 &shape.bench(lattice, problem.speeds),
-                lattice.depth(target.focus.mid_row()),
-                target.focus.x,
-            )
-        } else {
-            share(&*optics, &target.focus, lattice)
+                depth,
+                x,
+            ),
+            _ => share(&goals),
         };
-        let fraction_without = without(target.focus.x, half_width);
-        let protected = [share(&*optics, &target.protect, lattice), without(target.protect.x, half_width)];
+        let fraction_without = without(&goals.iter().map(|goal| goal.1).collect::<Vec<_>>(), whole);
+        let protected = [share(&[goal(&target.protect)]), without(&[target.protect.x], whole)];
         let palette: Vec<Material> = [host, &request.material].into_iter().chain(&request.others).cloned().collect();
         let rule = request.raster.unwrap_or(if family == Family::Graded { Raster::Diffused } else { Raster::Nearest });
         let materials = sites(problem, &form, &palette, rule, request.seed, constants);
-        let [aperture, thickness] = form.extent(problem.axis, half_width);
-        let traces = fan(&*optics, RAYS);
+        let [_, thickness] = form.extent(problem.axis, half_width);
+        let aperture = found.iter().map(|part| part.form.extent(part.problem.axis, half_width)[0]).fold(0.0, f64::max);
+        let foci: Vec<FocusRays> = target
+            .foci
+            .iter()
+            .map(|focus| {
+                let of = if same { fraction } else { share(&[goal(&focus.region)]) };
+                let straight = without(&[focus.region.x], whole);
+                FocusRays {
+                    fraction: of,
+                    fraction_without: straight,
+                    arrival: arrival(&traces, &focus.region, lattice),
+                    gain: gain(&palette, &speeds, of, straight),
+                }
+            })
+            .collect();
+        let arrivals = foci.iter().filter_map(|focus| focus.arrival);
         let first_order = FirstOrder {
-            focal_length: if family == Family::Prism { None } else { focal_length(&*optics, problem.axis) },
+            focal_length: if family == Family::Prism || !one { None } else { focal_length(&*optics, problem.axis) },
             thickness,
             counts: counts(lattice, &palette, &materials),
             mass: 0.0,
-            arrival: arrival(&traces, &target.focus, lattice),
+            arrival: arrivals.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]),
             gain: gain(&palette, &speeds, fraction, fraction_without),
         };
         let mass =
@@ -143,7 +210,7 @@ impl Lens {
             let bench = shape.bench(lattice, problem.speeds);
             let paraxial = shape.paraxial_crossing(lattice, problem.speeds).filter(|&depth| depth <= bench.end);
             [paraxial, bench.trace(bench.aperture()).ok().and_then(|path| path.axis_crossing())]
-        } else if problem.axis > 0.0 || family == Family::Prism {
+        } else if problem.axis > 0.0 || family == Family::Prism || !one {
             // Off the axis, or all one way: no ray is the innermost.
             [None, None]
         } else {
@@ -151,29 +218,41 @@ impl Lens {
             let outer = ((problem.axis + aperture).min(half_width)) * (1.0 - 1e-7);
             [inner, outer].map(|x| optics.trace(x)).map(|trace| trace.path.axis_crossing())
         };
-        Some(Self {
+        let mut warnings = failures(&*optics, &traces);
+        let mut parts = Vec::new();
+        for part in found {
+            let own = fan_between(&*optics, part.problem.window, RAYS);
+            parts.push(part.part(&*optics, &own));
+        }
+        match one {
+            true => warnings.extend(beside(problem.axis, aperture, half_width)),
+            false => warnings.extend(doubts(found, &parts, half_width)),
+        }
+        Self {
             lattice: *lattice,
             family,
-            apex_row: shape.apex_row,
-            back_row: shape.back_row,
-            radius: family.radius().map(|_| shape.radius),
+            apex_row: parts.iter().map(|part| part.apex_row).min().unwrap_or(shape.apex_row),
+            back_row: parts.iter().map(|part| part.back_row).max().unwrap_or(shape.back_row),
+            radius: family.radius().filter(|_| one).map(|_| shape.radius),
             axis: problem.axis,
             rim_angle: if by_fan { shape.rim_angle(lattice) } else { form.steepest() },
             aperture,
             host_speed: problem.speeds[0],
             lens_speed: problem.speeds[1],
             spheres: materials.iter().filter(|&&m| m != 0).count(),
+            parts,
+            foci,
             fraction,
             fraction_without,
             protected,
             crossing,
             first_order: FirstOrder { mass, ..first_order },
-            warnings: warnings(&*optics, &traces, problem.axis, aperture, half_width),
+            warnings,
             palette,
             materials,
             form,
             speeds,
-        })
+        }
     }
 
     /// First row, last row and radius (of families without one, 1 m).
@@ -210,10 +289,6 @@ impl Lens {
     pub fn sample_rays(&self, count: usize) -> Vec<Vec<[f64; 2]>> {
         fan(&*self.optics(), count).into_iter().map(|trace| trace.path.points).collect()
     }
-}
-
-fn share(optics: &dyn Optics, region: &Region, lattice: &HexagonalSheet) -> f64 {
-    passing(optics, lattice.depth(region.mid_row()), region.x, RAYS)
 }
 
 /// Materials of all sites.
@@ -313,8 +388,8 @@ fn gain(palette: &[Material], speeds: &[f64], fraction: f64, without: f64) -> Op
     (without > 0.0).then(|| fraction / without * face * face)
 }
 
-fn warnings(optics: &dyn Optics, traces: &[Trace], axis: f64, aperture: f64, half_width: f64) -> Vec<String> {
-    let mut warnings = Vec::new();
+/// Which rays do not come through, by reason.
+fn failures(optics: &dyn Optics, traces: &[Trace]) -> Vec<String> {
     let mut reasons: Vec<(String, usize)> = Vec::new();
     for trace in traces {
         // Angles differ from ray to ray: the place is enough.
@@ -328,17 +403,41 @@ fn warnings(optics: &dyn Optics, traces: &[Trace], axis: f64, aperture: f64, hal
             None => reasons.push((words, 1)),
         }
     }
-    for (words, count) in reasons {
-        warnings.push(format!("{:.0} % of the rays: each {words}", 100.0 * count as f64 / traces.len() as f64));
-    }
+    let part = |count: usize| 100.0 * count as f64 / traces.len() as f64;
+    reasons.into_iter().map(|(words, count)| format!("{:.0} % of the rays: each {words}", part(count))).collect()
+}
+
+/// What passes beside a lens.
+fn beside(axis: f64, aperture: f64, half_width: f64) -> Option<String> {
     let reach = axis.max(half_width - axis);
-    if aperture < 0.999 * reach {
-        let beside = (reach - aperture) / half_width;
-        warnings.push(format!(
+    (aperture < 0.999 * reach).then(|| {
+        format!(
             "the lens reaches {} from its axis; {:.0} % of the struck width passes beside it",
             Length.show(aperture),
-            100.0 * beside
-        ));
-    }
-    warnings
+            100.0 * (reach - aperture) / half_width
+        )
+    })
+}
+
+/// What a part leaves beside it, and what its neighbours take from its rays.
+fn doubts(found: &[Found], parts: &[Part], half_width: f64) -> Vec<String> {
+    let of = |(found, part): (&Found, &Part)| -> Vec<String> {
+        let name = format!("the part for focus {}", found.foci[0] + 1);
+        let width = part.window[1] - part.window[0];
+        let beside = (part.aperture < 0.999 * width).then(|| {
+            let percent = 100.0 * (width - part.aperture) / half_width;
+            format!(
+                "{name} covers {} of its strip of {}; {percent:.0} % of the struck width passes beside it",
+                Length.show(part.aperture),
+                Length.show(width)
+            )
+        });
+        let alone = found.alone();
+        let lost = (part.fraction < alone - LEAST_GAIN).then(|| {
+            format!("{name}: {:.0} % of its strip's rays come to the focus, {:.0} % if the other parts were not in their way",
+                100.0 * part.fraction, 100.0 * alone)
+        });
+        beside.into_iter().chain(lost).collect()
+    };
+    found.iter().zip(parts).flat_map(of).collect()
 }

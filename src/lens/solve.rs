@@ -13,6 +13,7 @@ use argmin::solver::goldensectionsearch::GoldenSectionSearch;
 use super::family::Place;
 use super::form::{Form, Surrounds};
 use super::fraction::{Fan, passing, without};
+use super::parts::Strip;
 use super::plano_convex::Shape;
 use super::{Family, LensRequest};
 use crate::lattice::HexagonalSheet;
@@ -98,6 +99,8 @@ pub(super) struct Problem<'a> {
     pub speeds: [f64; 2],
     /// Of further materials (m/s)
     pub others: Vec<f64>,
+    /// The strip that it may take (m): all of the half crystal, or what one of several foci is given
+    pub window: [f64; 2],
     /// Where the lens's own axis lies (m)
     pub axis: f64,
     pub stages: u32,
@@ -126,17 +129,49 @@ pub(super) struct Candidate {
 }
 
 impl<'a> Problem<'a> {
+    /// One lens for the target's only focus or, of a shield, for its protected region.
     pub(super) fn new(lattice: &'a HexagonalSheet, speeds: [f64; 2], request: &LensRequest, target: &Target) -> Self {
         let family = request.family;
-        let region = if family == Family::Shield { &target.protect } else { &target.focus };
-        // A shield may not lie in the focal region either.
-        let first = region.rows[0].min(target.focus.rows[0]);
+        let region = if family == Family::Shield { &target.protect } else { &target.foci[0].region };
+        let axis = match family {
+            Family::PlanoConvex => 0.0,
+            _ => aim(region, lattice),
+        };
+        let whole = [0.0, lattice.half_width()];
+        Self::of(lattice, speeds, request, target, region, whole, request.axis.unwrap_or(axis))
+    }
+
+    /// The part of a lens for one of several foci that is given a strip of the width.
+    pub(super) fn part(
+        lattice: &'a HexagonalSheet,
+        speeds: [f64; 2],
+        request: &LensRequest,
+        target: &Target,
+        strip: &Strip,
+    ) -> Self {
+        let region = &target.foci[strip.foci[0]].region;
+        Self::of(lattice, speeds, request, target, region, strip.window, aim(region, lattice))
+    }
+
+    fn of(
+        lattice: &'a HexagonalSheet,
+        speeds: [f64; 2],
+        request: &LensRequest,
+        target: &Target,
+        region: &Region,
+        window: [f64; 2],
+        axis: f64,
+    ) -> Self {
+        let family = request.family;
+        // No lens may lie in a focal region, nor a shield in the protected one.
+        let first = region.rows[0].min(target.focal_rows()[0]);
         Self {
             lattice,
             family,
             speeds,
             others: Vec::new(),
-            axis: request.axis.unwrap_or_else(|| before(family, region, lattice)),
+            window,
+            axis,
             stages: request.stages,
             region: region.x,
             depth: lattice.depth(region.mid_row()),
@@ -153,7 +188,7 @@ impl<'a> Problem<'a> {
 
     /// Whether the fan for plano-convex lenses on the axis serves.
     pub(super) fn is_fast(&self) -> bool {
-        self.family == Family::PlanoConvex && self.axis == 0.0
+        self.family == Family::PlanoConvex && self.axis == 0.0 && self.window == [0.0, self.lattice.half_width()]
     }
 
     pub(super) fn fan(&self, grid: Grid, max_angle: f64) -> Fan {
@@ -174,7 +209,7 @@ impl<'a> Problem<'a> {
         Place {
             depth: rows.map(|row| self.lattice.depth(f64::from(row))),
             spacing: self.lattice.row_spacing(),
-            half_width: self.lattice.half_width(),
+            window: self.window,
             axis: self.axis,
             focus: self.depth,
             speeds: self.graded_speeds(),
@@ -198,11 +233,11 @@ impl<'a> Problem<'a> {
         self.family.form(&self.place(rows), curvature)
     }
 
-    /// What part of the struck width is served: passes the region or, of a shield, does not.
+    /// What part of the struck width, or of its strip, is served: passes the region or, of a shield, does not.
     fn served(&self, rows: [u32; 2], curvature: f64, rays: usize) -> f64 {
         let Some(form) = self.form(rows, curvature) else { return 0.0 };
         let speeds = self.palette_speeds();
-        let passing = passing(&*form.optics(self.surrounds(&speeds)), self.depth, self.region, rays);
+        let passing = passing(&*form.optics(self.surrounds(&speeds)), self.window, &[(self.depth, self.region)], rays);
         if self.family == Family::Shield { 1.0 - passing } else { passing }
     }
 
@@ -218,7 +253,7 @@ impl<'a> Problem<'a> {
 
     /// Fraction without a lens.
     pub(super) fn without(&self) -> f64 {
-        let passing = without(self.region, self.lattice.half_width());
+        let passing = without(&[self.region], self.window);
         if self.family == Family::Shield { 1.0 - passing } else { passing }
     }
 
@@ -274,11 +309,10 @@ enum Rays {
     Traced(usize),
 }
 
-/// Where a lens of the family stands by itself.
-fn before(family: Family, region: &Region, lattice: &HexagonalSheet) -> f64 {
+/// Where a lens stands by itself, and a part of one aims: on a mirror line that the region touches, or in its middle.
+pub(super) fn aim(region: &Region, lattice: &HexagonalSheet) -> f64 {
     let near = 0.75 * lattice.diameter();
     match region.x {
-        _ if family == Family::PlanoConvex => 0.0,
         [low, _] if low <= near => 0.0,
         [_, high] if high >= lattice.half_width() - near => lattice.half_width(),
         [low, high] => 0.5 * (low + high),

@@ -1,7 +1,7 @@
 use super::fraction::Fan;
 use super::*;
 use crate::material::find;
-use crate::target::Region;
+use crate::target::{Focus, Region};
 
 const DIAMETER: f64 = 6.35e-3;
 
@@ -16,7 +16,7 @@ fn request() -> LensRequest {
 /// Rows and distances from the axis in diameters.
 fn target(rows: [u32; 2], x: [f64; 2]) -> Target {
     let protect = Region { rows, x: [12.0 * DIAMETER, 16.5 * DIAMETER] };
-    Target { focus: Region { rows, x: x.map(|x| x * DIAMETER) }, protect }
+    Target::one(Region { rows, x: x.map(|x| x * DIAMETER) }, protect)
 }
 
 fn thesis_target() -> Target {
@@ -230,7 +230,7 @@ fn of(family: Family) -> LensRequest {
 fn every_family_serves_a_target() {
     let off_axis = target([30, 34], [6.0, 10.0]);
     for family in Family::ALL {
-        let target = if family == Family::PlanoConcave { off_axis } else { thesis_target() };
+        let target = if family == Family::PlanoConcave { off_axis.clone() } else { thesis_target() };
         let lens = solve(&of(family), &target).unwrap_or_else(|error| panic!("{}: {error}", family.name()));
         let served = match family {
             Family::Shield => lens.protected[1] - lens.protected[0],
@@ -279,7 +279,7 @@ fn general_rays_agree_with_the_fan() {
     let depth = crystal().depth(32.0);
     for x in [[0.0, 2.5], [4.0, 8.0], [12.0, 16.5]] {
         let x = x.map(|x| x * DIAMETER);
-        let general = fraction::passing(&*lens.optics(), depth, x, 513);
+        let general = fraction::passing(&*lens.optics(), [0.0, crystal().half_width()], &[(depth, x)], 513);
         let bench = lens.shape().bench(&crystal(), [lens.host_speed, lens.lens_speed]);
         let fan = Fan::new(256, request().max_interface_angle, [lens.host_speed, lens.lens_speed]);
         assert!((general - fan.fraction(&bench, depth, x)).abs() < 2e-3, "{general}");
@@ -354,4 +354,126 @@ fn rasters_by_area_keep_the_area() {
     let back = crystal().index(16, 1).unwrap();
     let laid = lens.materials[back..back + 17].iter().filter(|&&m| m == 1).count();
     assert!((7..=10).contains(&laid), "{laid}");
+}
+
+fn two(foci: [([u32; 2], [f64; 2], f64); 2]) -> Target {
+    let focus = |(rows, x, share): ([u32; 2], [f64; 2], f64)| Focus {
+        region: Region { rows, x: x.map(|x| x * DIAMETER) },
+        share,
+    };
+    let protect = Region { rows: [40, 44], x: [7.0 * DIAMETER, 9.0 * DIAMETER] };
+    Target { foci: foci.map(focus).into(), protect }
+}
+
+fn splitting() -> impl Iterator<Item = Family> {
+    Family::ALL.into_iter().filter(|family| family.is_split())
+}
+
+/// Two foci that are one: the lens of that one, of every family that can be split.
+#[test]
+fn equal_foci_have_the_lens_of_one() {
+    let (rows, x) = ([30, 34], [0.0, 2.5]);
+    let both = two([(rows, x, 0.3), (rows, x, 0.7)]);
+    let single = Target { foci: vec![Focus { share: 1.0, ..both.foci[0] }], protect: both.protect };
+    for family in splitting() {
+        let request = LensRequest { family, ..request() };
+        let (one, lens) = (solve(&request, &single).unwrap(), solve(&request, &both).unwrap());
+        assert_eq!((&one.form, &one.materials, one.radius), (&lens.form, &lens.materials, lens.radius), "{family:?}");
+        assert_eq!((one.fraction, one.fraction_without), (lens.fraction, lens.fraction_without));
+        assert_eq!((lens.parts.len(), lens.foci.len(), &lens.parts[0].foci[..]), (1, 2, &[0, 1][..]));
+        assert_eq!(lens.foci[0], lens.foci[1]);
+    }
+}
+
+/// Foci on both mirror lines at one depth: either part is the lens of a crystal of half the width, and one the other's mirror
+/// image, sphere by sphere (half width a whole number of diameters, so that rows are their own images). Shapes are given: of
+/// many that serve equally well a search takes one by the last digits. Left to the search, both serve as the half does.
+#[test]
+fn foci_on_both_mirror_lines_have_the_lens_of_half_the_width_twice() {
+    let wide = HexagonalSheet::new(DIAMETER, 50, 16.0).unwrap();
+    let narrow = HexagonalSheet::new(DIAMETER, 50, 8.0).unwrap();
+    let steel = find("440c", &[]).unwrap();
+    let both = two([([24, 26], [0.0, 1.5], 0.5), ([24, 26], [14.5, 16.0], 0.5)]);
+    let single = Target { foci: vec![Focus { share: 1.0, ..both.foci[0] }], protect: both.protect };
+    for family in [Family::AsphericFront, Family::AsphericBack, Family::Biconvex, Family::Stages] {
+        let exact = matches!(family, Family::AsphericFront | Family::AsphericBack);
+        let radius = if exact { wide.depth(25.0) - wide.depth(14.0) } else { 14.0 * DIAMETER };
+        let free = LensRequest { family, ..request() };
+        let fixed = LensRequest { apex_row: Some(6), back_row: Some(14), radius: Some(radius), ..free.clone() };
+        let found = propose(&wide, &steel, &free, &both, Constants::Code).unwrap();
+        let best = propose(&narrow, &steel, &free, &single, Constants::Code).unwrap();
+        assert!(found.parts.iter().all(|part| (part.fraction - best.fraction).abs() < 1e-3), "{family:?}");
+        let lens = propose(&wide, &steel, &fixed, &both, Constants::Code).unwrap();
+        let half = propose(&narrow, &steel, &fixed, &single, Constants::Code).unwrap();
+        let sites = wide.sites();
+        for (site, material) in sites.iter().zip(&lens.materials) {
+            let image = sites.iter().position(|s| s.row == site.row && (s.x + site.x - 16.0 * DIAMETER).abs() < 1e-9);
+            assert_eq!(lens.materials[image.unwrap()], *material, "{family:?} {site:?}");
+            if let Some(k) = narrow.index(site.row, site.column).filter(|_| site.x < 8.0 * DIAMETER + 1e-9) {
+                assert_eq!(half.materials[k], *material, "{family:?} {site:?}");
+            }
+        }
+        assert_eq!((lens.parts[0].apex_row, lens.parts[0].back_row), (half.apex_row, half.back_row));
+        let [near, far] = [0, 1].map(|k| (lens.foci[k].fraction, lens.parts[k].fraction));
+        // 513 rays over the whole width: two edges, each cut by one of 512 ways.
+        assert!(
+            (near.0 - far.0).abs() < 1e-9 && (near.0 - 0.5 * half.fraction).abs() < 4e-3,
+            "{family:?} {near:?} {far:?}"
+        );
+        assert!((lens.fraction - 2.0 * near.0).abs() < 4e-3);
+    }
+}
+
+/// Exact faces bring every ray of a strip to the point that its part aims at, at another depth for either part, and off the axis:
+/// to 10⁻⁶ of a diameter, what the table of the front leaves.
+#[test]
+fn every_ray_of_a_part_comes_to_its_own_focus() {
+    let target = two([([22, 24], [0.0, 2.0], 0.4), ([32, 36], [10.0, 13.0], 0.6)]);
+    for family in [Family::AsphericFront, Family::AsphericBack] {
+        let lens = solve(&LensRequest { family, rows: [3, 20], ..request() }, &target).unwrap();
+        assert_eq!(lens.parts.len(), 2);
+        let width = crystal().half_width();
+        assert!((lens.parts[0].window[1] - 0.4 * width).abs() < 1e-12 && lens.parts[1].window[1] == width);
+        let optics = lens.optics();
+        for part in &lens.parts {
+            let region = &target.foci[part.foci[0]].region;
+            let depth = crystal().depth(region.mid_row());
+            let [low, high] = part.window;
+            let mut came = 0;
+            for k in 0..200 {
+                let x = low + (high - low) * (f64::from(k) + 0.5) / 200.0;
+                let covered = (x - part.axis).abs() < part.aperture - 1e-6 || part.aperture > 0.999 * (high - low);
+                let trace = optics.trace(x);
+                if covered && trace.fate == crate::ray::Fate::Arrived {
+                    let (end, _) = trace.path.at_depth(depth).unwrap();
+                    assert!((end - part.axis).abs() < 1e-6 * DIAMETER, "{family:?} {x} {end} {part:?}");
+                    assert!((region.x[0]..=region.x[1]).contains(&(end + 1e-9)));
+                    came += 1;
+                }
+            }
+            assert!(came > 180, "{family:?} {came}");
+            assert!(part.fraction > 0.9 && part.fraction_without < 0.5, "{part:?}");
+        }
+        let sum: f64 = lens.foci.iter().map(|focus| focus.fraction).sum();
+        assert!(lens.fraction > 0.95 && (sum - lens.fraction).abs() < 0.05, "{} {sum}", lens.fraction);
+    }
+}
+
+#[test]
+fn the_focus_that_cannot_be_served_is_named() {
+    let target = two([([34, 36], [0.0, 2.0], 0.5), ([7, 8], [15.0, 16.5], 0.5)]);
+    let why = unreachable(
+        &LensRequest { rows: [2, 6], family: Family::Biconvex, max_interface_angle: 2.0_f64.to_radians(), ..request() },
+        &target,
+    );
+    assert_eq!(why.focus, Some(1));
+    assert!(why.to_string().starts_with("focus 2: unreachable: no allowed part of a lens"), "{why}");
+    let graded = LensRequest { family: Family::Graded, ..request() };
+    assert!(matches!(solve(&graded, &thesis_two()).unwrap_err(), LensError::Split { foci: 2, .. }));
+    let off_axis = LensRequest { axis: Some(DIAMETER), ..request() };
+    assert!(matches!(solve(&off_axis, &thesis_two()).unwrap_err(), LensError::PartsAxis(_)));
+}
+
+fn thesis_two() -> Target {
+    two([([30, 34], [0.0, 2.5], 0.5), ([30, 34], [14.0, 16.5], 0.5)])
 }

@@ -71,6 +71,8 @@ pub struct Nearest {
 pub struct Unreachable {
     /// Family of the lens.
     pub family: Family,
+    /// Which of several foci is meant, from 0.
+    pub focus: Option<usize>,
     /// Name of the lens material.
     pub material: String,
     /// Distances from the axis between which rays should pass (m).
@@ -93,12 +95,20 @@ impl std::error::Error for Unreachable {}
 impl fmt::Display for Unreachable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, high] = self.x.map(|x| Length.show(x));
+        if let Some(focus) = self.focus {
+            write!(f, "focus {}: ", focus + 1)?;
+        }
         write!(
             f,
-            "unreachable: no allowed {} of {} sends more of the struck width {} {low} to {high} off the axis at row {} than \
+            "unreachable: no allowed {} of {} sends more of {} {} {low} to {high} off the axis at row {} than \
              straight rays do ({:.1} %",
-            if self.family == Family::Shield { "shield" } else { "lens" },
+            match (self.family, self.focus) {
+                (Family::Shield, _) => "shield",
+                (_, None) => "lens",
+                (_, Some(_)) => "part of a lens",
+            },
             self.material,
+            if self.focus.is_some() { "its strip" } else { "the struck width" },
             if self.family == Family::Shield { "past" } else { "through" },
             self.mid_row,
             100.0 * self.fraction_without
@@ -133,6 +143,7 @@ impl Unreachable {
         let comparable = problem.may_gain();
         Self {
             family: problem.family,
+            focus: None,
             material: material.to_owned(),
             x: problem.region,
             mid_row: problem.mid_row,
@@ -198,13 +209,15 @@ fn binding(problem: &Problem) -> Vec<Limit> {
 /// Tries regions of as many rows at other depths, nearest first; in crystals of more than 200 rows not every row.
 fn nearest(problem: &Problem) -> Option<Nearest> {
     let last = problem.lattice.rows().checked_sub(problem.region_rows)? + 1;
-    let here = i64::from(problem.last_free_row) + 1;
+    // Of several foci the others stay where they are.
+    let here = (problem.mid_row - f64::from(problem.region_rows - 1) / 2.0).round() as i64;
+    let others = if here > i64::from(problem.last_free_row) + 1 { problem.last_free_row } else { u32::MAX };
     let stride = last.div_ceil(200) as usize;
     let shifts = (stride as i64..=i64::from(last)).step_by(stride).flat_map(|shift| [-shift, shift]);
     shifts.filter_map(|shift| u32::try_from(here + shift).ok()).filter(|first| (1..=last).contains(first)).find_map(
         |first| {
             let mut moved = problem.clone();
-            moved.last_free_row = first - 1;
+            moved.last_free_row = others.min(first - 1);
             moved.mid_row = f64::from(first) + f64::from(problem.region_rows - 1) / 2.0;
             moved.depth = problem.lattice.depth(moved.mid_row);
             reachable(&moved).map(|candidate| Nearest { mid_row: moved.mid_row, fraction: candidate.fraction })

@@ -38,7 +38,11 @@ pub struct Traced {
     /// The caustic: the lines that neighbouring rays touch.
     #[serde(rename = "caustic_m")]
     pub caustic: Vec<Vec<[f64; 2]>>,
-    /// The spot that rays make in the middle row of the focal region, and the smallest they make anywhere behind the lens.
+    /// What comes to each focal region, in the order of the target.
+    #[serde(default)]
+    pub foci: Vec<TracedFocus>,
+    /// The spot that rays make in the middle row of the focal region, and the smallest they make anywhere behind the lens; none of
+    /// either where there are several regions.
     pub spots: [Option<TracedSpot>; 2],
     /// First arrival at each site by the eikonal equation on the lattice (s).
     #[serde(rename = "first_arrival_s")]
@@ -56,6 +60,27 @@ pub struct Traced {
     /// How the wave decays in the uniform crystal of each material, where that was asked for.
     #[serde(default)]
     pub decays: Vec<TracedDecay>,
+}
+
+/// What comes to one focal region, in its middle row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TracedFocus {
+    /// Depth of its middle row (m).
+    #[serde(rename = "depth_m")]
+    pub depth: f64,
+    /// Its edges (m).
+    #[serde(rename = "x_m")]
+    pub x: [f64; 2],
+    /// Of each ray that is meant for it and comes to that depth: where it starts (m), where it passes (m), and when (s).
+    pub passages: Vec<[f64; 3]>,
+    /// The spot that these rays make.
+    pub spot: Option<TracedSpot>,
+    /// First arrival within it (s): by rays, where any come there, and by the eikonal equation, both at the wave-speed bound.
+    #[serde(rename = "arrival_s")]
+    pub arrival: [Option<f64>; 2],
+    /// The same by the eikonal equation in a wave that decays, where that was asked for.
+    #[serde(default, rename = "arrival_decaying_s", skip_serializing_if = "Option::is_none")]
+    pub arrival_decaying: Option<f64>,
 }
 
 /// A wave that decays in the uniform crystal of a material, row by row from the struck one on.

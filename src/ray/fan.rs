@@ -19,11 +19,16 @@ const INSET: f64 = 1e-7;
 
 /// `count` rays, evenly from the axis to the far mirror line, both (nearly) included.
 pub fn fan(optics: &dyn Optics, count: usize) -> Vec<Trace> {
+    fan_between(optics, [0.0, optics.half_width()], count)
+}
+
+/// `count` rays, evenly over a strip of the struck width (m), its ends (nearly) included.
+pub fn fan_between(optics: &dyn Optics, [from, to]: [f64; 2], count: usize) -> Vec<Trace> {
     let last = count.max(2) - 1;
-    (0..count)
-        .map(|k| k as f64 / last as f64)
-        .map(|part| optics.trace(optics.half_width() * part.min(1.0 - INSET)))
-        .collect()
+    // On the axis there is nothing to keep away from: a ray along it stays on it.
+    let first = if from > 0.0 { INSET } else { 0.0 };
+    let places = (0..count).map(|k| from + (to - from) * (k as f64 / last as f64).clamp(first, 1.0 - INSET));
+    places.map(|x| optics.trace(x)).collect()
 }
 
 /// Where and when rays pass a depth.

@@ -63,6 +63,11 @@ impl View<'_> {
         sites.filter_map(|i| Some((self.outcome.sites[i].x / self.outcome.diameter, at(list, i)?))).collect()
     }
 
+    /// The focal region, of several the first.
+    fn focus(&self) -> &Region {
+        &self.outcome.target.foci[0].region
+    }
+
     /// The values of a row within a region's range of x.
     fn within(&self, arrangement: &ArrangementOutcome, row: u32, region: &Region) -> Vec<f64> {
         let range = region.x.map(|x| x / self.outcome.diameter);
@@ -74,7 +79,7 @@ impl View<'_> {
         let row = self.row(self.lens, self.rows[1]);
         let &(x, peak) = row.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let nearest = row.iter().map(|p| p.0).fold(f64::MAX, f64::min);
-        let inside = self.outcome.target.focus.x.map(|x| x / self.outcome.diameter);
+        let inside = self.focus().x.map(|x| x / self.outcome.diameter);
         let whether = if x <= nearest { ", the sphere nearest the axis" } else { "" };
         Some(Claim {
             claim: "A very clear peak of the kinetic energy within the focal region.",
@@ -91,7 +96,7 @@ impl View<'_> {
 
     fn focusing_by_row(&self) -> Option<Claim> {
         let ratio = |row: u32| {
-            let focal = mean(&self.within(self.lens, row, &self.outcome.target.focus))?;
+            let focal = mean(&self.within(self.lens, row, self.focus()))?;
             let protected = mean(&self.within(self.lens, row, &self.outcome.target.protect))?;
             (protected > 0.0).then(|| focal / protected)
         };
@@ -236,7 +241,7 @@ impl View<'_> {
             let inside = sites.filter(|(_, site)| region.contains(site, self.outcome.diameter));
             mean(&inside.filter_map(|(i, _)| at(&self.lens.record.dissipated, i)).collect::<Vec<_>>())
         };
-        let (focal, protected) = (region(&self.outcome.target.focus)?, region(&self.outcome.target.protect)?);
+        let (focal, protected) = (region(self.focus())?, region(&self.outcome.target.protect)?);
         let times = if protected > 0.0 { format!(", {:.1} times", focal / protected) } else { String::new() };
         Some(Claim {
             claim: "Significantly more energy is dissipated in the focal region, very little opposite it.",

@@ -184,11 +184,12 @@ impl<'a> Crystal<'a> {
         sides.iter().map(|side| rectangle(side * left, side * right)).collect()
     }
 
-    /// Outlines the focal region (solid) and the protected one (dashed): a white line with a dark edge, to be seen on
+    /// Outlines the focal regions (solid) and the protected one (dashed): a white line with a dark edge, to be seen on
     /// every colour.
     pub fn regions(&self, svg: &mut Svg, width: f64) {
         let target = self.ground.target;
-        for (region, dash) in [(&target.focus, ""), (&target.protect, r#"stroke-dasharray="5 3""#)] {
+        let foci = target.foci.iter().map(|focus| (&focus.region, ""));
+        for (region, dash) in foci.chain([(&target.protect, r#"stroke-dasharray="5 3""#)]) {
             for (corner, size) in self.rectangles(region) {
                 svg.rectangle(corner, size, &format!(r##"fill="none" stroke="#222" stroke-width="{}""##, width + 1.6));
                 svg.rectangle(corner, size, &format!(r##"fill="none" stroke="#fff" stroke-width="{width}" {dash}"##));
@@ -199,12 +200,12 @@ impl<'a> Crystal<'a> {
     /// Writes the regions' names into them, or above them where they are too low for a line of text.
     pub fn name_regions(&self, svg: &mut Svg, size: f64) {
         let target = self.ground.target;
-        for (region, name) in [(&target.focus, "focal"), (&target.protect, "protected")] {
+        for (region, name) in target.named_foci().into_iter().chain([(&target.protect, "protected".to_owned())]) {
             for ([x, y], [width, height]) in self.rectangles(region) {
                 // Bold letters are some 0.6 of their size wide.
                 let size = size.min(width / (0.6 * name.len() as f64));
                 let middle = if height > 2.0 * size { y + height / 2.0 + size * 0.35 } else { y - size * 0.5 };
-                halo(svg, [x + width / 2.0, middle], size, Anchor::Middle, name);
+                halo(svg, [x + width / 2.0, middle], size, Anchor::Middle, &name);
             }
         }
     }

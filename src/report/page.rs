@@ -13,7 +13,7 @@ use super::summary::{
     Quantity, RESIDUAL, lines, worst_residual,
 };
 use crate::outcome::{Manifest, Outcome, Proposal};
-use crate::target::Region;
+use crate::target::{Focus, Region};
 use crate::units::Dimension;
 
 /// Columns of the comparison.
@@ -123,9 +123,18 @@ fn asked(outcome: &Outcome) -> Vec<Fact> {
     let role = |k: usize| ["host", "lens"].get(k).map_or(String::new(), |role| format!(" ({role})"));
     let materials: Vec<String> =
         outcome.materials.iter().enumerate().map(|(k, name)| format!("{name}{}", role(k))).collect();
-    vec![
-        pair("Impact", &outcome.manifest.impact),
-        pair("Focal region", region(&outcome.target.focus)),
+    let foci = match &outcome.target.foci[..] {
+        [one] => vec![pair("Focal region", region(&one.region))],
+        several => {
+            let word = |(k, focus): (usize, &Focus)| {
+                let share = significant(100.0 * focus.share, 3);
+                format!("{}: {}, for {share} % of the blow", k + 1, region(&focus.region))
+            };
+            vec![pair("Focal regions", several.iter().enumerate().map(word).collect::<Vec<_>>().join("; "))]
+        }
+    };
+    let head = [pair("Impact", &outcome.manifest.impact)].into_iter().chain(foci);
+    head.chain([
         pair("Protected region", region(&outcome.target.protect)),
         pair("Materials", materials.join(", ")),
         pair(
@@ -136,7 +145,8 @@ fn asked(outcome: &Outcome) -> Vec<Fact> {
                 Dimension::Length.show(outcome.diameter)
             ),
         ),
-    ]
+    ])
+    .collect()
 }
 
 fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {

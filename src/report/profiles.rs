@@ -58,10 +58,10 @@ struct Curve<'a> {
     band: Option<[Vec<[f64; 2]>; 2]>,
 }
 
-/// The rows shown: before, in and behind the focus, kept within the crystal.
+/// The rows shown: before, in and behind the focus, of several the first, kept within the crystal.
 pub fn rows(outcome: &Outcome) -> [u32; 3] {
     let last = outcome.sites.iter().map(|s| s.row).max().unwrap_or(1);
-    let middle = (outcome.target.focus.mid_row().floor() as u32).clamp(1, last);
+    let middle = (outcome.target.foci[0].region.mid_row().floor() as u32).clamp(1, last);
     [middle.saturating_sub(APART).max(1), middle, (middle + APART).min(last)]
 }
 
@@ -154,8 +154,9 @@ fn panel(svg: &mut Svg, outcome: &Outcome, [left, top]: [f64; 2], high: f64, hea
     let most = outcome.half_width / outcome.diameter;
     let place = |[x, y]: [f64; 2]| [left + x / most * width, top + height * (1.0 - y / high)];
     svg.text([left, top - 9.0], 12.0, Anchor::Start, r#"font-weight="bold""#, heading);
-    for (region, name) in [(&outcome.target.focus, "focal"), (&outcome.target.protect, "protected")] {
-        shade(svg, outcome, region, name, [left, top], most);
+    let target = &outcome.target;
+    for (region, name) in target.named_foci().into_iter().chain([(&target.protect, "protected".to_owned())]) {
+        shade(svg, outcome, region, &name, [left, top], most);
     }
     for tick in ticks(high, 6) {
         let [_, y] = place([0.0, tick]);

@@ -35,6 +35,9 @@ pub struct Scored {
     /// Q = P/P(all lens material), under the same impact
     #[serde(rename = "Q")]
     pub protection: Option<f64>,
+    /// How evenly several foci are served, where there are several
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub balance: Option<f64>,
     /// P over the least P of all baselines under the same impact, where the study asks for it
     #[serde(rename = "Q_best", default, skip_serializing_if = "Option::is_none")]
     pub against_best: Option<f64>,
@@ -55,6 +58,7 @@ impl Entry {
             contrast: ratio(marks.contrast),
             focal_gain: ratio(marks.focal_gain),
             protection: ratio(marks.protection),
+            balance: ratio(marks.balance),
             against_best: ratio(marks.against_best),
             felt: marks.felt,
         };

@@ -43,10 +43,14 @@ impl RayNotes {
 impl Study {
     /// First row, last row, curvature and place of the design's lens, each a number of about one: what the method `lens-family`
     /// searches. Where the family has no curvature or no axis of its own these do nothing. None where the design has no lens,
-    /// or a material that its lenses are made of may not be chosen. What rays say of each lens is taken down in `notes`.
+    /// a material that its lenses are made of may not be chosen, or several focal regions split it into parts. What rays say of
+    /// each lens is taken down in `notes`.
     pub(super) fn painter(&self, notes: &RayNotes) -> Option<Painter> {
         let (design, request) = (self.design.clone(), self.design.lens.clone()?);
         let lens = propose(&design.lattice, &design.host, &request, &design.target, design.constants).ok()?;
+        if lens.parts.len() > 1 {
+            return None;
+        }
         let letter = |material: &Material| {
             let of = |&place: &u8| self.palette[usize::from(place)] == *material;
             self.letters.iter().position(of).map(|letter| letter as u8)

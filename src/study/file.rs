@@ -266,8 +266,17 @@ impl Study {
         if let Some(k) = self.stages.iter().position(asks)
             && self.painter(&RayNotes::default()).is_none()
         {
-            let message = "methods of the lens-family need a design with a [lens], and its material and the host among materials.";
+            let message = "methods of the lens-family need a design with a [lens] and a single focus, and its material and the host among materials.";
             return Err(source.fail_in("stage", k, "method", message.to_owned()));
+        }
+        if self.design.target.foci.len() < 2
+            && let Some(wish) = self.objective.wishes.iter().find(|wish| wish.measure == Measure::Balance)
+        {
+            let name = wish.measure.name();
+            let message = format!(
+                "objective.{name}: the design has one focus; balance compares several, each below [[target.focus]]."
+            );
+            return Err(source.fail(name, message));
         }
         Ok(())
     }

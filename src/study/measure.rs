@@ -16,6 +16,8 @@ pub enum Measure {
     FocalGain,
     /// Q = P/P(all lens material)
     Protection,
+    /// How evenly several focal regions are served: of their means over their shares the least over the greatest
+    Balance,
     /// P over the least P of all baselines
     AgainstBest,
     /// F (J)
@@ -54,10 +56,11 @@ pub enum Measure {
 
 impl Measure {
     /// Names as they are written in files.
-    pub const NAMES: [(&str, Self); 20] = [
+    pub const NAMES: [(&str, Self); 21] = [
         ("contrast", Self::Contrast),
         ("focal-gain", Self::FocalGain),
         ("protection", Self::Protection),
+        ("balance", Self::Balance),
         ("protection-best", Self::AgainstBest),
         ("focal-energy", Self::FocalEnergy),
         ("protected-energy", Self::ProtectedEnergy),
@@ -222,6 +225,7 @@ pub fn value(measure: Measure, entry: &Entry, fabric: &Fabric, over: Over, side:
         Measure::Contrast => |scored| scored.contrast,
         Measure::FocalGain => |scored| scored.focal_gain,
         Measure::Protection => |scored| scored.protection,
+        Measure::Balance => |scored| scored.balance,
         Measure::AgainstBest => |scored| scored.against_best,
         Measure::FocalEnergy => |scored| Some(scored.focal_mean),
         Measure::ProtectedEnergy => |scored| Some(scored.protected_mean),

@@ -172,9 +172,9 @@ fn small_crystals_are_drawn_too() {
         .collect();
     let pick = |list: &[f64]| kept.iter().map(|&i| list[i]).collect::<Vec<_>>();
     outcome.half_width = 4.0 * synthetic::D;
-    (outcome.target.focus.rows, outcome.target.protect.rows) = ([18, 19], [18, 18]);
-    (outcome.target.focus.x, outcome.target.protect.x) =
-        ([0.0, synthetic::D], [3.0 * synthetic::D, 4.0 * synthetic::D]);
+    let focus = &mut outcome.target.foci[0].region;
+    (focus.rows, outcome.target.protect.rows) = ([18, 19], [18, 18]);
+    (focus.x, outcome.target.protect.x) = ([0.0, synthetic::D], [3.0 * synthetic::D, 4.0 * synthetic::D]);
     for one in &mut outcome.arrangements {
         one.layout = kept.iter().map(|&i| if i % 5 == 0 { 2 } else { one.layout[i] }).collect();
         one.record.max_kinetic = pick(&one.record.max_kinetic);

@@ -13,10 +13,8 @@ const SPACING: f64 = 0.866_025_403_784_438_6;
 pub fn outcome() -> Outcome {
     let sheet = HexagonalSheet::new(D, 50, 16.5).unwrap();
     let sites = sheet.sites();
-    let target = Target {
-        focus: Region { rows: [30, 34], x: [0.0, 2.5 * D] },
-        protect: Region { rows: [30, 34], x: [12.0 * D, 16.5 * D] },
-    };
+    let target =
+        Target::one(Region { rows: [30, 34], x: [0.0, 2.5 * D] }, Region { rows: [30, 34], x: [12.0 * D, 16.5 * D] });
     let in_lens = |s: &Site| (5..=16).contains(&s.row) && depth(s.row) >= front(s.x / D) - 1e-9;
     let host = record("lens_440c_26kN_dt5e-08.csv", &sites);
     let mut lens = record("lens_lens_26kN_dt5e-08.csv", &sites);
@@ -135,7 +133,7 @@ fn arrangement(
             sites.iter().zip(&record.max_kinetic).filter(|(s, _)| region.contains(s, D)).map(|(_, &e)| e).collect();
         inside.iter().sum::<f64>() / inside.len() as f64
     };
-    let (focal_mean, protected_mean) = (mean(&target.focus), mean(&target.protect));
+    let (focal_mean, protected_mean) = (mean(&target.foci[0].region), mean(&target.protect));
     let dissipated = if kind == "lens" { 673.924_254 } else { 677.605_348 + 10.0 * (0.365_406 - focal_mean) };
     ArrangementOutcome {
         name: seed.map_or(kind.to_owned(), |seed| format!("{kind}-{seed}")),
@@ -144,6 +142,8 @@ fn arrangement(
         spheres: layout.iter().filter(|&&m| m == 1).count(),
         scores: Scores {
             focal_mean,
+            foci: Vec::new(),
+            balance: None,
             protected_mean,
             contrast: Some(focal_mean / protected_mean),
             focal_gain: None,
@@ -228,6 +228,8 @@ fn proposal(spheres: usize) -> Proposal {
         cost: None,
         arrival: Some([1.7e-4, 1.8e-4]),
         predicted_gain: Some(2.5),
+        parts: Vec::new(),
+        foci: Vec::new(),
         warnings: Vec::new(),
         faces: vec![
             (0..=33).map(|k| f64::from(k) / 2.0).map(|x| [x * D, (apex + front(x)) * D]).collect(),
