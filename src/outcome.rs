@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 mod traced;
 
-pub use traced::{Front, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
+pub use traced::{Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
 
 use crate::dem::Stop;
 use crate::lattice::Site;
@@ -159,6 +159,9 @@ pub struct Proposal {
     /// What rays bring to each of several focal regions, in the order of the target; empty with a single one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foci: Vec<FocusProposal>,
+    /// Spot diagrams, one for each focal region, where a report is to draw them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spots: Vec<SpotDiagram>,
     /// What to know before trusting the rays.
     pub warnings: Vec<String>,
     /// The faces as polylines (x, z) (m), x >= 0.

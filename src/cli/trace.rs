@@ -25,6 +25,9 @@ pub struct Trace {
     design: PathBuf,
     /// Layout, one line per sphere, in place of the proposed lens
     layout: Option<PathBuf>,
+    /// Write the spot diagram, where rays pass the focal row, as SVG to this file
+    #[arg(long, value_name = "FILE")]
+    spots: Option<PathBuf>,
     /// Number of rays to draw
     #[arg(long, default_value_t = 24, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=10_000))]
     rays: u16,
@@ -56,6 +59,17 @@ impl Trace {
         if let Some(path) = &common.out {
             write_file(path, &picture)?;
             note(common, &format!("picture: {}", path.display()));
+        }
+        if let Some(path) = &self.spots {
+            let rays: Vec<_> = traced.foci.iter().map(|focus| &focus.rays).collect();
+            if traced.proposal.is_none() {
+                return Err(Failure::input_with_help(
+                    "--spots: a layout has no rays, as nobody knows its faces",
+                    "Leave the layout out to trace the lens that the design proposes.",
+                ));
+            }
+            write_file(path, &report::spot_diagram(&traced.name, traced.diameter, &rays))?;
+            note(common, &format!("spot diagram: {}", path.display()));
         }
         match (common.json, &common.out) {
             (true, _) => emit_json(&traced),
@@ -141,16 +155,17 @@ fn words(traced: &Traced) -> String {
 
 /// What comes to one of several foci.
 fn of_focus(k: usize, focus: &TracedFocus, diameter: f64) -> String {
-    let inside = focus.passages.iter().filter(|[_, x, _]| (focus.x[0]..=focus.x[1]).contains(x)).count();
-    let spot = focus.spot.map_or(String::new(), |spot| {
+    let rays = &focus.rays;
+    let spot = rays.spot.map_or(String::new(), |spot| {
         format!(", centre {} off the axis, mean radius {:.2} D", Length.show(spot.centre), spot.radius / diameter)
     });
     let shown = |time: Option<f64>| time.map_or("never".to_owned(), |time| Time.show(time));
     format!(
-        "focus {} (row {:.1}): {inside} of its {} rays come into it{spot}; first arrival {} by rays, {} by the eikonal equation",
+        "focus {} (row {:.1}): {} of its {} rays come into it{spot}; first arrival {} by rays, {} by the eikonal equation",
         k + 1,
-        focus.depth / (0.75_f64.sqrt() * diameter) + 1.0,
-        focus.passages.len(),
+        rays.depth / (0.75_f64.sqrt() * diameter) + 1.0,
+        rays.inside(),
+        rays.passages.len(),
         shown(focus.arrival[0]),
         shown(focus.arrival[1]),
     )

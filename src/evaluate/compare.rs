@@ -6,6 +6,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use rayon::prelude::*;
 
 use super::EvaluateError;
+use super::traced::spot_diagrams;
 use super::{Doubts, Evaluation, Overrides, Plan, PlanError, evaluate, validity};
 use crate::dem::Stop;
 use crate::design::Design;
@@ -52,7 +53,7 @@ impl<'a> Comparison<'a> {
     pub fn of_lens(design: &'a Design, lens: &Lens, overrides: Overrides) -> Result<Self, PlanError> {
         let subject = lens.layout();
         let plan = Plan::new(design, overrides, &subject.palette)?;
-        let proposal = Some(proposal(design, lens));
+        let proposal = Some(Proposal { spots: spot_diagrams(design, lens), ..proposal(design, lens) });
         Ok(Self { design, plan, name: "lens".to_owned(), rows: lens.rows(), subject, proposal })
     }
 
@@ -295,6 +296,7 @@ pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
         predicted_gain: lens.first_order.gain,
         parts: lens.parts.iter().filter(|_| several).map(part).collect(),
         foci: lens.foci.iter().zip(&design.target.foci).filter(|_| several).map(focus).collect(),
+        spots: Vec::new(),
         warnings: lens.warnings.clone(),
         faces: lens.faces(),
         rays: lens.sample_rays(17),

@@ -4,7 +4,7 @@ use super::proposal;
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::lens::Lens;
-use crate::outcome::{FORMAT, Front, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
+use crate::outcome::{FORMAT, Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
 use crate::ray::{Eikonal, Spot, Trace, caustic, fan, least_spot, spot, wavefront};
 use crate::target::{Focus, Region};
 use crate::wave::{Decay, site_speeds};
@@ -40,23 +40,12 @@ pub fn trace_lens(
     let layout = lens.layout();
     let mut traced = trace_layout(design, &layout, &eikonal(design, &layout, None), decays, |_| times.clone());
     for (k, focus) in traced.foci.iter_mut().enumerate() {
-        let part = lens.parts.iter().find(|part| part.foci.contains(&k));
-        let [low, high] = part.map_or([0.0, lens.lattice.half_width()], |part| part.window);
-        // A ray on the line between two strips belongs to neither.
-        let slack = 1e-9 * lens.lattice.half_width();
-        let [low, high] = [if low > 0.0 { low + slack } else { low }, high - slack];
-        let own: Vec<&Trace> = fine.iter().filter(|trace| (low..=high).contains(&trace.path.points[0][0])).collect();
-        let passages = own.iter().filter_map(|trace| {
-            let (x, time) = trace.path.at_depth(focus.depth)?;
-            Some([trace.path.points[0][0], x, time])
-        });
-        focus.passages = passages.collect();
-        focus.spot = spot(own, focus.depth, edge(lens, part.map_or(lens.axis, |part| part.axis))).map(told);
+        focus.rays = spot_diagram(design, lens, &fine, k);
         focus.arrival[0] = lens.foci[k].arrival.map(|range| range[0]);
     }
     // Several foci have each their own.
     let spots = match &traced.foci[..] {
-        [focus] => [focus.spot, least_spot(&fine, [behind, end], edge(lens, lens.axis)).map(told)],
+        [focus] => [focus.rays.spot, least_spot(&fine, [behind, end], edge(lens, lens.axis)).map(told)],
         _ => [None, None],
     };
     Traced {
@@ -68,6 +57,33 @@ pub fn trace_lens(
         focal_arrival: [lens.first_order.arrival.map(|range| range[0]), traced.focal_arrival[1]],
         ..traced
     }
+}
+
+/// Rays of a spot diagram in a report.
+const DRAWN: usize = 121;
+
+/// The spot diagrams of a design's lens, one for each focal region.
+pub(super) fn spot_diagrams(design: &Design, lens: &Lens) -> Vec<SpotDiagram> {
+    let rays = fan(&*lens.optics(), DRAWN);
+    (0..design.target.foci.len()).map(|k| spot_diagram(design, lens, &rays, k)).collect()
+}
+
+/// That of the k-th region, by those of the rays over the whole width that start in its strip.
+fn spot_diagram(design: &Design, lens: &Lens, rays: &[Trace], k: usize) -> SpotDiagram {
+    let (lattice, region) = (&lens.lattice, &design.target.foci[k].region);
+    let part = lens.parts.iter().find(|part| part.foci.contains(&k));
+    let (strip, axis) = part.map_or(([0.0, lattice.half_width()], lens.axis), |part| (part.window, part.axis));
+    let depth = lattice.depth(region.mid_row());
+    // A ray on the line between two strips belongs to neither.
+    let slack = 1e-9 * lattice.half_width();
+    let own = [if strip[0] > 0.0 { strip[0] + slack } else { 0.0 }, strip[1] - slack];
+    let own: Vec<&Trace> = rays.iter().filter(|trace| (own[0]..=own[1]).contains(&trace.path.points[0][0])).collect();
+    let passages = own.iter().filter_map(|trace| {
+        let (x, time) = trace.path.at_depth(depth)?;
+        Some([trace.path.points[0][0], x, time])
+    });
+    let passages = passages.collect();
+    SpotDiagram { depth, x: region.x, strip, passages, spot: spot(own, depth, edge(lens, axis)).map(told) }
 }
 
 /// A lens on either mirror line has its image beyond it: its spot lies there, not in the middle of one half.
@@ -108,10 +124,13 @@ fn trace_layout(
         .foci
         .iter()
         .map(|Focus { region, .. }| TracedFocus {
-            depth: lattice.depth(region.mid_row()),
-            x: region.x,
-            passages: Vec::new(),
-            spot: None,
+            rays: SpotDiagram {
+                depth: lattice.depth(region.mid_row()),
+                x: region.x,
+                strip: [0.0, lattice.half_width()],
+                passages: Vec::new(),
+                spot: None,
+            },
             arrival: [None, first(region, &by_bound)],
             arrival_decaying: decays.and_then(|_| first(region, &first_arrival)),
         })

@@ -141,7 +141,7 @@ impl Form {
             Self::Graded(profile) => {
                 let profile = profile.clone();
                 let depth = profile.depth;
-                Box::new(Slab { depth, slowness: move |x| profile.slowness(x), host: speed, half_width, end })
+                Box::new(Slab { depth, slowness: move |x| profile.with_slope(x), host: speed, half_width, end })
             }
         }
     }

@@ -62,19 +62,37 @@ pub struct Traced {
     pub decays: Vec<TracedDecay>,
 }
 
+/// The spot diagram of one focal region: where the rays that are meant for it pass its middle row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpotDiagram {
+    /// Depth of the middle row (m).
+    #[serde(rename = "depth_m")]
+    pub depth: f64,
+    /// Edges of the region (m).
+    #[serde(rename = "x_m")]
+    pub x: [f64; 2],
+    /// The strip of the struck width whose rays are meant for it (m).
+    #[serde(rename = "strip_m")]
+    pub strip: [f64; 2],
+    /// Of each of these rays that comes to the depth: where it starts (m), where it passes (m), and when (s).
+    pub passages: Vec<[f64; 3]>,
+    /// Root of the mean squared distance of the passages from the centre, and the centre.
+    pub spot: Option<TracedSpot>,
+}
+
+impl SpotDiagram {
+    /// How many of the rays pass within the region.
+    pub fn inside(&self) -> usize {
+        self.passages.iter().filter(|[_, x, _]| (self.x[0]..=self.x[1]).contains(x)).count()
+    }
+}
+
 /// What comes to one focal region, in its middle row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TracedFocus {
-    /// Depth of its middle row (m).
-    #[serde(rename = "depth_m")]
-    pub depth: f64,
-    /// Its edges (m).
-    #[serde(rename = "x_m")]
-    pub x: [f64; 2],
-    /// Of each ray that is meant for it and comes to that depth: where it starts (m), where it passes (m), and when (s).
-    pub passages: Vec<[f64; 3]>,
-    /// The spot that these rays make.
-    pub spot: Option<TracedSpot>,
+    /// Where rays pass; without a lens there are none.
+    #[serde(flatten)]
+    pub rays: SpotDiagram,
     /// First arrival within it (s): by rays, where any come there, and by the eikonal equation, both at the wave-speed bound.
     #[serde(rename = "arrival_s")]
     pub arrival: [Option<f64>; 2],

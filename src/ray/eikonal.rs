@@ -186,9 +186,12 @@ impl Eikonal {
                     continue;
                 }
                 let [Some(a), Some(b), Some(c)] = corners.map(|(row, p)| self.index(row, p)) else { continue };
-                let crossed: Vec<[f64; 2]> =
-                    [[a, b], [b, c], [c, a]].into_iter().filter_map(|side| self.crossed(side, time)).collect();
-                if let [from, to] = crossed[..] {
+                let reached = [a, b, c].map(|corner| self.times[corner] < time);
+                if reached[0] == reached[1] && reached[1] == reached[2] {
+                    continue;
+                }
+                let mut crossed = [[a, b], [b, c], [c, a]].into_iter().filter_map(|side| self.crossed(side, time));
+                if let (Some(from), Some(to)) = (crossed.next(), crossed.next()) {
                     pieces.push([from, to]);
                 }
             }

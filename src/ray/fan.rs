@@ -51,6 +51,16 @@ pub struct Spot {
 pub fn spot<'a>(traces: impl IntoIterator<Item = &'a Trace>, depth: f64, about: Option<f64>) -> Option<Spot> {
     let passages: Vec<(f64, f64)> =
         traces.into_iter().filter(|t| t.fate == Fate::Arrived).filter_map(|trace| trace.path.at_depth(depth)).collect();
+    spot_of(&passages, depth, about)
+}
+
+/// Whether a ray never turns back towards row 1.
+fn goes_down(trace: &Trace) -> bool {
+    trace.path.points.windows(2).all(|leg| leg[0][1] <= leg[1][1])
+}
+
+/// The spot of passages, each a place (m) and a time (s).
+fn spot_of(passages: &[(f64, f64)], depth: f64, about: Option<f64>) -> Option<Spot> {
     if passages.is_empty() {
         return None;
     }
@@ -64,7 +74,26 @@ pub fn spot<'a>(traces: impl IntoIterator<Item = &'a Trace>, depth: f64, about: 
 
 /// The depth between two (m) at which the spot is smallest, on a grid of a thousandth of the way.
 pub fn least_spot(traces: &[Trace], [low, high]: [f64; 2], about: Option<f64>) -> Option<Spot> {
-    let spots = (0..=1000).filter_map(|k| spot(traces, low + (high - low) * f64::from(k) / 1000.0, about));
+    // Depths only grow, so a ray's leg is never left upwards: what is above it is not looked at again.
+    let arrived = traces.iter().filter(|trace| trace.fate == Fate::Arrived && goes_down(trace));
+    let mut legs: Vec<(&Trace, usize)> = arrived.map(|trace| (trace, 0)).collect();
+    if legs.len() < traces.iter().filter(|trace| trace.fate == Fate::Arrived).count() {
+        let spots = (0..=1000).filter_map(|k| spot(traces, low + (high - low) * f64::from(k) / 1000.0, about));
+        return spots.min_by(|a, b| a.radius.total_cmp(&b.radius));
+    }
+    let mut passages = Vec::with_capacity(legs.len());
+    let spots = (0..=1000).filter_map(|k| {
+        let depth = low + (high - low) * f64::from(k) / 1000.0;
+        passages.clear();
+        for (trace, leg) in &mut legs {
+            let points = &trace.path.points;
+            while *leg + 2 < points.len() && points[*leg + 1][1] < depth {
+                *leg += 1;
+            }
+            passages.extend(trace.path.on_leg(*leg, depth));
+        }
+        spot_of(&passages, depth, about)
+    });
     spots.min_by(|a, b| a.radius.total_cmp(&b.radius))
 }
 

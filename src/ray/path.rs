@@ -13,6 +13,14 @@ impl Path {
     /// Place (m) and time (s) at which the ray passes a depth; none if it does not come there.
     pub fn at_depth(&self, depth: f64) -> Option<(f64, f64)> {
         let leg = self.points.windows(2).position(|leg| (leg[0][1]..=leg[1][1]).contains(&depth))?;
+        self.on_leg(leg, depth)
+    }
+
+    /// The same on one of the legs between corners; none if that does not come there.
+    pub(super) fn on_leg(&self, leg: usize, depth: f64) -> Option<(f64, f64)> {
+        if !(self.points[leg][1]..=self.points[leg + 1][1]).contains(&depth) {
+            return None;
+        }
         let ([x0, z0], [x1, z1]) = (self.points[leg], self.points[leg + 1]);
         let part = if z1 > z0 { (depth - z0) / (z1 - z0) } else { 0.0 };
         let (t0, t1) = (self.times[leg], self.times[leg + 1]);

@@ -15,7 +15,7 @@ use super::snell::TotalReflection;
 pub struct Slab<F> {
     /// Depth of front and back (m).
     pub depth: [f64; 2],
-    /// s(x) (s/m) for 0 ≤ x ≤ half width, smooth.
+    /// s(x) (s/m) and s′(x) (s/m²) for 0 ≤ x ≤ half width.
     pub slowness: F,
     /// Wave speed of the host (m/s).
     pub host: f64,
@@ -29,22 +29,27 @@ pub struct Slab<F> {
 const STEPS: usize = 48;
 const CORNERS: usize = 24;
 
-impl<F: Fn(f64) -> f64 + Send + Sync> Slab<F> {
+impl<F: Fn(f64) -> [f64; 2] + Send + Sync> Slab<F> {
     /// x, p and time along z: their derivatives.
     fn along(&self, [x, p, _]: [f64; 3], q: f64) -> [f64; 3] {
-        let step = 1e-5 * self.half_width;
-        let inside = 0.0..=self.half_width;
-        let at = |x: f64| (self.slowness)(if inside.contains(&x) { x } else { fold(x, self.half_width) });
-        let s = at(x);
-        let change = (at(x + step) - at(x - step)) / (2.0 * step);
+        let [s, change] = if x > 0.0 && x < self.half_width {
+            (self.slowness)(x)
+        } else {
+            let [s, change] = (self.slowness)(fold(x, self.half_width));
+            let halves = x / self.half_width;
+            // On a mirror line the two sides cancel, and in every other image x runs backwards.
+            let sense = if halves == halves.floor() { 0.0 } else { 1.0 - 2.0 * halves.floor().rem_euclid(2.0) };
+            [s, sense * change]
+        };
         [p / q, s * change / q, s * s / q]
     }
 
     fn cross(&self, x: f64) -> Vec<[f64; 3]> {
-        let q = (self.slowness)(x);
+        let [q, _] = (self.slowness)(x);
         let h = (self.depth[1] - self.depth[0]) / STEPS as f64;
         let moved = |y: [f64; 3], k: [f64; 3], h: f64| [0, 1, 2].map(|i| y[i] + h * k[i]);
-        let mut states = vec![[x, 0.0, self.depth[0] / self.host]];
+        let mut states = Vec::with_capacity(STEPS + 1);
+        states.push([x, 0.0, self.depth[0] / self.host]);
         for _ in 0..STEPS {
             let y = states[states.len() - 1];
             let a = self.along(y, q);
@@ -57,7 +62,7 @@ impl<F: Fn(f64) -> f64 + Send + Sync> Slab<F> {
     }
 }
 
-impl<F: Fn(f64) -> f64 + Send + Sync> Optics for Slab<F> {
+impl<F: Fn(f64) -> [f64; 2] + Send + Sync> Optics for Slab<F> {
     fn half_width(&self) -> f64 {
         self.half_width
     }
@@ -78,9 +83,10 @@ impl<F: Fn(f64) -> f64 + Send + Sync> Optics for Slab<F> {
         let turned = (unfolded / self.half_width).floor() as i64 % 2 != 0;
         let sine = if turned { -sine } else { sine };
         if sine.abs() >= 1.0 {
+            let [slowness, _] = (self.slowness)(fold(unfolded, self.half_width));
             let total = TotalReflection {
-                incidence: (p / (self.slowness)(fold(unfolded, self.half_width))).abs().min(1.0).asin(),
-                critical: (1.0 / (self.host * (self.slowness)(fold(unfolded, self.half_width)))).min(1.0).asin(),
+                incidence: (p / slowness).abs().min(1.0).asin(),
+                critical: (1.0 / (self.host * slowness)).min(1.0).asin(),
             };
             return Trace { path, events, fate: Fate::Reflected(1, total) };
         }
@@ -114,7 +120,7 @@ mod tests {
     use super::*;
     use crate::ray::{fan, spot};
 
-    fn slab<F: Fn(f64) -> f64 + Send + Sync>(slowness: F, depth: [f64; 2]) -> Slab<F> {
+    fn slab<F: Fn(f64) -> [f64; 2] + Send + Sync>(slowness: F, depth: [f64; 2]) -> Slab<F> {
         Slab { depth, slowness, host: 1.0, half_width: 10.0, end: 100.0 }
     }
 
@@ -124,7 +130,7 @@ mod tests {
     fn the_hyperbolic_secant_focuses_exactly() {
         let (g, s) = (0.2, 2.0);
         let depth = std::f64::consts::FRAC_PI_2 / g;
-        let slab = slab(move |x: f64| s / (g * x).cosh(), [5.0, 5.0 + depth]);
+        let slab = slab(move |x: f64| [1.0, -g * (g * x).tanh()].map(|k| k * s / (g * x).cosh()), [5.0, 5.0 + depth]);
         for x in [0.5, 2.0, 5.0, 9.0] {
             let states = slab.cross(x);
             let [x_end, _, time] = states[STEPS];
@@ -136,7 +142,7 @@ mod tests {
     /// Of one speed it does nothing but delay.
     #[test]
     fn a_uniform_slab_only_delays() {
-        let traces = fan(&slab(|_| 2.0, [5.0, 15.0]), 7);
+        let traces = fan(&slab(|_| [2.0, 0.0], [5.0, 15.0]), 7);
         let spot = spot(&traces, 50.0, Some(0.0)).unwrap();
         assert!((spot.times[0] - 60.0).abs() < 1e-10 && (spot.times[1] - 60.0).abs() < 1e-10);
         assert!(traces.iter().all(|t| t.path.points.len() == t.events.len() + 2));

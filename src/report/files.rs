@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::summary::{AGAINST, CONTRAST, DISSIPATED, FOCAL, GAIN, PROTECTED, PROTECTION, Pick, Spread, lines};
-use super::{drawing, maps, page, profiles};
+use super::{drawing, maps, page, profiles, spots};
 use crate::outcome::{FORMAT, Outcome, Scores};
 use crate::target::Target;
 
@@ -40,14 +40,19 @@ pub enum ReportError {
 /// [`ReportError::Empty`].
 pub fn pictures(outcome: &Outcome) -> Result<Vec<(&'static str, String)>, ReportError> {
     let lens = outcome.arrangements.first().ok_or(ReportError::Empty)?;
-    Ok(vec![
-        ("layout.svg", drawing::layout(outcome, lens)),
+    let spots: Vec<_> = outcome.proposal.iter().flat_map(|proposal| &proposal.spots).collect();
+    let mut pictures = vec![("layout.svg", drawing::layout(outcome, lens))];
+    if !spots.is_empty() {
+        pictures.push(("spots.svg", spots::spot_diagram(&outcome.manifest.name, outcome.diameter, &spots)));
+    }
+    pictures.extend([
         ("kinetic-lens.svg", maps::kinetic_lens(outcome, lens)),
         ("kinetic.svg", maps::kinetic(outcome)),
         ("profiles.svg", profiles::profiles(outcome)),
         ("dissipation.svg", maps::dissipation(outcome, lens)),
         ("forces.svg", maps::forces(outcome, lens)),
-    ])
+    ]);
+    Ok(pictures)
 }
 
 /// Every file of a report: relative path and contents. The same outcome gives the same bytes.

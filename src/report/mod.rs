@@ -10,6 +10,7 @@
 //! - `claims`: what was published of such lenses, measured on this outcome
 //! - `page`, `files`: what is written
 //! - `contact_curve`: a contact law as a picture
+//! - `spots`: where rays pass the focal row
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `surface`: a design surface as a picture, `surface_page` as a page that answers the pointer; `labels`: places for its labels
 //! - `plain_page`: pictures below some words
@@ -31,6 +32,7 @@ mod maps;
 mod page;
 mod plain_page;
 mod profiles;
+mod spots;
 mod summary;
 mod surface;
 mod surface_page;
@@ -44,6 +46,7 @@ pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;
 pub use ensemble::draw_ensemble;
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, write, write_numbers};
+pub use spots::spot_diagram;
 pub use surface::{surface, surface_csv};
 pub use surface_page::surface_page;
 pub use table::table;

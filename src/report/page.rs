@@ -231,6 +231,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
     };
     match file {
         "layout.svg" => format!("The lens as it would be built, both halves, spheres in true proportion.{rays}"),
+        "spots.svg" => "Spot diagram: where the rays pass the middle row of the focal region (across), by where they start (upwards); ticks below are the same places on one line. Rays of a perfect lens stand on one vertical line; a bend is spherical aberration, a jump a step between zones or parts. Rays know nothing of wavelength and decay: the simulated spot is some diameters wide all the same.".to_owned(),
         "kinetic-lens.svg" => format!(
             "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves. Where rays (white) gather, the energy behind the lens should be high; where they leave, low. The last rows are faster again because nothing stands behind them. {beyond} {regions}"
         ),

@@ -11,9 +11,21 @@ pub struct Px(pub f64);
 
 impl fmt::Display for Px {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rounded = (self.0 * 100.0).round() / 100.0;
-        // Adding zero turns −0 into 0.
-        write!(f, "{}", if rounded.is_finite() { rounded + 0.0 } else { 0.0 })
+        let hundredths = (self.0 * 100.0).round();
+        if !hundredths.is_finite() {
+            return f.write_str("0");
+        }
+        if hundredths.abs() >= 1e15 {
+            return write!(f, "{}", hundredths / 100.0);
+        }
+        // By whole numbers: pictures hold tens of thousands of these, and the shortest digits of a float take most of their time.
+        let (whole, part) = (hundredths.abs() as u64 / 100, hundredths.abs() as u64 % 100);
+        let sign = if hundredths < 0.0 { "-" } else { "" };
+        match (part, part % 10) {
+            (0, _) => write!(f, "{sign}{whole}"),
+            (_, 0) => write!(f, "{sign}{whole}.{}", part / 10),
+            _ => write!(f, "{sign}{whole}.{part:02}"),
+        }
     }
 }
 
@@ -199,6 +211,10 @@ mod tests {
         assert_eq!(shown(1.0 / 3.0), "0.33");
         assert_eq!(shown(-0.001), "0");
         assert_eq!(shown(12.0), "12");
+        assert_eq!(
+            [-12.5, -0.05, 3.104_9, 7.996, 1e17].map(shown),
+            ["-12.5", "-0.05", "3.1", "8", "100000000000000000"]
+        );
         assert_eq!(shown(f64::NAN), "0");
     }
 

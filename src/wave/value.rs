@@ -59,6 +59,14 @@ impl Value {
         }
     }
 
+    /// What it is shown over where nothing else is asked for: the thesis's axes where they matter.
+    pub fn axes(self) -> [Axis; 2] {
+        match self {
+            Self::PlasticForce | Self::Dissipation => [Axis::YieldStress, Axis::Modulus],
+            _ => [Axis::Stiffness, Axis::Density],
+        }
+    }
+
     /// Whether a variable has any influence on it. What is compared is compared in one packing, which cancels; a stiffness alone
     /// fixes neither F_p nor what is dissipated.
     pub fn depends_on(self, axis: Axis) -> bool {

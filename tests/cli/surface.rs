@@ -38,6 +38,25 @@ fn the_surface_is_drawn_with_its_numbers_beside_it() {
     assert_eq!((desk.read("again.svg"), desk.read("again.csv")), (svg, csv));
 }
 
+/// Every value alone is drawn, over axes that matter to it, and every value with one axis given over another.
+#[test]
+fn every_value_has_axes_of_its_own() {
+    let desk = Desk::new();
+    for value in ["speed", "speed-ratio", "critical-angle", "impedance-ratio", "plastic-force", "dissipation"] {
+        desk.run(&["surface", "--value", value, "--out", "alone.svg"]).ok();
+        let csv = desk.read("alone.csv");
+        let shown: Vec<&str> = csv.lines().next().unwrap().split(',').skip(2).collect();
+        let expected = match value {
+            "plastic-force" | "dissipation" => ["yield_stress_Pa", "youngs_modulus_Pa"],
+            _ => ["stiffness_N_m", "density_kg_m3"],
+        };
+        assert_eq!(shown[..2], expected, "{value}");
+        for axis in ["--x", "--y"] {
+            desk.run(&["surface", "--value", value, axis, "modulus", "--out", "one.svg"]).ok();
+        }
+    }
+}
+
 #[test]
 fn any_two_variables_make_a_surface() {
     let desk = Desk::new();
@@ -167,7 +186,7 @@ fn wrong_requests_are_refused_in_words() {
     let desk = Desk::new();
     let calls: [(&[&str], &str); 23] = [
         (&["--x", "radius", "--out", "s.svg"], "speed does not depend on radius"),
-        (&["--value", "plastic-force", "--x", "modulus", "--out", "s.svg"], "plastic-force does not depend on density"),
+        (&["--value", "plastic-force", "--x", "density", "--out", "s.svg"], "plastic-force does not depend on density"),
         (&["--x", "raduis"], "invalid value 'raduis'"),
         (&["--x", "density", "--y", "density", "--out", "s.svg"], "both axes are density"),
         (&["--x", "modulus", "--y", "stiffness", "--out", "s.svg"], "stiffness follows from modulus"),

@@ -229,6 +229,7 @@ fn proposal(spheres: usize) -> Proposal {
         arrival: Some([1.7e-4, 1.8e-4]),
         predicted_gain: Some(2.5),
         parts: Vec::new(),
+        spots: Vec::new(),
         foci: Vec::new(),
         warnings: Vec::new(),
         faces: vec![

@@ -39,12 +39,12 @@ pub struct Surface {
     /// Material that ratios and critical angles are against [default: that of --material]
     #[arg(long, value_name = "NAME")]
     against: Option<String>,
-    /// What is along x
-    #[arg(long, value_name = "AXIS", default_value = "stiffness", value_parser = axis_names())]
-    x: String,
-    /// What is along y
-    #[arg(long, value_name = "AXIS", default_value = "density", value_parser = axis_names())]
-    y: String,
+    /// What is along x [default: stiffness; of plastic-force and dissipation, which no stiffness fixes, yield-stress]
+    #[arg(long, value_name = "AXIS", value_parser = axis_names())]
+    x: Option<String>,
+    /// What is along y [default: density; of plastic-force and dissipation modulus]
+    #[arg(long, value_name = "AXIS", value_parser = axis_names())]
+    y: Option<String>,
     /// Range of x, such as "10 MN/m..100 MN/m"; without, what the media span
     #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true)]
     x_range: Option<String>,
@@ -227,11 +227,32 @@ impl Surface {
         Ok(())
     }
 
+    fn value(&self) -> Value {
+        Value::ALL.into_iter().find(|value| value.name() == self.value).unwrap_or_default()
+    }
+
+    /// What is along x and y. Beside an axis that is given stands that of the value's own which goes with it.
+    fn axes(&self) -> [Axis; 2] {
+        let own = self.value().axes();
+        let beside = |given: Axis, usual: Axis| {
+            let other = if own[0] == usual { own[1] } else { own[0] };
+            let follows = |a: Axis, b: Axis| a == Axis::Stiffness && matches!(b, Axis::YieldStress | Axis::Modulus);
+            if usual == given || follows(usual, given) || follows(given, usual) { other } else { usual }
+        };
+        match [&self.x, &self.y].map(|name| name.as_deref().map(axis)) {
+            [Some(x), Some(y)] => [x, y],
+            [Some(x), None] => [x, beside(x, own[1])],
+            [None, Some(y)] => [beside(y, own[0]), y],
+            [None, None] => own,
+        }
+    }
+
     /// The variables that are not shown.
     fn setting(&self, shelf: &Shelf) -> Result<Setting, Failure> {
         let mut material = find(&self.material, &shelf.own)?;
+        let axes = self.axes();
         let given = |option: &str, axis: Axis, text: &Option<String>| {
-            if text.is_some() && [&self.x, &self.y].into_iter().any(|shown| shown == axis.name()) {
+            if text.is_some() && axes.contains(&axis) {
                 return Err(Failure::input(format!("--{option} is given, and is an axis too: leave one of them out")));
             }
             text.as_ref().map(|text| quantity(option, unit(axis), text)).transpose()
@@ -244,7 +265,7 @@ impl Surface {
         material.yield_stress = yield_stress.unwrap_or(material.yield_stress);
         material.youngs_modulus = modulus.unwrap_or(material.youngs_modulus);
         if yield_stress.is_some() || modulus.is_some() {
-            let shown = |axis: Axis| self.x == axis.name() || self.y == axis.name();
+            let shown = |axis: Axis| axes.contains(&axis);
             if stiffness.is_some() || shown(Axis::Stiffness) {
                 return Err(Failure::input_with_help(
                     "the stiffness follows from yield stress and modulus, so they cannot be given beside it",
@@ -266,7 +287,7 @@ impl Surface {
                 "Give the contact force as a multiple of F_p, from 0.35.",
             ));
         }
-        let value = Value::ALL.into_iter().find(|value| value.name() == self.value).unwrap_or_default();
+        let value = self.value();
         let against = self.against.as_deref().unwrap_or(&self.material);
         Ok(Setting {
             value,
@@ -321,7 +342,7 @@ impl Surface {
     }
 
     fn grid(&self, media: &[Medium], setting: &Setting) -> Result<(Grid, Vec<Point>), Failure> {
-        let axes = [axis(&self.x), axis(&self.y)];
+        let axes = self.axes();
         let points = wave::points(media, axes, setting);
         let range = |k: usize, option: &str, text: &Option<String>| -> Result<[f64; 2], Failure> {
             if let Some(text) = text {
