@@ -36,10 +36,10 @@ impl Profile {
         let [host, lens] = self.slowness;
         let off = x - self.axis;
         let way = (off * off + self.focal_length * self.focal_length).sqrt();
-        let per_length = host / (self.depth[1] - self.depth[0]);
-        let free = lens - (way - self.focal_length) * per_length;
+        let thickness = self.depth[1] - self.depth[0];
+        let free = lens - (way - self.focal_length) * host / thickness;
         let kept = free.clamp(host.min(lens), host.max(lens));
-        [kept, if kept == free { -off / way * per_length } else { 0.0 }]
+        [kept, if kept == free { -off / way * host / thickness } else { 0.0 }]
     }
 }
 
