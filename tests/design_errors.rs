@@ -320,6 +320,8 @@ fn wrong_lens() {
         ("\"plano-convex\"", "\"graded\"\nothers = \"brass\""),
         ("\"plano-convex\"", "\"graded\"\nraster = \"fine\""),
         ("\"plano-convex\"", "\"graded\"\nseed = 3"),
+        ("\"plano-convex\"", "\"plano-convex\"\nsymmetry = \"axis\""),
+        ("\"plano-convex\"", "\"plano-convex\"\nsymmetry = \"round\""),
         ("material = \"my-steel\"", "material = \"bras\""),
         ("material = \"my-steel\"", "material = \"stainless-440c\""),
         ("apex_row = 5", "apex_row = 2"),

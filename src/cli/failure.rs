@@ -104,6 +104,7 @@ impl Failure {
             LensError::FocusWidth(_) => ("target.focus.x", "Give the nearer distance from the axis first."),
             LensError::Split { .. } => ("lens.family", "Choose another family, or leave one focal region."),
             LensError::PartsAxis(_) => ("lens.axis", "Leave it out: each part stands before its own region."),
+            LensError::OffAxis => ("lens.axis", "Leave it out, and aim at a region on the axis."),
             LensError::Axis { .. } => ("lens.axis", "Leave it out to have it placed before the focal region."),
             LensError::Span { .. } => ("lens.rows", "Widen them, or ask for fewer stages."),
             LensError::MaxAngle(_) => ("lens.max_interface_angle", "Leave it out for 60 degrees."),

@@ -42,6 +42,12 @@ pub struct Trace {
 
 impl Trace {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
+        if self.spots.is_some() && self.layout.is_some() {
+            return Err(Failure::input_with_help(
+                "--spots: a layout has no rays, as nobody knows its faces",
+                "Leave the layout out to trace the lens that the design proposes.",
+            ));
+        }
         let design = Design::read(&self.design)?;
         let traced = match &self.layout {
             Some(path) => {
@@ -62,15 +68,10 @@ impl Trace {
         }
         if let Some(path) = &self.spots {
             let rays: Vec<_> = traced.foci.iter().map(|focus| &focus.rays).collect();
-            if traced.proposal.is_none() {
-                return Err(Failure::input_with_help(
-                    "--spots: a layout has no rays, as nobody knows its faces",
-                    "Leave the layout out to trace the lens that the design proposes.",
-                ));
-            }
             write_file(path, &report::spot_diagram(&traced.name, traced.diameter, &rays))?;
             note(common, &format!("spot diagram: {}", path.display()));
         }
+        traced.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         match (common.json, &common.out) {
             (true, _) => emit_json(&traced),
             (false, Some(_)) => emit(&words(&traced)),

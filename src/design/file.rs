@@ -36,7 +36,7 @@ pub(super) struct TargetFile {
 section!(FocusFile: Written { rows, x, share });
 section!(RegionFile: Written { rows, x });
 section!(LensFile: Written {
-    family, material, others, apex_row, back_row, radius, max_interface_angle, rows, axis, stages, raster, seed
+    family, material, others, apex_row, back_row, radius, max_interface_angle, rows, axis, stages, raster, seed, symmetry
 });
 section!(RunFile: Written { integrator, step, accuracy, window });
 section!(CompareFile: Written { seeds, first_seed });
@@ -80,6 +80,7 @@ pub(super) const EXAMPLES: &[&str] = &[
     "lens.stages = 2",
     "lens.raster = \"nearest\"",
     "lens.seed = 1",
+    "lens.symmetry = \"plane\"",
     "run.integrator = \"verlet\"",
     "run.step = \"1e-7 s\"",
     "run.accuracy = \"0.1 %\"",

@@ -4,7 +4,7 @@ use super::file::LensFile;
 use super::{DesignError, region};
 use crate::document::{self, Entry, Scope};
 use crate::lattice::HexagonalSheet;
-use crate::lens::{Family, LensRequest, Raster};
+use crate::lens::{Family, LensRequest, Raster, Symmetry};
 use crate::material::Material;
 use crate::target::Target;
 use crate::units::Dimension;
@@ -33,6 +33,14 @@ pub(super) fn read(
         return Err(written.fail(
             &format!("cannot be split among {foci} focal regions"),
             &format!("Ask for one that can: {}; or leave one target.focus.", split.join(", ")),
+        ));
+    }
+    if let Some(entry) = scope.optional("symmetry", &file.symmetry)
+        && entry.choice("symmetry", &[("plane", Symmetry::Plane), ("axis", Symmetry::Axis)])? == Symmetry::Axis
+    {
+        return Err(entry.fail(
+            "is a body of revolution, which no sheet holds: crystal.packing is hexagonal-2d, and no raster lays others",
+            "Leave it out. The body's form, volume and counts are given by lens::propose_body of the library.",
         ));
     }
     let foreign = |entry: &Entry| {

@@ -7,7 +7,7 @@ use crate::lens::Lens;
 use crate::outcome::{FORMAT, Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
 use crate::ray::{Eikonal, Spot, Trace, caustic, fan, least_spot, spot, wavefront};
 use crate::target::{Focus, Region};
-use crate::wave::{Decay, site_speeds};
+use crate::wave::{Decay, Dimension, bound, doubtful_passages, site_speeds};
 
 /// Rays behind spots, caustic and wavefronts.
 const FINE: usize = 601;
@@ -137,6 +137,18 @@ fn trace_layout(
         .collect();
     let earliest = |of: fn(&TracedFocus) -> Option<f64>| foci.iter().filter_map(of).min_by(f64::total_cmp);
     let materials: Vec<String> = layout.palette.iter().map(|material| material.name.clone()).collect();
+    let warnings = match decays {
+        Some(_) => {
+            let used = |k: &usize| layout.materials.iter().any(|&material| usize::from(material) == *k);
+            let impedance = |k: usize| {
+                let material = &layout.palette[k];
+                let speed = bound(Dimension::Two, [material; 2], lattice.diameter(), design.constants).speed;
+                (material.name.as_str(), material.density * speed)
+            };
+            doubtful_passages(&(0..layout.palette.len()).filter(used).map(impedance).collect::<Vec<_>>())
+        }
+        None => Vec::new(),
+    };
     let told = decays.unwrap_or_default().iter().zip(&materials).map(|(decay, material)| TracedDecay {
         material: material.clone(),
         reached: decay.speeds().to_vec(),
@@ -162,6 +174,7 @@ fn trace_layout(
         focal_arrival_decaying: earliest(|focus| focus.arrival_decaying),
         foci,
         first_arrival,
+        warnings,
         sites,
     }
 }

@@ -101,6 +101,11 @@ pub enum LensError {
     /// An axis is given, and each of several parts has its own.
     #[error("axis = {}: each of several focal regions has a part with an axis of its own", Length.show(*.0))]
     PartsAxis(f64),
+    /// A body of revolution has no axis but that of the crystal.
+    #[error(
+        "a body of revolution lies on the crystal's axis; off it, or for several focal regions, it would be a ridge"
+    )]
+    OffAxis,
     /// No lens within the limits serves the target.
     #[error(transparent)]
     Unreachable(Box<Unreachable>),

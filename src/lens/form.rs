@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 
 use super::equal_time::EqualTime;
 use super::graded::Profile;
+use super::symmetry::Symmetry;
 use crate::ray::{Conic, Curve, Graph, Interface, Optics, Scene, Segment, Slab};
 
 /// One face, z over x in 0 ≤ x ≤ half width (m).
@@ -214,6 +215,24 @@ impl Form {
                 Face::Ramp { from, to } => ((to[1] - from[1]) / (to[0] - from[0])).abs().atan(),
             })
             .fold(0.0, f64::max)
+    }
+
+    /// How much each material of a palette of so many takes, host excluded: area of both halves (m²) or volume of the body (m³).
+    /// Of a graded form all counts as the second.
+    pub fn extents(&self, palette: usize, half_width: f64, symmetry: Symmetry) -> Vec<f64> {
+        let mut extents = vec![0.0; palette];
+        match self {
+            Self::Elements(elements) => {
+                for e in elements {
+                    let thickness = |x: f64| e.back.height(x) - e.front.height(x);
+                    extents[usize::from(e.material)] += symmetry.extent(e.x, thickness);
+                }
+            }
+            Self::Graded(profile) => {
+                extents[1] = symmetry.extent([0.0, half_width], |_| profile.depth[1] - profile.depth[0]);
+            }
+        }
+        extents
     }
 
     /// How much of a window (m) it covers.

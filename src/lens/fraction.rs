@@ -1,5 +1,6 @@
 //! How much of the struck width rays send through the focal region.
 
+use super::symmetry::Symmetry;
 use crate::ray::{Bench, Optics, Trace, enter, leave};
 
 /// Slopes of rays for a set of places on the front, the same for lenses of all sizes: where a ray goes depends on the
@@ -171,16 +172,31 @@ impl Stripes {
 /// Between neighbours that have met the same interfaces the place of arrival is taken as linear; between others each counts
 /// for half of the way. Of what several goals take of such a way the greatest counts, which is exact but for the few ways
 /// that edges of two goals cut. Rays that do not come to a depth are lost.
-pub(super) fn passing(optics: &dyn Optics, strip: [f64; 2], goals: &[(f64, [f64; 2])], count: usize) -> f64 {
-    passing_of(&crate::ray::fan_between(optics, strip, count), goals, optics.half_width())
+pub(super) fn passing(
+    optics: &dyn Optics,
+    strip: [f64; 2],
+    goals: &[(f64, [f64; 2])],
+    count: usize,
+    symmetry: Symmetry,
+) -> f64 {
+    passing_of(&crate::ray::fan_between(optics, strip, count), goals, optics.half_width(), symmetry)
 }
 
 /// The same by rays that are traced already.
-pub(super) fn passing_of(traces: &[Trace], goals: &[(f64, [f64; 2])], half_width: f64) -> f64 {
+pub(super) fn passing_of(traces: &[Trace], goals: &[(f64, [f64; 2])], half_width: f64, symmetry: Symmetry) -> f64 {
     let ways: Vec<Vec<f64>> = goals.iter().map(|goal| ways_within(traces, *goal, half_width)).collect();
     let count = traces.len() - 1;
     let most = |k: usize| ways.iter().map(|ways| ways[k]).fold(0.0, f64::max);
-    ((0..count).map(most).sum::<f64>() / count as f64).clamp(0.0, 1.0)
+    let part = match symmetry {
+        // Rays start evenly over a width: all ways between them count the same.
+        Symmetry::Plane => (0..count).map(most).sum::<f64>() / count as f64,
+        Symmetry::Axis => {
+            let start = |k: usize| traces[k].path.points[0][0];
+            let whole = symmetry.struck([start(0), start(count)], half_width);
+            (0..count).map(|k| most(k) * symmetry.struck([start(k), start(k + 1)], half_width)).sum::<f64>() / whole
+        }
+    };
+    part.clamp(0.0, 1.0)
 }
 
 /// For each pair of neighbouring rays the share of the way between them that lies within a goal.
@@ -206,16 +222,18 @@ fn ways_within(traces: &[Trace], (depth, region): (f64, [f64; 2]), half_width: f
 }
 
 /// Fraction of a strip of the struck width (m) from which straight rays pass through one of the regions.
-pub(super) fn without(regions: &[[f64; 2]], strip: [f64; 2]) -> f64 {
+pub(super) fn without(regions: &[[f64; 2]], strip: [f64; 2], symmetry: Symmetry) -> f64 {
     let mut inside: Vec<[f64; 2]> =
         regions.iter().map(|x| [x[0].max(strip[0]), x[1].min(strip[1])]).filter(|x| x[0] < x[1]).collect();
     inside.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let (mut sum, mut reached) = (0.0, f64::NEG_INFINITY);
     for [low, high] in inside {
-        sum += (high - low.max(reached)).max(0.0);
+        if high > reached {
+            sum += symmetry.struck([low.max(reached), high], 1.0);
+        }
         reached = reached.max(high);
     }
-    sum / (strip[1] - strip[0])
+    sum / symmetry.struck(strip, 1.0)
 }
 
 #[cfg(test)]

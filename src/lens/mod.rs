@@ -10,9 +10,11 @@
 //! - `fraction`: how much of the struck width rays send through a region
 //! - `solve`: the search for the form that sends most
 //! - `proposed`: the lens that was found, and its first-order data
+//! - `symmetry`: a sheet's lens or a body of revolution: what is struck, areas and volumes; `body`: the latter, proposed without sites
 //! - `unreachable`: why no lens serves a target, and which target near it could be served
 //! - `check`: whether a request makes sense
 
+mod body;
 mod check;
 mod equal_time;
 mod family;
@@ -24,8 +26,10 @@ mod plano_convex;
 mod proposed;
 mod raster;
 mod solve;
+mod symmetry;
 mod unreachable;
 
+pub use body::{Body, propose_body};
 pub use check::LensError;
 pub use equal_time::EqualTime;
 pub use family::Family;
@@ -35,6 +39,7 @@ pub use parts::{FocusRays, Part};
 pub use plano_convex::Shape;
 pub use proposed::{FirstOrder, Lens};
 pub use raster::Raster;
+pub use symmetry::Symmetry;
 pub use unreachable::{Limit, Nearest, Unreachable};
 
 use crate::contact::Constants;

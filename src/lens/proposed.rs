@@ -116,7 +116,13 @@ impl Found<'_> {
     fn alone(&self) -> f64 {
         let speeds = self.problem.palette_speeds();
         let optics = self.form.optics(self.problem.surrounds(&speeds));
-        passing(&*optics, self.problem.window, &[(self.problem.depth, self.problem.region)], RAYS)
+        passing(
+            &*optics,
+            self.problem.window,
+            &[(self.problem.depth, self.problem.region)],
+            RAYS,
+            self.problem.symmetry,
+        )
     }
 
     /// The part in the lens that rays run through, followed by those of its strip, `own`.
@@ -136,8 +142,13 @@ impl Found<'_> {
             aperture: form.covered(problem.window),
             thickness,
             focal_length: if aimed { focal_length(optics, problem.axis) } else { None },
-            fraction: passing_of(own, &[(problem.depth, problem.region)], problem.lattice.half_width()),
-            fraction_without: without(&[problem.region], problem.window),
+            fraction: passing_of(
+                own,
+                &[(problem.depth, problem.region)],
+                problem.lattice.half_width(),
+                problem.symmetry,
+            ),
+            fraction_without: without(&[problem.region], problem.window, problem.symmetry),
         }
     }
 }
@@ -161,7 +172,7 @@ impl Lens {
         let by_fan = problem.is_fast();
         let traces = fan(&*optics, RAYS);
         let goal = |region: &Region| (lattice.depth(region.mid_row()), region.x);
-        let share = |goals: &[(f64, [f64; 2])]| passing_of(&traces, goals, half_width);
+        let share = |goals: &[(f64, [f64; 2])]| passing_of(&traces, goals, half_width, problem.symmetry);
         let goals: Vec<(f64, [f64; 2])> = target.foci.iter().map(|focus| goal(&focus.region)).collect();
         let whole = [0.0, half_width];
         // Where one lens of all the width serves several foci, they are the same region.
@@ -174,8 +185,8 @@ impl Lens {
             ),
             _ => share(&goals),
         };
-        let fraction_without = without(&goals.iter().map(|goal| goal.1).collect::<Vec<_>>(), whole);
-        let protected = [share(&[goal(&target.protect)]), without(&[target.protect.x], whole)];
+        let fraction_without = without(&goals.iter().map(|goal| goal.1).collect::<Vec<_>>(), whole, problem.symmetry);
+        let protected = [share(&[goal(&target.protect)]), without(&[target.protect.x], whole, problem.symmetry)];
         let palette: Vec<Material> = [host, &request.material].into_iter().chain(&request.others).cloned().collect();
         let rule = request.raster.unwrap_or(if family == Family::Graded { Raster::Diffused } else { Raster::Nearest });
         let materials = sites(problem, &form, &palette, rule, request.seed, constants);
@@ -186,7 +197,7 @@ impl Lens {
             .iter()
             .map(|focus| {
                 let of = if same { fraction } else { share(&[goal(&focus.region)]) };
-                let straight = without(&[focus.region.x], whole);
+                let straight = without(&[focus.region.x], whole, problem.symmetry);
                 FocusRays {
                     fraction: of,
                     fraction_without: straight,

@@ -15,6 +15,7 @@ use super::form::{Form, Surrounds};
 use super::fraction::{Fan, passing, without};
 use super::parts::Strip;
 use super::plano_convex::Shape;
+use super::symmetry::Symmetry;
 use super::{Family, LensRequest};
 use crate::lattice::HexagonalSheet;
 use crate::target::{Region, Target};
@@ -104,6 +105,8 @@ pub(super) struct Problem<'a> {
     /// Where the lens's own axis lies (m)
     pub axis: f64,
     pub stages: u32,
+    /// Whether it is a sheet's or a body of revolution
+    pub symmetry: Symmetry,
     /// Distances from the axis between which rays shall pass or, of a shield, shall not (m)
     pub region: [f64; 2],
     /// Depth at which they shall (m)
@@ -173,6 +176,7 @@ impl<'a> Problem<'a> {
             window,
             axis,
             stages: request.stages,
+            symmetry: Symmetry::Plane,
             region: region.x,
             depth: lattice.depth(region.mid_row()),
             mid_row: region.mid_row(),
@@ -188,7 +192,10 @@ impl<'a> Problem<'a> {
 
     /// Whether the fan for plano-convex lenses on the axis serves.
     pub(super) fn is_fast(&self) -> bool {
-        self.family == Family::PlanoConvex && self.axis == 0.0 && self.window == [0.0, self.lattice.half_width()]
+        self.family == Family::PlanoConvex
+            && self.axis == 0.0
+            && self.window == [0.0, self.lattice.half_width()]
+            && self.symmetry == Symmetry::Plane
     }
 
     pub(super) fn fan(&self, grid: Grid, max_angle: f64) -> Fan {
@@ -237,7 +244,13 @@ impl<'a> Problem<'a> {
     fn served(&self, rows: [u32; 2], curvature: f64, rays: usize) -> f64 {
         let Some(form) = self.form(rows, curvature) else { return 0.0 };
         let speeds = self.palette_speeds();
-        let passing = passing(&*form.optics(self.surrounds(&speeds)), self.window, &[(self.depth, self.region)], rays);
+        let passing = passing(
+            &*form.optics(self.surrounds(&speeds)),
+            self.window,
+            &[(self.depth, self.region)],
+            rays,
+            self.symmetry,
+        );
         if self.family == Family::Shield { 1.0 - passing } else { passing }
     }
 
@@ -253,7 +266,7 @@ impl<'a> Problem<'a> {
 
     /// Fraction without a lens.
     pub(super) fn without(&self) -> f64 {
-        let passing = without(&[self.region], self.window);
+        let passing = without(&[self.region], self.window, self.symmetry);
         if self.family == Family::Shield { 1.0 - passing } else { passing }
     }
 

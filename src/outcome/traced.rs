@@ -57,6 +57,9 @@ pub struct Traced {
     /// then those of that wave.
     #[serde(default, rename = "focal_arrival_decaying_s")]
     pub focal_arrival_decaying: Option<f64>,
+    /// What to know before trusting a wave that decays.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// How the wave decays in the uniform crystal of each material, where that was asked for.
     #[serde(default)]
     pub decays: Vec<TracedDecay>,

@@ -11,7 +11,10 @@ const ROOM: [f64; 2] = [360.0, 260.0];
 const MARGIN: [f64; 4] = [64.0, 78.0, 24.0, 86.0];
 
 /// Height of the ticks below a panel (px).
-const RUG: f64 = 16.0;
+const RUG: f64 = 26.0;
+
+/// Of it the part that the ticks take; the rms spot is below.
+const TICKS: f64 = 15.0;
 
 /// Room between the panel's edge and its outermost ray or edge, over the range.
 const AIR: f64 = 0.12;
@@ -62,19 +65,23 @@ fn panel(svg: &mut Svg, diagram: &SpotDiagram, diameter: f64, number: &str, left
         svg.text([x, bottom + RUG + 18.0], 11.0, Anchor::Middle, "", &short(tick));
     }
     if let Some(spot) = &diagram.spot {
-        let [from, to] = [-1.0, 1.0].map(|side| across(spot.centre + side * spot.radius).clamp(left, left + ROOM[0]));
-        let y = bottom + RUG * 0.5;
+        // About a mirror line only the half that the rays are in.
+        let reach =
+            diagram.passages.iter().map(|[_, x, _]| *x).fold([spot.centre; 2], |[a, b], x| [a.min(x), b.max(x)]);
+        let sides = [(spot.centre - spot.radius).max(reach[0]), (spot.centre + spot.radius).min(reach[1])];
+        let [from, to] = sides.map(|x| across(x).clamp(left, left + ROOM[0]));
+        let y = bottom + 0.5 * (TICKS + RUG);
         svg.line(
             [across(spot.centre), top],
             [across(spot.centre), bottom],
             r##"stroke="#555" stroke-dasharray="4 3""##,
         );
-        svg.line([from, y], [to, y], r##"stroke="#e07b00" stroke-width="5" stroke-opacity="0.55""##);
+        svg.line([from, y], [to, y], r##"stroke="#e07b00" stroke-width="6""##);
     }
     let mut rug = Shapes::default();
     for [start, x, _] in &diagram.passages {
         svg.circle([across(*x), upwards(*start)], 2.0, r##"fill="#c0202a""##);
-        rug.segment([across(*x), bottom + 2.0], [across(*x), bottom + RUG - 2.0]);
+        rug.segment([across(*x), bottom + 2.0], [across(*x), bottom + TICKS]);
     }
     svg.path(rug.data(), r##"fill="none" stroke="#c0202a" stroke-width="0.8""##);
     svg.rectangle([left, top], [ROOM[0], frame], r##"fill="none" stroke="#555""##);

@@ -23,7 +23,7 @@ mod value;
 
 pub use amplitude::{AMPLITUDES, REACHED_ERROR, speed_reached};
 pub use contour::contour;
-pub use decay::{Decay, RowPassage};
+pub use decay::{DECAY_HOLDS_TO, Decay, RowPassage, doubtful_passages};
 pub use interface::{Interface, find_ratio, find_speed, interfaces};
 pub use medium::{Kind, Medium, MediumError};
 pub use mixture::mixture_speed;
