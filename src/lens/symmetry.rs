@@ -43,7 +43,7 @@ impl Symmetry {
         }
     }
 
-    /// Sites on a unit of what [`extent`](Self::extent) measures, for spheres of a `diameter` (m): 2/(√3 D²) on an area (1/m²),
+    /// Sites on a unit of area or volume, for spheres of a `diameter` (m): 2/(√3 D²) on an area (1/m²),
     /// √2/D³ in a volume (1/m³).
     pub fn sites(self, diameter: f64) -> f64 {
         match self {
