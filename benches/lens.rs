@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use granulens::contact::LawKind;
-use granulens::dem::{Impact, simulate, simulate_batch};
+use granulens::dem::{Impact, Integrator, simulate, simulate_batch};
 use granulens::layout::{Layout, random_choice};
 use granulens::real::Width;
 use granulens::sample::Sample;
@@ -37,9 +37,9 @@ fn designs() -> Vec<Sample<2>> {
     (1..=8).map(change).collect()
 }
 
-fn problem_at(law: LawKind, step: f64, window: f64) -> Impact {
+fn problem_at(law: LawKind, integrator: Integrator, step: f64, window: f64) -> Impact {
     let mut impact = impact(&layout(is_lens).lattice);
-    (impact.law, impact.step, impact.window) = (law, step, window);
+    (impact.law, impact.integrator, impact.step, impact.window) = (law, integrator, step, window);
     impact
 }
 
@@ -47,19 +47,24 @@ fn lens(criterion: &mut Criterion) {
     let samples = designs();
     let never = AtomicBool::new(false);
     let cases = [
-        ("thesis 1e-7 s 250 us", problem_at(LawKind::Thesis, 1e-7, 250e-6)),
-        ("thesis 1e-7 s 350 us", problem_at(LawKind::Thesis, 1e-7, 350e-6)),
-        ("thesis 4e-7 s 250 us", problem_at(LawKind::Thesis, 4e-7, 250e-6)),
-        ("thesis 4e-7 s 350 us", problem_at(LawKind::Thesis, 4e-7, 350e-6)),
-        ("consistent 1e-7 s 250 us", problem_at(LawKind::Consistent, 1e-7, 250e-6)),
-        ("hertz 1e-7 s 250 us", problem_at(LawKind::Hertz, 1e-7, 250e-6)),
-    ];
+        (LawKind::Thesis, Integrator::Adams, 2e-7, 250e-6),
+        (LawKind::Thesis, Integrator::Adams, 2e-7, 350e-6),
+        (LawKind::Thesis, Integrator::Adams, 5e-7, 250e-6),
+        (LawKind::Thesis, Integrator::Adams, 5e-7, 350e-6),
+        (LawKind::Thesis, Integrator::Verlet, 1e-7, 250e-6),
+        (LawKind::Consistent, Integrator::Adams, 2e-7, 250e-6),
+        (LawKind::Hertz, Integrator::Adams, 2e-7, 250e-6),
+    ]
+    .map(|(law, integrator, step, window)| {
+        let name = format!("{law} {integrator} {step:e} s {:.0} us", 1e6 * window);
+        (name, problem_at(law, integrator, step, window))
+    });
     let mut group = criterion.benchmark_group("lens");
     group.sample_size(10).throughput(Throughput::Elements(samples.len() as u64));
     for (name, impact) in &cases {
         for width in Width::available() {
             group.bench_with_input(
-                BenchmarkId::new(*name, format!("{} lanes", width.lanes())),
+                BenchmarkId::new(name, format!("{} lanes", width.lanes())),
                 impact,
                 |bench, impact| {
                     bench.iter(|| simulate_batch(&samples, impact, width, &never));
@@ -71,7 +76,7 @@ fn lens(criterion: &mut Criterion) {
 
     let mut group = criterion.benchmark_group("full record");
     group.sample_size(10);
-    group.bench_function("thesis 1e-7 s 250 us", |bench| bench.iter(|| simulate(&samples[0], &cases[0].1, &never)));
+    group.bench_function(&cases[0].0, |bench| bench.iter(|| simulate(&samples[0], &cases[0].1, &never)));
     group.finish();
 }
 

@@ -120,7 +120,7 @@ fn what_is_left_out_has_its_default() {
         .replace("max_interface_angle = \"60 deg\"\nrows = [3, 20]\n", "");
     let design = Design::parse("short.toml", &text).unwrap();
     assert_eq!((design.law, design.constants), (LawKind::Thesis, Constants::Code));
-    assert_eq!((design.integrator, design.accuracy), (Integrator::Verlet, Accuracy::TenthPercent));
+    assert_eq!((design.integrator, design.accuracy), (Integrator::Adams, Accuracy::TenthPercent));
     assert_eq!((design.step, design.window, design.seeds, design.first_seed), (None, None, 5, 1));
     assert!(design.thresholds.is_empty() && design.own_materials.is_empty());
     let lens = design.lens.unwrap();

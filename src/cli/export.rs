@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use granulens::contact::LawKind;
 use granulens::dem::rig::{Rig, RigError, RigStop, Simulation};
-use granulens::dem::steps_in;
+use granulens::dem::{Integrator, steps_in};
 use granulens::design::Design;
-use granulens::evaluate::Plan;
+use granulens::evaluate::{Overrides, Plan};
 use granulens::export;
 use granulens::setup::{Bench, Setup};
 use granulens::units::Dimension::Time;
@@ -17,6 +17,8 @@ use super::console::{Count, interrupt, note};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
 use super::{Common, Motion, cost, propose, time};
+
+const VERLET_ALONE: &str = "what is exported moves by Verlet";
 
 /// Write a crystal and its motion for LAMMPS, OVITO or ParaView
 ///
@@ -84,7 +86,11 @@ impl Export {
         if self.lammps.is_some() && design.law != LawKind::Hertz {
             note(common, &format!("LAMMPS has no law \"{}\": its deck has Hertz contacts", design.law));
         }
-        let overrides = self.motion.overrides(common);
+        if self.motion.integrator.is_some_and(|integrator| integrator != Integrator::Verlet) {
+            return Err(Failure::input_with_help(VERLET_ALONE, "Leave it out."));
+        }
+        // What is exported moves as in the codes it is for.
+        let overrides = Overrides { integrator: Some(Integrator::Verlet), ..self.motion.overrides(common) };
         self.write(common, |law| {
             let design = Design { law: law.unwrap_or(design.law), ..design.clone() };
             let plan = Plan::new(&design, overrides, &layout.palette)
@@ -96,8 +102,8 @@ impl Export {
 
     /// A rig is run as its file says, but for the step and window of the command line.
     fn rig<const D: usize>(&self, common: &Common, bench: &Bench<D>) -> Result<(), Failure> {
-        if self.motion.integrator.is_some() {
-            return Err(Failure::input_with_help("--integrator is for lenses; rigs move by Verlet", "Leave it out."));
+        if self.motion.integrator.is_some_and(|integrator| integrator != Integrator::Verlet) {
+            return Err(Failure::input_with_help(VERLET_ALONE, "Leave it out."));
         }
         bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         let step = self.motion.step.unwrap_or(bench.plan.step);

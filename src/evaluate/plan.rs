@@ -1,6 +1,6 @@
 //! How a design is simulated: step and window, one for all of its arrangements, each with its reason.
 
-use super::stiffest::{Stiffest, TENTH_PERCENT, divisor, overshoot};
+use super::stiffest::{Stiffest, divisor, overshoot};
 use crate::contact::{AnyLaw, NormalLaw, Pair};
 use crate::dem::Integrator;
 use crate::design::Design;
@@ -53,6 +53,8 @@ pub enum PlanError {
         step: f64,
         /// The greatest stable one (s).
         limit: f64,
+        /// The greatest that meets the accuracy class (s).
+        accurate: f64,
         /// Materials of the stiffest contact.
         contact: String,
         /// Its stiffness (N/m).
@@ -72,8 +74,8 @@ impl PlanError {
     /// What to try.
     pub fn help(&self) -> String {
         match self {
-            Self::Step { limit, .. } => {
-                format!("Leave the step out to have it chosen, or try \"{}\".", Time.show(limit / TENTH_PERCENT))
+            Self::Step { accurate, .. } => {
+                format!("Leave the step out to have it chosen, or try \"{}\".", Time.show(*accurate))
             }
             Self::Window { .. } => "Leave the window out to have it chosen.".to_owned(),
         }
@@ -110,7 +112,7 @@ impl Plan {
             Some(step) if step > integrator.stability() * stiffest.limit => {
                 let Stiffest { names, stiffness, limit, .. } = stiffest;
                 let limit = integrator.stability() * limit;
-                return Err(PlanError::Step { step, limit, contact: names, stiffness });
+                return Err(PlanError::Step { step, limit, accurate, contact: names, stiffness });
             }
             Some(step) => {
                 if step > accurate * (1.0 + 1e-9) {

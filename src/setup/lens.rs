@@ -61,7 +61,7 @@ pub(super) fn setup(design: &Design, first_seed: Option<u64>) -> Result<Setup, S
         curve: Curve::Square { peak: design.impact.force, start: 0.0, duration: design.impact.duration },
     });
     let mut warnings = plan.warnings;
-    if design.integrator != crate::dem::Integrator::Verlet {
+    if design.integrator == crate::dem::Integrator::Rk4 {
         warnings.push("rigs are always advanced with verlet; run.integrator is not used here".to_owned());
     }
     if first_seed.is_some() {

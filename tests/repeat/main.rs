@@ -1,5 +1,7 @@
-//! Same input, same bits: whatever the number of threads, the width of the registers, and which designs stand together.
+//! Same input, same bits: whatever the number of threads, the width of the registers, and which designs stand together; and the
+//! same work (`instructions`).
 
+mod instructions;
 #[path = "../physics/problem.rs"]
 #[expect(dead_code, reason = "shared with the physics tests, which use all of it")]
 mod problem;
