@@ -1,4 +1,5 @@
-//! An intruder on a bed of some 6000 disks: time per step, with kinetic and with static friction.
+//! An intruder on a bed of some 6000 disks: time per step, with kinetic and with static friction; and on fifteen such beds side by
+//! side, with one thread and with two.
 
 use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
@@ -37,5 +38,36 @@ fn impacts(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, impacts);
+/// The bed repeats sideways, so that copies of it beside one another are at rest as it is.
+fn side_by_side(bed: &Bed, copies: usize) -> Bed {
+    let repeat = |disks: &[Disk]| {
+        let shifted =
+            |k: usize, disk: &Disk| Disk { centre: [disk.centre[0] + k as f64 * bed.width, disk.centre[1]], ..*disk };
+        (0..copies).flat_map(|k| disks.iter().map(move |disk| shifted(k, disk))).collect()
+    };
+    Bed {
+        grains: repeat(&bed.grains),
+        walls: repeat(&bed.walls),
+        width: copies as f64 * bed.width,
+        periodic: bed.periodic,
+    }
+}
+
+fn many(criterion: &mut Criterion) {
+    let (bed, go) = (side_by_side(&bed(), 15), AtomicBool::new(false));
+    let mut group = criterion.benchmark_group("bed, 92 566 disks, to t = 6 (300 steps)");
+    group.sample_size(10);
+    let outline = Outline::Disk { diameter: 10.0 };
+    let intruder = Intruder { outline, mass: 100.0, body: Body::Solid, turns: true, speed: 0.7, height: 0.0 };
+    let impact = BedImpact { sample: 6.0, ..BedImpact::new(Grains::default(), intruder, 6.0) };
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        group.bench_function(format!("threads: {threads}"), |bencher| {
+            bencher.iter(|| pool.install(|| black_box(strike(&bed, &impact, &go, |_| ()))));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, impacts, many);
 criterion_main!(benches);

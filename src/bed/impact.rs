@@ -152,12 +152,12 @@ pub fn strike(
         let size = moment.force[0].hypot(moment.force[1]);
         let view = simulation.view();
         let mut pushed = vec![0.0; bed.grains.len()];
-        for contact in view.contacts() {
-            for body in contact.bodies {
+        for (bodies, force) in view.normal_forces() {
+            for body in bodies {
                 if let Body::Sphere(i) = body
                     && let Some(sum) = pushed.get_mut(i)
                 {
-                    *sum += contact.force.abs();
+                    *sum += force.abs();
                 }
             }
         }

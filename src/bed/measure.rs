@@ -94,6 +94,10 @@ fn pairs(disks: &[Disk], period: Option<f64>, reach: f64, mut visit: impl FnMut(
                 if let Some(period) = period {
                     dx -= period * (dx / period).round();
                 }
+                // Most are far aside: they cost no root.
+                if dx.abs() >= reach {
+                    continue;
+                }
                 let apart = dx.hypot(disks[i].centre[1] - disks[j].centre[1]);
                 if apart < reach {
                     visit(i.min(j), i.max(j), apart);

@@ -1,6 +1,7 @@
 //! The state of spheres and flats, as parallel arrays.
 
 use super::cluster::ClusterState;
+use super::turns::Turns;
 use super::{Body, Rig};
 use crate::real::Real;
 
@@ -12,8 +13,8 @@ pub(super) struct Bodies<const D: usize> {
     pub velocity: Vec<[f64; D]>,
     /// By contacts, gravity and damping, as of the last accepted step; loads not included.
     pub acceleration: Vec<[f64; D]>,
-    pub spin: Vec<[f64; 3]>,
-    pub spin_rate: Vec<[f64; 3]>,
+    pub spin: Turns<D>,
+    pub spin_rate: Turns<D>,
     /// Per axis 1/(m · weight), or 0 where the sphere cannot move.
     pub inverse_mass: Vec<[f64; D]>,
     pub inverse_inertia: Vec<f64>,
@@ -64,8 +65,8 @@ impl<const D: usize> Bodies<D> {
             displacement: vec![[0.0; D]; count],
             velocity: (0..count).map(|i| free(&rig.velocity[i], &inverse_mass[i])).collect(),
             acceleration: vec![[0.0; D]; count],
-            spin: rig.spin.clone(),
-            spin_rate: vec![[0.0; 3]; count],
+            spin: Turns::of(&rig.spin),
+            spin_rate: Turns::still(count),
             inverse_inertia: (0..count)
                 .map(|i| {
                     // A mirror turns spins about axes in it around: in the plane a sphere on one does not spin.
@@ -135,14 +136,4 @@ pub(super) fn dot<V: Real, const D: usize>(a: &[V; D], b: &[V; D]) -> V {
         sum = sum + a[k] * b[k];
     }
     sum
-}
-
-/// The components of a spin that there are in `D` dimensions.
-#[inline(always)]
-pub(super) fn axes_of_spin<const D: usize>() -> std::ops::Range<usize> {
-    match D {
-        2 => 2..3,
-        3 => 0..3,
-        _ => 0..0,
-    }
 }

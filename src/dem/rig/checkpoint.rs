@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::Rig;
 
 const MAGIC: &[u8; 20] = b"granulens checkpoint";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The whole state of a run, flattened to numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 use super::Rig;
 use super::bodies::{Bodies, cross, dot, spin_cross};
 use super::contacts::Sums;
+use super::turns::Turns;
 
 /// Spheres that move as one rigid body. In the plane it may turn; in space it cannot.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,7 +100,7 @@ impl<const D: usize> ClusterState<D> {
         h: f64,
         bodies: &mut Bodies<D>,
         trial: &mut [[f64; D]],
-        trial_spin: &mut [[f64; 3]],
+        trial_spin: &mut Turns<D>,
     ) {
         for k in 0..D {
             self.moved[k] += h * (self.velocity[k] + 0.5 * h * self.acceleration[k]);
@@ -113,8 +114,8 @@ impl<const D: usize> ClusterState<D> {
                 bodies.displacement[i][k] = cluster.centre[k] + self.moved[k] + arm[k] - centre[k];
             }
             trial[i] = moving(&velocity, &spin, &arm);
-            if let Some(member) = trial_spin.get_mut(i) {
-                *member = spin;
+            if !trial_spin.numbers().is_empty() {
+                trial_spin.set(i, &spin);
             }
         }
     }
@@ -124,7 +125,7 @@ impl<const D: usize> ClusterState<D> {
         (self.force, self.torque) = ([0.0; D], 0.0);
         for &i in &cluster.members {
             let arm = self.arm(rig, cluster, i);
-            self.torque += cross(&arm, &sums.force[i])[2] + sums.torque[i][2];
+            self.torque += cross(&arm, &sums.force[i])[2] + sums.torque.get(i)[2];
             for k in 0..D {
                 self.force[k] += sums.force[i][k];
             }
@@ -142,7 +143,7 @@ impl<const D: usize> ClusterState<D> {
         let spin = [0.0, 0.0, self.spin];
         for &i in &cluster.members {
             bodies.velocity[i] = moving(&self.velocity, &spin, &self.arm(rig, cluster, i));
-            bodies.spin[i] = spin;
+            bodies.spin.set(i, &spin);
         }
     }
 

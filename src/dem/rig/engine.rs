@@ -26,8 +26,11 @@ pub(super) trait Engine<const D: usize>: Send {
     fn contacts(&self) -> usize;
     /// A contact that is closed.
     fn touching(&self, rig: &Rig<D>, c: usize) -> Option<Touching<D>>;
-    /// What each contact that carries or has carried force has borne, also those dropped since `forget_dropped`.
-    fn strains(&self) -> Box<dyn Iterator<Item = Strain> + '_>;
+    /// Bodies and normal force (N) of a contact that is closed.
+    fn push(&self, c: usize) -> Option<([Body; 2], f64)>;
+    /// What contacts have borne beyond an overlap ratio, their law's range, or a stiffness over reduced mass (1/s²), and those dropped
+    /// since `forget_dropped`.
+    fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain>;
     fn forget_dropped(&mut self);
     /// What contacts have taken from each sphere (J).
     fn dissipated(&self) -> Vec<f64>;
@@ -86,9 +89,13 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
         })
     }
 
-    fn strains(&self) -> Box<dyn Iterator<Item = Strain> + '_> {
+    fn push(&self, c: usize) -> Option<([Body; 2], f64)> {
         let contacts = &self.contacts;
-        Box::new((0..contacts.len()).filter_map(|c| contacts.strain(c)).chain(contacts.dropped.iter().copied()))
+        (contacts.account.overlap[c] > 0.0).then(|| (contacts.bodies(c), contacts.account.force[c]))
+    }
+
+    fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain> {
+        self.contacts.strains(ratio, stiffness_over_mass)
     }
 
     fn forget_dropped(&mut self) {
@@ -167,15 +174,16 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
                 flat(&b.displacement),
                 flat(&b.velocity),
                 flat(&b.acceleration),
-                b.spin.as_flattened().to_vec(),
-                b.spin_rate.as_flattened().to_vec(),
+                b.spin.numbers().to_vec(),
+                b.spin_rate.numbers().to_vec(),
                 flat(&b.flat_moved),
                 flat(&b.flat_velocity),
                 flat(&b.flat_acceleration),
                 flat(&self.seen),
                 flat(&self.flat_seen),
+                self.finder.leeway.clone(),
                 flat(&self.sums.force),
-                self.sums.torque.as_flattened().to_vec(),
+                self.sums.torque.numbers().to_vec(),
                 flat(&self.sums.flat),
                 b.clusters.iter().flat_map(ClusterState::numbers).collect(),
             ],
@@ -267,15 +275,16 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
             b.displacement.as_flattened_mut(),
             b.velocity.as_flattened_mut(),
             b.acceleration.as_flattened_mut(),
-            b.spin.as_flattened_mut(),
-            b.spin_rate.as_flattened_mut(),
+            b.spin.numbers_mut(),
+            b.spin_rate.numbers_mut(),
             b.flat_moved.as_flattened_mut(),
             b.flat_velocity.as_flattened_mut(),
             b.flat_acceleration.as_flattened_mut(),
             self.seen.as_flattened_mut(),
             self.flat_seen.as_flattened_mut(),
+            &mut self.finder.leeway[..],
             self.sums.force.as_flattened_mut(),
-            self.sums.torque.as_flattened_mut(),
+            self.sums.torque.numbers_mut(),
             self.sums.flat.as_flattened_mut(),
         ];
         let Some((clusters, rows)) = state.bodies.split_last() else { return false };

@@ -7,7 +7,7 @@
 //! - `cluster`: spheres bound to each other
 //! - `flat`: rigid faces, fixed, moved or free; `curve`: what a load is over time
 //! - `law`: which law holds between which bodies
-//! - `pairs`: who is near whom, with a skin; `bodies`, `contacts`: the state and the forces, as parallel arrays
+//! - `pairs`: who is near whom, with a skin; `bodies`, `turns`, `contacts`: the state and the forces, as parallel arrays
 //! - `machine`: one velocity-Verlet step; `engine`: a machine whatever its law
 //! - `simulation`: from start to end; `check`, `guard`: what is refused and what stops a run; `view`: what can be looked at
 //! - `felt`, `ledger`: what each sphere felt, and where the energy went, by mechanism
@@ -32,6 +32,7 @@ mod ledger;
 mod machine;
 mod pairs;
 mod simulation;
+mod turns;
 mod view;
 
 pub use check::RigError;

@@ -38,9 +38,12 @@ pub(super) const TOUCHING: f64 = 1e-9;
 /// A sphere this many times as wide as the median one is compared with every other instead of widening the cells.
 const BIG: f64 = 2.5;
 
-/// Width of the skin over the median radius. Wider lists hold more pairs that do not touch, narrower ones must be made anew
-/// more often; on an impact on a bed this is where the two balance.
-const SKIN: f64 = 0.8;
+/// A sphere's leeway is how far it gets in so many steps at the speed it has when the list is made, between a least and a greatest part
+/// of the median radius. Wider lists hold more pairs that do not touch, narrower ones must be made anew more often; on an impact
+/// on a bed this is where the two balance.
+const AHEAD: f64 = 160.0;
+const LEAST_LEEWAY: f64 = 0.1;
+const LEEWAY: f64 = 0.8;
 
 /// Leeway of big spheres over the median radius.
 const BIG_LEEWAY: f64 = 2.0;
@@ -51,8 +54,10 @@ pub(super) struct Finder<const D: usize> {
     periods: [Option<f64>; D],
     /// How far each sphere may move before the list must be made anew (m): surfaces nearer than the sum of two are near.
     pub leeway: Vec<f64>,
-    /// The leeway of spheres that are not big, and of flats.
+    /// The greatest leeway of spheres that are not big, and that of flats.
     pub common: f64,
+    /// The least.
+    least: f64,
     /// Largest diameter of the spheres that go into cells (m).
     widest: f64,
     big: Vec<u32>,
@@ -105,7 +110,7 @@ impl<const D: usize> Grid<D> {
 }
 
 impl<const D: usize> Finder<D> {
-    /// Near are surfaces closer than `SKIN` of the median radius; big spheres, mostly few and fast, have more.
+    /// With the least leeway for all but big spheres, mostly few and fast, who have more than others.
     pub fn new(rig: &Rig<D>) -> Self {
         let mut radii: Vec<f64> = rig.sample.spheres.iter().map(|s| s.radius).collect();
         radii.sort_unstable_by(f64::total_cmp);
@@ -113,9 +118,19 @@ impl<const D: usize> Finder<D> {
         let is_big: Vec<bool> = rig.sample.spheres.iter().map(|s| s.radius > BIG * median).collect();
         let big = (0..is_big.len() as u32).filter(|&i| is_big[i as usize]).collect();
         let widest = radii.iter().rev().find(|&&r| r <= BIG * median).map_or(0.0, |r| 2.0 * r);
-        let common = 0.5 * SKIN * median;
-        let leeway = is_big.iter().map(|&big| if big { BIG_LEEWAY * median } else { common }).collect();
-        Self { periods: rig.periods, leeway, common, widest, big, is_big, clustered: rig.clustered() }
+        let (least, common) = (LEAST_LEEWAY * median, LEEWAY * median);
+        let leeway = is_big.iter().map(|&big| if big { BIG_LEEWAY * median } else { least }).collect();
+        Self { periods: rig.periods, leeway, common, least, widest, big, is_big, clustered: rig.clustered() }
+    }
+
+    /// Gives each sphere its leeway for the list that is made next, by its velocity and the step (s).
+    pub fn allow(&mut self, velocity: &[[f64; D]], step: f64) {
+        for ((leeway, velocity), _) in self.leeway.iter_mut().zip(velocity).zip(&self.is_big).filter(|(_, big)| !**big)
+        {
+            let squared: f64 = velocity.iter().map(|v| v * v).sum();
+            // In this order a velocity that is no number gives a number; a guard will name it.
+            *leeway = (AHEAD * step * squared.sqrt()).min(self.common).max(self.least);
+        }
     }
 
     /// The shortest period that can be handled (m): a sphere may not be near two images of another.
@@ -219,7 +234,9 @@ impl<const D: usize> Finder<D> {
     }
 
     fn grid(&self, wrapped: &[Packed<D>]) -> Grid<D> {
-        let least = (self.widest + 2.0 * self.common).max(f64::MIN_POSITIVE);
+        let ordinary = self.leeway.iter().zip(&self.is_big).filter(|(_, big)| !**big);
+        let most = ordinary.fold(self.least, |most, (&leeway, _)| most.max(leeway));
+        let least = (self.widest + 2.0 * most).max(f64::MIN_POSITIVE);
         let mut low = [f64::INFINITY; D];
         let mut high = [f64::NEG_INFINITY; D];
         for Packed { at, .. } in wrapped {

@@ -74,7 +74,7 @@ impl<const D: usize> View<'_, D> {
     }
     /// Spin of a sphere (rad/s), as [`Rig::spin`](super::Rig).
     pub fn spin(&self, sphere: usize) -> [f64; 3] {
-        self.engine.bodies().spin[sphere]
+        self.engine.bodies().spin.get(sphere)
     }
     /// Net force of contacts on the simulated part of a sphere (N).
     pub fn net_force(&self, sphere: usize) -> [f64; D] {
@@ -104,6 +104,10 @@ impl<const D: usize> View<'_, D> {
     /// State of a cluster.
     pub fn cluster(&self, cluster: usize) -> ClusterState<D> {
         self.engine.bodies().clusters[cluster]
+    }
+    /// Bodies and normal force (N) of the closed contacts, in the order of [`contacts`](Self::contacts).
+    pub fn normal_forces(&self) -> impl Iterator<Item = ([Body; 2], f64)> + '_ {
+        (0..self.engine.contacts()).filter_map(|c| self.engine.push(c))
     }
     /// The closed contacts, in a fixed order.
     pub fn contacts(&self) -> impl Iterator<Item = Touching<D>> + '_ {

@@ -3,7 +3,6 @@
 //! In blocks small enough to stay in the nearest memory: what the disks of each pair do is gathered, the forces are worked out
 //! (the same physics as one at a time, `react`), and then given to the disks in the order of the contacts.
 
-use crate::dem::rig::bodies::{cross, dot};
 use crate::dem::rig::law::{Bond, SpringDashpot};
 use crate::dem::rig::pairs::Near;
 use crate::real::{Kernel, Real};
@@ -31,20 +30,20 @@ impl Lines {
     }
 }
 
-/// What a contact asks of a disk.
+/// What contacts ask of disks: row i of each is disk i.
 #[derive(Clone, Copy)]
-pub struct Moving {
+pub struct Disks<'a> {
     /// Displacement (m) and velocity (m/s).
-    pub at: [f64; 2],
-    pub velocity: [f64; 2],
+    pub at: &'a [[f64; 2]],
+    pub velocity: &'a [[f64; 2]],
     /// r ω (m/s)
-    pub turn: f64,
+    pub turn: &'a [f64],
 }
 
 /// Where reactions go.
 pub enum Receiver<'a> {
-    /// To the disks: force (N) and torque (N m), with their radii as lever arms.
-    Disks { pull: &'a mut [[f64; 3]], lever: &'a [f64] },
+    /// To the disks: force, and couple per lever arm (N).
+    Disks { force: &'a mut [[f64; 2]], twist: &'a mut [f64] },
     /// Into a list, to be added up later: force, and couple per lever arm.
     List(&'a mut [[f64; 3]]),
 }
@@ -52,7 +51,7 @@ pub enum Receiver<'a> {
 /// Successive contacts, from `first` on.
 pub struct Sweep<'a, const TURNING: bool, const SPRING: bool> {
     pub lines: &'a Lines,
-    pub moving: &'a [Moving],
+    pub disks: Disks<'a>,
     pub bonds: &'a [Bond<SpringDashpot>],
     pub bond: &'a [u32],
     pub reduced: &'a [f64],
@@ -107,14 +106,17 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
     #[inline(always)]
     fn gather(&self, begin: usize, size: usize, block: &mut Block) {
         let ends = &self.lines.ends[self.first + begin..][..size];
+        // Of one length, so that an index is held against it once.
+        let Disks { at, velocity, turn } = self.disks;
+        let (velocity, turn) = (&velocity[..at.len()], &turn[..at.len()]);
         for n in 0..size {
-            let (p, q) = (&self.moving[ends[n][0] as usize], &self.moving[ends[n][1] as usize]);
+            let [p, q] = [ends[n][0] as usize, ends[n][1] as usize];
             for k in 0..2 {
-                block.shift[k][n] = q.at[k] - p.at[k];
-                block.approach[k][n] = p.velocity[k] - q.velocity[k];
+                block.shift[k][n] = at[q][k] - at[p][k];
+                block.approach[k][n] = velocity[p][k] - velocity[q][k];
             }
             if TURNING {
-                block.turn[n] = p.turn + q.turn;
+                block.turn[n] = turn[p] + turn[q];
             }
         }
     }
@@ -169,7 +171,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         }
         let approach = [V::load(&block.approach[0][n..]), V::load(&block.approach[1][n..])];
         let turn = [zero, zero, V::load(&block.turn[n..])];
-        let meeting = meet::<V, 2, TURNING>((&apart, excess), reach, &approach, &turn);
+        let meeting = meet::<V, 2>((&apart, excess), reach, &approach, &turn);
         let [rate, coefficient, stiffness, slide_rate] = self.constants::<V>(line);
         let reduced = V::load(&self.reduced[line..]);
         // Stiffness and cut are the same at all contacts of a law book.
@@ -182,14 +184,14 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
             if SPRING {
                 stretch = [V::load(&self.stretch[0][c..]), V::load(&self.stretch[1][c..])];
             }
-            let drag = grip.drag::<2, SPRING>(&meeting, push, &mut stretch, self.step);
+            let rub = grip.rub::<2, SPRING>(&meeting, push, &mut stretch, self.step);
             if SPRING {
                 V::select(closed, stretch[0], zero).store(&mut self.stretch[0][c..]);
                 V::select(closed, stretch[1], zero).store(&mut self.stretch[1][c..]);
             }
-            power = V::select(closed, dot(&drag, &meeting.sliding), zero);
-            force = [force[0] + drag[0], force[1] + drag[1]];
-            twist = cross(&meeting.normal, &[-drag[0], -drag[1]])[2];
+            power = V::select(closed, rub.power, zero);
+            force = [force[0] + rub.drag[0], force[1] + rub.drag[1]];
+            twist = rub.twist[2];
         }
         V::select(closed, force[0], zero).store(&mut block.force[0][n..]);
         V::select(closed, force[1], zero).store(&mut block.force[1][n..]);
@@ -218,21 +220,18 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
                     list[n] = [block.force[0][n], block.force[1][n], block.twist[n]];
                 }
             }
-            Receiver::Disks { pull, lever } => {
+            Receiver::Disks { force, twist } => {
                 let ends = &self.lines.ends[self.first + begin..][..size];
+                let twist = &mut twist[..force.len()];
                 for n in 0..size {
                     let [a, b] = [ends[n][0] as usize, ends[n][1] as usize];
-                    let first = &mut pull[a];
-                    first[0] -= block.force[0][n];
-                    first[1] -= block.force[1][n];
-                    if TURNING {
-                        first[2] += lever[a] * block.twist[n];
+                    for k in 0..2 {
+                        force[a][k] -= block.force[k][n];
+                        force[b][k] += block.force[k][n];
                     }
-                    let second = &mut pull[b];
-                    second[0] += block.force[0][n];
-                    second[1] += block.force[1][n];
                     if TURNING {
-                        second[2] += lever[b] * block.twist[n];
+                        twist[a] += block.twist[n];
+                        twist[b] += block.twist[n];
                     }
                 }
             }
@@ -285,7 +284,7 @@ mod tests {
         for _ in 0..10 {
             for i in 0..400 {
                 bodies.velocity[i] = [draw() - 0.5, draw() - 0.5];
-                bodies.spin[i][2] = draw() - 0.5;
+                bodies.spin.set(i, &[0.0, 0.0, draw() - 0.5]);
                 for k in 0..2 {
                     bodies.displacement[i][k] += 0.1 * bodies.velocity[i][k];
                 }
@@ -293,7 +292,7 @@ mod tests {
             let trial =
                 Trial { velocity: &bodies.velocity.clone(), spin: &bodies.spin.clone(), flat_velocity: &[], step: 0.1 };
             contacts.sweep(&rig, &bodies, trial, &mut sums);
-            bits.extend(sums.force.iter().flatten().chain(sums.torque.iter().flatten()).map(|x| x.to_bits()));
+            bits.extend(sums.force.iter().flatten().chain(sums.torque.numbers()).map(|x| x.to_bits()));
         }
         let closed = contacts.account.overlap.iter().filter(|&&overlap| overlap > 0.0).count();
         assert!(closed > 100 && closed < contacts.len() - 100, "{closed} of {}", contacts.len());

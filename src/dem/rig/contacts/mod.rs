@@ -29,7 +29,7 @@ use super::{Body, Rig};
 use crate::real::Width;
 use account::Accounts;
 use faces::near_faces;
-use lanes::{Lines, Moving};
+use lanes::Lines;
 use react::Reaction;
 use sweep::MANY;
 
@@ -104,11 +104,10 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     reactions: Vec<Reaction<D>>,
     /// As `reactions`, of disks in lanes.
     flat_reactions: Vec<[f64; 3]>,
-    /// For disks in lanes: the pairs as parallel arrays, the disks side by side, what acts on them, and their radii.
+    /// For disks in lanes: the pairs as parallel arrays, all radii (m), and r ω of all (m/s).
     lines: Lines,
-    moving: Vec<Moving>,
-    pull: Vec<[f64; 3]>,
     lever: Vec<f64>,
+    turn: Vec<f64>,
     width: Width,
 }
 
@@ -160,6 +159,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             face_factor,
             class,
             lever: ends.iter().map(|end| end.radius).collect(),
+            turn: vec![0.0; count],
             ends,
             turning: rig.laws.has_friction(),
             by_sphere: Vec::new(),
@@ -167,8 +167,6 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             reactions: Vec::new(),
             flat_reactions: Vec::new(),
             lines: Lines::default(),
-            moving: Vec::new(),
-            pull: Vec::new(),
             width: Width::widest(),
         }
     }
@@ -395,9 +393,8 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     }
 
     /// What a contact that carries or has carried force has borne.
-    pub fn strain(&self, c: usize) -> Option<Strain> {
-        let account = self.account.at(c);
-        let [overlap, force] = L::greatest(&self.memory[c]).unwrap_or([account.overlap, account.force]);
+    fn strain(&self, c: usize) -> Option<Strain> {
+        let [overlap, force] = self.greatest(c);
         let law = self.normal_law(c);
         (overlap > 0.0).then(|| Strain {
             bodies: self.bodies(c),
@@ -405,6 +402,31 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             range_used: overlap / law.range(),
             stiffness: law.stiffness_max(force),
         })
+    }
+
+    /// What the contacts have borne that went beyond an overlap ratio, the range of their law, or a stiffness over reduced
+    /// mass (1/s²); and those that were dropped, whatever they bore.
+    pub fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain> {
+        let mut strains = self.dropped.clone();
+        for c in 0..self.len() {
+            let [overlap, force] = self.greatest(c);
+            if overlap == 0.0 {
+                continue;
+            }
+            let law = self.normal_law(c);
+            if overlap > ratio * self.reach(c)
+                || overlap > law.range()
+                || law.stiffness_max(force) > stiffness_over_mass * self.reduced[c]
+            {
+                strains.extend(self.strain(c));
+            }
+        }
+        strains
+    }
+
+    /// Greatest overlap (m) and force (N) so far, where the law remembers them; else the present ones.
+    fn greatest(&self, c: usize) -> [f64; 2] {
+        L::greatest(&self.memory[c]).unwrap_or([self.account.overlap[c], self.account.force[c]])
     }
 
     /// By what an overlap is judged (m): the sum of radii, a sphere's diameter at a face.
@@ -476,6 +498,11 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// ½ k_t ξ² (J), what a contact's tangential spring holds.
     pub fn wound(&self, c: usize) -> f64 {
         self.spring(c).map_or(0.0, |[stiffness, squared]| 0.5 * stiffness * squared)
+    }
+
+    /// Whether there are tangential springs.
+    pub fn winds(&self) -> bool {
+        self.turning && self.bonds.iter().any(|bond| bond.slip.stiffness > 0.0 || bond.slip.mindlin > 0.0)
     }
 
     /// k_t (N/m) and ξ² (m²), with friction.

@@ -5,6 +5,7 @@
 use crate::dem::rig::bodies::{cross, dot, spin_cross};
 use crate::dem::rig::law::{Bond, Bonding, End, Slip};
 use crate::dem::rig::pairs::Near;
+use crate::dem::rig::turns::Turns;
 use crate::real::Real;
 
 use super::account::Account;
@@ -13,7 +14,7 @@ use super::account::Account;
 #[derive(Clone, Copy)]
 pub struct Trial<'a, const D: usize> {
     pub velocity: &'a [[f64; D]],
-    pub spin: &'a [[f64; 3]],
+    pub spin: &'a Turns<D>,
     pub flat_velocity: &'a [[f64; D]],
     /// (s)
     pub step: f64,
@@ -37,8 +38,20 @@ pub struct Meeting<V, const D: usize> {
     pub closing_speed: V,
     /// From the first end to the second.
     pub normal: [V; D],
-    /// Velocity of the first end's surface relative to the second's, in the tangent plane.
-    pub sliding: [V; D],
+    /// Velocity of the first end's centre relative to the second's.
+    pub approach: [V; D],
+    /// r₁ ω₁ + r₂ ω₂
+    pub turn: [V; 3],
+}
+
+/// What friction does at a contact.
+pub struct Rub<V, const D: usize> {
+    /// The force that holds the first end back, and drags the second along.
+    pub drag: [V; D],
+    /// The couple per lever arm on both.
+    pub twist: [V; 3],
+    /// What it takes (W).
+    pub power: V,
 }
 
 /// Overlap over the radii's sum from which on a contact counts as closed; as in `dem::contacts`.
@@ -67,7 +80,7 @@ pub fn between<V: Real, const D: usize>(offset: &[V; D], shift: &[V; D], gap: V)
 /// Two overlapping spheres of radii's sum `reach`, with the velocity of the first relative to the second and
 /// `turn` = r₁ ω₁ + r₂ ω₂.
 #[inline(always)]
-pub fn meet<V: Real, const D: usize, const TURNING: bool>(
+pub fn meet<V: Real, const D: usize>(
     (between, excess): (&[V; D], V),
     reach: V,
     approach: &[V; D],
@@ -84,14 +97,7 @@ pub fn meet<V: Real, const D: usize, const TURNING: bool>(
         normal[k] = between[k] * inverse;
     }
     let closing_speed = dot(approach, &normal);
-    let mut sliding = [V::splat(0.0); D];
-    if TURNING {
-        let turn = spin_cross(turn, &normal);
-        for k in 0..D {
-            sliding[k] = approach[k] - closing_speed * normal[k] + turn[k];
-        }
-    }
-    Meeting { overlap, closing_speed, normal, sliding }
+    Meeting { overlap, closing_speed, normal, approach: *approach, turn: *turn }
 }
 
 /// Friction at closed contacts.
@@ -108,20 +114,29 @@ impl<V: Real> Grip<V> {
     /// The force that the first end's sliding meets, F_t = k_t ξ + γ_t m̄ u, at most μ |F_n|; ξ advances by one step. Without
     /// `SPRING` k_t is zero, and ξ is left alone.
     #[inline(always)]
-    pub fn drag<const D: usize, const SPRING: bool>(
+    pub fn rub<const D: usize, const SPRING: bool>(
         &self,
         meeting: &Meeting<V, D>,
         push: V,
         stretch: &mut [V; D],
         step: f64,
-    ) -> [V; D] {
-        let (zero, sliding) = (V::splat(0.0), &meeting.sliding);
+    ) -> Rub<V, D> {
+        if D == 2 {
+            return self.rub_in_plane::<D, SPRING>(meeting, push, stretch, step);
+        }
+        let (zero, normal) = (V::splat(0.0), &meeting.normal);
+        // Velocity of the first end's surface relative to the second's, in the tangent plane.
+        let (along, turn) = (dot(&meeting.approach, normal), spin_cross(&meeting.turn, normal));
+        let mut sliding = meeting.approach;
+        for k in 0..D {
+            sliding[k] = sliding[k] - along * normal[k] + turn[k];
+        }
         let mut drag = [zero; D];
         if SPRING {
             // ξ is turned into the tangent plane, then follows the sliding: ξ̇ = u.
-            let along = dot(stretch, &meeting.normal);
+            let along = dot(stretch, normal);
             for k in 0..D {
-                stretch[k] = stretch[k] + (V::splat(step) * sliding[k] - along * meeting.normal[k]);
+                stretch[k] = stretch[k] + (V::splat(step) * sliding[k] - along * normal[k]);
                 drag[k] = self.stiffness * stretch[k] + self.damping * sliding[k];
             }
         } else {
@@ -144,7 +159,45 @@ impl<V: Real> Grip<V> {
                 }
             }
         }
-        drag
+        Rub { twist: cross(&drag, normal), power: dot(&drag, &sliding), drag }
+    }
+
+    /// The same in the plane, where friction has one direction: a force is cut to its cap without a root.
+    #[inline(always)]
+    fn rub_in_plane<const D: usize, const SPRING: bool>(
+        &self,
+        meeting: &Meeting<V, D>,
+        push: V,
+        stretch: &mut [V; D],
+        step: f64,
+    ) -> Rub<V, D> {
+        let zero = V::splat(0.0);
+        let mut tangent = meeting.normal;
+        (tangent[0], tangent[D - 1]) = (-meeting.normal[D - 1], meeting.normal[0]);
+        let slide = dot(&meeting.approach, &tangent) + meeting.turn[2];
+        let (mut wound, damped) = (zero, self.damping * slide);
+        let mut drag = damped;
+        if SPRING {
+            // ξ is turned into the tangent, then follows the sliding: ξ̇ = u.
+            wound = dot(stretch, &tangent) + V::splat(step) * slide;
+            drag = self.stiffness * wound + damped;
+        }
+        let cap = self.coefficient * push.max(-push);
+        let cut = drag.min(cap).max(-cap);
+        if SPRING {
+            let slips = cap.lt(drag.max(-drag));
+            if V::any(slips) {
+                let softness = V::select(zero.lt(self.stiffness), V::splat(1.0) / self.stiffness, zero);
+                wound = V::select(slips, (cut - damped) * softness, wound);
+            }
+            for k in 0..D {
+                stretch[k] = wound * tangent[k];
+            }
+        }
+        for k in 0..D {
+            tangent[k] = cut * tangent[k];
+        }
+        Rub { drag: tangent, twist: [zero, zero, -cut], power: cut * slide }
     }
 }
 
@@ -185,11 +238,12 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     let mut turn = [0.0; 3];
     if TURNING {
         let (ra, rb) = (ends[a].radius, ends[b].radius);
+        let (first, second) = (spin.get(a), spin.get(b));
         for k in 0..3 {
-            turn[k] = ra * spin[a][k] + rb * spin[b][k];
+            turn[k] = ra * first[k] + rb * second[k];
         }
     }
-    let meeting = meet::<f64, D, TURNING>((&between, excess), reach, &approach, &turn);
+    let meeting = meet::<f64, D>((&between, excess), reach, &approach, &turn);
     Some(react::<D, L, TURNING>(&meeting, (bond, reduced), memory, stretch, account, step, share))
 }
 
@@ -204,7 +258,7 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
     step: f64,
     share: f64,
 ) -> Reaction<D> {
-    let Meeting { overlap, closing_speed, normal, sliding } = meeting;
+    let Meeting { overlap, closing_speed, normal, .. } = meeting;
     let (push, next) = bond.normal.respond(*overlap, *closing_speed, reduced, memory);
     *memory = next;
     let mut force = normal.map(|n| share * push * n);
@@ -213,18 +267,16 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
         let slip = &bond.slip;
         let stiffness = slip.stiffness_at(*overlap);
         let grip = Grip { coefficient: slip.coefficient, stiffness, damping: slip.rate * reduced };
-        let mut drag = if stiffness > 0.0 {
-            grip.drag::<D, true>(meeting, push, stretch, step)
+        let rub = if stiffness > 0.0 {
+            grip.rub::<D, true>(meeting, push, stretch, step)
         } else {
-            grip.drag::<D, false>(meeting, push, stretch, step)
+            grip.rub::<D, false>(meeting, push, stretch, step)
         };
-        // The first end is held back by −drag, the second dragged along.
-        power = dot(&drag, sliding);
+        power = rub.power;
         for k in 0..D {
-            drag[k] *= share;
-            force[k] += drag[k];
+            force[k] += share * rub.drag[k];
         }
-        twist = cross(normal, &drag.map(|f| -f));
+        twist = rub.twist.map(|couple| share * couple);
     }
     account.accept(*overlap, push, power, step);
     Reaction { force, twist }

@@ -7,11 +7,12 @@ use rayon::prelude::*;
 use super::Contacts;
 use super::account::AccountRows;
 use super::faces::{Facing, NearFace};
-use super::lanes::{Moving, Receiver, Sweep};
+use super::lanes::{Disks, Receiver, Sweep};
 use super::react::{Meeting, Reaction, Trial, react, react_pair};
 use crate::dem::rig::Rig;
-use crate::dem::rig::bodies::{Bodies, axes_of_spin, dot, spin_cross};
+use crate::dem::rig::bodies::{Bodies, dot};
 use crate::dem::rig::law::{Bonding, SpringDashpot};
+use crate::dem::rig::turns::{Turns, axes_of_spin};
 
 /// From so many contacts on a sweep is worth sharing among threads.
 pub const MANY: usize = 60_000;
@@ -20,19 +21,19 @@ pub const MANY: usize = 60_000;
 #[derive(Clone, Debug)]
 pub struct Sums<const D: usize> {
     pub force: Vec<[f64; D]>,
-    pub torque: Vec<[f64; 3]>,
+    pub torque: Turns<D>,
     pub flat: Vec<[f64; D]>,
 }
 
 impl<const D: usize> Sums<D> {
     pub fn new(spheres: usize, flats: usize) -> Self {
-        Self { force: vec![[0.0; D]; spheres], torque: vec![[0.0; 3]; spheres], flat: vec![[0.0; D]; flats] }
+        Self { force: vec![[0.0; D]; spheres], torque: Turns::still(spheres), flat: vec![[0.0; D]; flats] }
     }
 
     fn clear<const TURNING: bool>(&mut self) {
         self.force.fill([0.0; D]);
         if TURNING {
-            self.torque.fill([0.0; 3]);
+            self.torque.numbers_mut().fill(0.0);
         }
         self.clear_flats();
     }
@@ -72,8 +73,9 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         if (self as &mut dyn Any).downcast_mut::<Contacts<2, SpringDashpot>>().is_some_and(|disks| {
             let in_lanes = disks.share.is_empty();
             if in_lanes {
-                disks.gather(bodies.displacement.as_flattened(), trial.velocity.as_flattened(), trial.spin);
-                disks.sweep_disks::<TURNING>(trial.step, shared, sums.force.as_flattened_mut(), &mut sums.torque);
+                let at = (plane(&bodies.displacement), plane(trial.velocity), trial.spin.numbers());
+                let force = sums.force.as_flattened_mut().as_chunks_mut().0;
+                disks.sweep_disks::<TURNING>(trial.step, shared, at, force, sums.torque.numbers_mut());
             }
             in_lanes
         }) {
@@ -120,10 +122,13 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 sums.force[b][k] += force[k];
             }
             if TURNING {
-                for k in axes_of_spin::<D>() {
-                    sums.torque[a][k] += ends[a].radius * twist[k];
-                    sums.torque[b][k] += ends[b].radius * twist[k];
-                }
+                sums.torque.add(a, 1.0, &twist);
+                sums.torque.add(b, 1.0, &twist);
+            }
+        }
+        if TURNING {
+            for (torque, end) in sums.torque.numbers_mut().chunks_exact_mut(Turns::<D>::AXES.max(1)).zip(&*ends) {
+                torque.iter_mut().for_each(|torque| *torque *= end.radius);
             }
         }
     }
@@ -167,27 +172,35 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// Each sphere's sum over its contacts, in their order.
     fn add_up<const TURNING: bool>(&self, sums: &mut Sums<D>) {
         let (by_sphere, first_of, reactions, ends) = (&self.by_sphere, &self.first_of, &self.reactions, &self.ends);
-        sums.force.par_iter_mut().zip(sums.torque.par_iter_mut()).enumerate().with_min_len(1024).for_each(
-            |(i, (force, torque))| {
-                *force = [0.0; D];
-                *torque = [0.0; 3];
-                for &code in &by_sphere[first_of[i] as usize..first_of[i + 1] as usize] {
-                    let reaction = &reactions[code as usize / 2];
-                    for k in 0..D {
-                        if code % 2 == 1 {
-                            force[k] += reaction.force[k];
-                        } else {
-                            force[k] -= reaction.force[k];
-                        }
-                    }
-                    if TURNING {
-                        for k in axes_of_spin::<D>() {
-                            torque[k] += ends[i].radius * reaction.twist[k];
-                        }
+        let add = |(i, (force, torque)): (usize, (&mut [f64; D], &mut [f64]))| {
+            let mut sum = ([0.0; D], [0.0; 3]);
+            for &code in &by_sphere[first_of[i] as usize..first_of[i + 1] as usize] {
+                let reaction = &reactions[code as usize / 2];
+                for k in 0..D {
+                    if code % 2 == 1 {
+                        sum.0[k] += reaction.force[k];
+                    } else {
+                        sum.0[k] -= reaction.force[k];
                     }
                 }
-            },
-        );
+                if TURNING {
+                    for k in 0..3 {
+                        sum.1[k] += reaction.twist[k];
+                    }
+                }
+            }
+            *force = sum.0;
+            for (torque, k) in torque.iter_mut().zip(axes_of_spin::<D>()) {
+                *torque = ends[i].radius * sum.1[k];
+            }
+        };
+        let force = sums.force.par_iter_mut();
+        if Turns::<D>::AXES > 0 {
+            let torque = sums.torque.numbers_mut().par_chunks_exact_mut(Turns::<D>::AXES);
+            force.zip(torque).enumerate().with_min_len(1024).for_each(add);
+        } else {
+            force.enumerate().with_min_len(1024).for_each(|(i, force)| add((i, (force, &mut []))));
+        }
         sums.clear_flats();
     }
 
@@ -221,16 +234,10 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 approach[k] = face_velocity[k] - velocity[i][k];
             }
             let along = dot(&approach, &normal);
-            let mut sliding = [0.0; D];
             let slips = TURNING && matches!(facing, Facing::Flat(_));
-            if slips {
-                let turn = spin_cross(&spin[i].map(|w| w * radius), &normal);
-                for k in 0..D {
-                    sliding[k] = approach[k] - along * normal[k] + turn[k];
-                }
-            }
-            let meeting =
-                Meeting { overlap: factor * (radius - distance), closing_speed: factor * along, normal, sliding };
+            let turn = if slips { spin.get(i).map(|w| w * radius) } else { [0.0; 3] };
+            let overlap = factor * (radius - distance);
+            let meeting = Meeting { overlap, closing_speed: factor * along, normal, approach, turn };
             let mut spring = spring_at::<D, TURNING>(self.stretch.each_ref().map(|axis| axis.as_slice()), c);
             let mut row = self.account.at(c);
             let bond = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
@@ -249,9 +256,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 sums.force[i][k] += force[k];
             }
             if slips {
-                for k in axes_of_spin::<D>() {
-                    sums.torque[i][k] += radius * twist[k];
-                }
+                sums.torque.add(i, radius, &twist);
             }
             if let Facing::Flat(flat) = facing {
                 for k in 0..D {
@@ -300,51 +305,50 @@ fn chunks<'a, const D: usize, M, R>(
     chunks
 }
 
-impl Contacts<2, SpringDashpot> {
-    /// What the contacts ask of each disk, side by side; positions and velocities as pairs of numbers.
-    fn gather(&mut self, displacement: &[f64], velocity: &[f64], spin: &[[f64; 3]]) {
-        let turning = self.turning;
-        self.moving.clear();
-        let of = |i: usize| Moving {
-            at: [displacement[2 * i], displacement[2 * i + 1]],
-            velocity: [velocity[2 * i], velocity[2 * i + 1]],
-            turn: if turning { self.lever[i] * spin[i][2] } else { 0.0 },
-        };
-        if self.first_of.is_empty() {
-            self.moving.extend((0..self.lever.len()).map(of));
-        } else {
-            self.moving.par_extend((0..self.lever.len()).into_par_iter().with_min_len(2048).map(of));
-        }
-    }
+/// Pairs of numbers of the plane, known to be so only where the law is.
+fn plane<const D: usize>(rows: &[[f64; D]]) -> &[[f64; 2]] {
+    rows.as_flattened().as_chunks().0
+}
 
+impl Contacts<2, SpringDashpot> {
     /// As `add_all` or, `shared` among threads, `react_all`, in the lanes of vector registers.
     fn sweep_disks<const TURNING: bool>(
         &mut self,
         step: f64,
         shared: bool,
-        force: &mut [f64],
-        torque: &mut [[f64; 3]],
+        (at, velocity, spin): (&[[f64; 2]], &[[f64; 2]], &[f64]),
+        force: &mut [[f64; 2]],
+        torque: &mut [f64],
     ) {
-        if self.bonds.iter().any(|bond| bond.slip.stiffness > 0.0) {
-            self.sweep_kind::<TURNING, true>(step, shared, force, torque);
-        } else {
-            self.sweep_kind::<TURNING, false>(step, shared, force, torque);
+        let mut turn = std::mem::take(&mut self.turn);
+        if TURNING {
+            for ((turn, spin), lever) in turn.iter_mut().zip(spin).zip(&self.lever) {
+                *turn = lever * spin;
+            }
         }
+        let disks = Disks { at, velocity, turn: &turn };
+        if self.bonds.iter().any(|bond| bond.slip.stiffness > 0.0) {
+            self.sweep_kind::<TURNING, true>(step, shared, disks, force, torque);
+        } else {
+            self.sweep_kind::<TURNING, false>(step, shared, disks, force, torque);
+        }
+        self.turn = turn;
     }
 
     fn sweep_kind<const TURNING: bool, const SPRING: bool>(
         &mut self,
         step: f64,
         shared: bool,
-        force: &mut [f64],
-        torque: &mut [[f64; 3]],
+        disks: Disks<'_>,
+        force: &mut [[f64; 2]],
+        torque: &mut [f64],
     ) {
-        let Self { near, lines, moving, bond, reduced, bonds, memory, stretch, account, lever, .. } = self;
-        let (lines, moving, bonds, bond, reduced) = (&*lines, &moving[..], &bonds[..], &bond[..], &reduced[..]);
+        let Self { near, lines, lever, bonds, bond, reduced, memory, stretch, account, .. } = self;
+        let (lines, bonds, bond, reduced) = (&*lines, &bonds[..], &bond[..], &reduced[..]);
         let (pairs, width) = (near.len(), self.width);
         let sweep = |first, account, stretch, receiver| Sweep::<TURNING, SPRING> {
             lines,
-            moving,
+            disks,
             bonds,
             bond,
             reduced,
@@ -364,30 +368,31 @@ impl Contacts<2, SpringDashpot> {
             );
             // As `add_up`.
             let (by_sphere, first_of, reactions) = (&self.by_sphere, &self.first_of, &*reactions);
-            force.par_chunks_exact_mut(2).zip(torque).enumerate().with_min_len(1024).for_each(
-                |(i, (force, torque))| {
-                    let mut sum = [0.0; 3];
-                    for &code in &by_sphere[first_of[i] as usize..first_of[i + 1] as usize] {
-                        let [x, y, twist] = reactions[code as usize / 2];
-                        let sign = if code % 2 == 1 { 1.0 } else { -1.0 };
-                        sum[0] += sign * x;
-                        sum[1] += sign * y;
-                        sum[2] += lever[i] * twist;
-                    }
-                    force.copy_from_slice(&sum[..2]);
-                    torque[2] = sum[2];
-                },
-            );
+            force.par_iter_mut().zip(torque).enumerate().with_min_len(1024).for_each(|(i, (force, torque))| {
+                let mut sum = [0.0; 3];
+                for &code in &by_sphere[first_of[i] as usize..first_of[i + 1] as usize] {
+                    let [x, y, twist] = reactions[code as usize / 2];
+                    let sign = if code % 2 == 1 { 1.0 } else { -1.0 };
+                    sum[0] += sign * x;
+                    sum[1] += sign * y;
+                    sum[2] += twist;
+                }
+                *force = [sum[0], sum[1]];
+                *torque = lever[i] * sum[2];
+            });
             return;
         }
-        self.pull.clear();
-        self.pull.resize(moving.len(), [0.0; 3]);
+        force.fill([0.0; 2]);
+        if TURNING {
+            torque.fill(0.0);
+        }
         let (account, _) = account.rows().split_at(pairs);
         let stretch = stretch.each_mut().map(|axis| axis.as_mut_slice());
-        width.run(sweep(0, account, stretch, Receiver::Disks { pull: &mut self.pull, lever }));
-        for ((force, torque), [x, y, turn]) in force.chunks_exact_mut(2).zip(torque).zip(&self.pull) {
-            force.copy_from_slice(&[*x, *y]);
-            torque[2] = *turn;
+        width.run(sweep(0, account, stretch, Receiver::Disks { force, twist: torque }));
+        if TURNING {
+            for (torque, lever) in torque.iter_mut().zip(lever) {
+                *torque *= *lever;
+            }
         }
     }
 }

@@ -13,11 +13,12 @@ use std::ops::Range;
 use acts::{Act, Loaded};
 use rayon::prelude::*;
 
-use super::bodies::{Bodies, axes_of_spin, dot};
+use super::bodies::{Bodies, dot};
 use super::contacts::{Contacts, Sums, Trial};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
 use super::pairs::Finder;
+use super::turns::Turns;
 use super::{Body, LoadKind, Rig};
 
 /// A rig in motion under laws of one type.
@@ -33,7 +34,7 @@ pub(super) struct Machine<const D: usize, L: Bonding, B> {
     pub flat_seen: Vec<[f64; D]>,
     pub sums: Sums<D>,
     trial: Vec<[f64; D]>,
-    trial_spin: Vec<[f64; 3]>,
+    trial_spin: Turns<D>,
     flat_trial: Vec<[f64; D]>,
     /// Work of loads and prescribed motion, and what bars and drag took (J).
     pub work_in: f64,
@@ -101,7 +102,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             seen: bodies.displacement.clone(),
             flat_seen: bodies.flat_moved.clone(),
             trial: vec![[0.0; D]; spheres],
-            trial_spin: vec![[0.0; 3]; if turning { spheres } else { 0 }],
+            trial_spin: Turns::still(if turning { spheres } else { 0 }),
             flat_trial: vec![[0.0; D]; flats],
             sums: Sums::new(spheres, flats),
             work_in: 0.0,
@@ -126,6 +127,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
 
     /// Contacts and forces at the start, and the energy that is there already.
     pub fn begin(&mut self, rig: &Rig<D>) {
+        self.finder.allow(&self.bodies.velocity, self.step);
         self.contacts.renew(rig, &self.finder, &self.bodies, &self.binder);
         // Velocities prescribed at time zero hold from the start on.
         for load in rig.loads.iter().filter(|load| load.kind == LoadKind::Velocity && load.curve.end() > 0.0) {
@@ -164,6 +166,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             self.bodies.clusters[c] = state;
         }
         if self.has_strayed() {
+            self.finder.allow(&self.trial, h);
             self.contacts.renew(rig, &self.finder, &self.bodies, &self.binder);
             self.seen.copy_from_slice(&self.bodies.displacement);
             self.flat_seen.copy_from_slice(&self.bodies.flat_moved);
@@ -206,15 +209,12 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             );
         }
         if self.turning {
-            let turn = |((trial, spin), rate): ((&mut [f64; 3], &[f64; 3]), &[f64; 3])| {
-                for k in axes_of_spin::<D>() {
-                    trial[k] = spin[k] + h * rate[k];
-                }
-            };
+            let turn = |((trial, spin), rate): ((&mut f64, &f64), &f64)| *trial = spin + h * rate;
+            let (trial, spin, rate) = (self.trial_spin.numbers_mut(), spin.numbers(), spin_rate.numbers());
             if spin.len() < MANY {
-                self.trial_spin.iter_mut().zip(&*spin).zip(&*spin_rate).for_each(turn);
+                trial.iter_mut().zip(spin).zip(rate).for_each(turn);
             } else {
-                let rows = self.trial_spin.par_iter_mut().zip(spin.par_iter()).zip(spin_rate.par_iter());
+                let rows = trial.par_iter_mut().zip(spin.par_iter()).zip(rate.par_iter());
                 rows.with_min_len(2048).for_each(turn);
             }
         }
@@ -277,19 +277,23 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             });
         }
         if self.turning {
-            let torque = &self.sums.torque;
-            type Row<'a> = (((&'a mut [f64; 3], &'a mut [f64; 3]), &'a [f64; 3]), &'a f64);
+            type Row<'a> = (((&'a mut [f64], &'a mut [f64]), &'a [f64]), &'a f64);
             let turn = |(((spin, spin_rate), torque), inverse): Row| {
-                for k in axes_of_spin::<D>() {
+                for k in 0..Turns::<D>::AXES {
                     let rate = torque[k] * inverse;
                     spin[k] += 0.5 * h * (spin_rate[k] + rate);
                     spin_rate[k] = rate;
                 }
             };
+            // Chunks of none are no chunks.
+            let axes = Turns::<D>::AXES.max(1);
+            let (spin, spin_rate, torque) = (spin.numbers_mut(), spin_rate.numbers_mut(), self.sums.torque.numbers());
             if spin.len() < MANY {
-                spin.iter_mut().zip(spin_rate).zip(torque).zip(&*inverse_inertia).for_each(turn);
+                let rows = spin.chunks_exact_mut(axes).zip(spin_rate.chunks_exact_mut(axes));
+                rows.zip(torque.chunks_exact(axes)).zip(&*inverse_inertia).for_each(turn);
             } else {
-                let rows = spin.par_iter_mut().zip(spin_rate).zip(torque).zip(inverse_inertia.par_iter());
+                let rows = spin.par_chunks_exact_mut(axes).zip(spin_rate.par_chunks_exact_mut(axes));
+                let rows = rows.zip(torque.par_chunks_exact(axes)).zip(inverse_inertia.par_iter());
                 rows.with_min_len(2048).for_each(turn);
             }
         }
@@ -323,7 +327,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             let mass = rig.mass[i] * bodies.weight[i];
             ledger.kinetic += 0.5 * mass * bodies.speed_squared(i);
             if self.turning {
-                let spin = &bodies.spin[i];
+                let spin = &bodies.spin.get(i);
                 ledger.kinetic += 0.5 * rig.inertia[i] * bodies.weight[i] * dot(spin, spin);
             }
             for k in 0..D {
@@ -343,15 +347,20 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             }
         }
         let contacts = &self.contacts;
+        let winds = contacts.winds();
         for c in 0..contacts.len() {
-            let account = contacts.account.at(c);
-            let stored = contacts.normal_law(c).stored(account.overlap, &contacts.memory[c]);
+            let account = &contacts.account;
+            let (work, slid, overlap) = (account.work[c], account.slid[c], account.overlap[c]);
+            if work == 0.0 && slid == 0.0 && overlap == 0.0 {
+                continue;
+            }
+            let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
             let (weight, share) = (contacts.weight(c), contacts.share(c));
             ledger.stored += weight * stored;
-            ledger.dissipated += weight * (account.work - stored);
-            let wound = contacts.wound(c);
+            ledger.dissipated += weight * (work - stored);
+            let wound = if winds { contacts.wound(c) } else { 0.0 };
             ledger.wound += share * wound;
-            ledger.friction += share * (account.slid - wound);
+            ledger.friction += share * (slid - wound);
         }
         for kept in contacts.kept_pairs.values().chain(contacts.kept_faces.values()) {
             ledger.dissipated += kept.weight * kept.work;
