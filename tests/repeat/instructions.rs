@@ -15,7 +15,7 @@ use crate::designs;
 use crate::problem::{impact, is_lens, layout};
 
 /// Instructions of eight designs in four lanes over 60 µs in steps of 0.2 µs, and the compiler that made them.
-const KEPT: [(LawKind, f64); 2] = [(LawKind::Thesis, 1.0), (LawKind::Hertz, 1.0)];
+const KEPT: [(LawKind, f64); 2] = [(LawKind::Thesis, 1.7235e8), (LawKind::Hertz, 1.0586e8)];
 const COMPILER: &str = "rustc 1.95.0";
 
 /// How much more there may be.

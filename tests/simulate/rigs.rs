@@ -1,6 +1,7 @@
 //! The experiments of Burgoyne (2016) as files.
 
 use granulens::contact::{AnyLaw, LawKind, NormalLaw as _};
+use granulens::dem::Integrator;
 use granulens::dem::rig::Curve;
 use granulens::design::Design;
 use granulens::evaluate::{Overrides, Plan, evaluate};
@@ -72,7 +73,9 @@ fn a_lens_as_a_rig_is_the_lens() {
     let request = design.lens.as_ref().unwrap();
     let lens = propose(&design.lattice, &design.host, request, &design.target, design.constants).unwrap();
     let layout = lens.layout();
-    let plan = Plan::new(&design, Overrides::default(), &layout.palette).unwrap();
+    // Rigs know no other scheme.
+    let verlet = Overrides { integrator: Some(Integrator::Verlet), ..Overrides::default() };
+    let plan = Plan::new(&design, verlet, &layout.palette).unwrap();
     let expected = evaluate(&design, &layout, &plan, &AtomicBool::new(false)).unwrap().record.max_kinetic;
 
     let Setup::Two(bench) = Setup::read(&path).unwrap() else { panic!() };

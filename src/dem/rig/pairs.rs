@@ -45,6 +45,9 @@ const AHEAD: f64 = 160.0;
 const LEAST_LEEWAY: f64 = 0.1;
 const LEEWAY: f64 = 0.8;
 
+/// The greatest leeway over the median radius that the shortest period must leave room for.
+const NARROW_LEEWAY: f64 = 0.4;
+
 /// Leeway of big spheres over the median radius.
 const BIG_LEEWAY: f64 = 2.0;
 
@@ -118,7 +121,10 @@ impl<const D: usize> Finder<D> {
         let is_big: Vec<bool> = rig.sample.spheres.iter().map(|s| s.radius > BIG * median).collect();
         let big = (0..is_big.len() as u32).filter(|&i| is_big[i as usize]).collect();
         let widest = radii.iter().rev().find(|&&r| r <= BIG * median).map_or(0.0, |r| 2.0 * r);
-        let (least, common) = (LEAST_LEEWAY * median, LEEWAY * median);
+        let least = LEAST_LEEWAY * median;
+        // Short periods leave less, and a hair for rounding.
+        let period = rig.periods.iter().flatten().fold(f64::INFINITY, |shortest, &period| shortest.min(period));
+        let common = ((0.25 - 1e-9) * period - 0.5 * widest).min(LEEWAY * median).max(NARROW_LEEWAY * median);
         let leeway = is_big.iter().map(|&big| if big { BIG_LEEWAY * median } else { least }).collect();
         Self { periods: rig.periods, leeway, common, least, widest, big, is_big, clustered: rig.clustered() }
     }
