@@ -10,6 +10,7 @@ use crate::units::Dimension::{Force, Time};
 /// of the 1.38e-6 s that its steel on brass allows, with Verlet as with Runge-Kutta. The multistep scheme is as accurate at
 /// 1.67e-7 s.
 const TENTH_PERCENT: f64 = 13.7;
+const MULTISTEP_TENTH_PERCENT: f64 = 8.22;
 
 /// The same for 1 %: 4e-7 s with Verlet, 5e-7 s with the two others.
 fn one_percent(integrator: Integrator) -> f64 {
@@ -22,7 +23,7 @@ fn one_percent(integrator: Integrator) -> f64 {
 /// Verlet's stability limit over the step of an accuracy class.
 pub(crate) fn divisor(accuracy: Accuracy, integrator: Integrator) -> f64 {
     match accuracy {
-        Accuracy::TenthPercent if integrator == Integrator::Adams => 0.6 * TENTH_PERCENT,
+        Accuracy::TenthPercent if integrator == Integrator::Adams => MULTISTEP_TENTH_PERCENT,
         Accuracy::TenthPercent => TENTH_PERCENT,
         Accuracy::OnePercent => one_percent(integrator),
     }
