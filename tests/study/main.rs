@@ -7,12 +7,14 @@
 //! - `journal`: torn, damaged, foreign, of other settings
 //! - `files`: what a wrong study file hears, and the repository's own
 //! - `set`: impacts at an angle and off the axis, crystals that are not built as drawn, measures beyond energies
+//! - `rays`: what is said of them as a guess
 //! - `stored`: the layouts in `studies/`, against what is said about them
 
 mod files;
 mod journal;
 mod kill;
 mod optimum;
+mod rays;
 mod resume;
 mod set;
 mod stages;
