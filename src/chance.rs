@@ -3,6 +3,7 @@
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::Rng;
+use serde::Serialize;
 
 /// A number from 0 to 1, 1 not included: the upper 53 bits of the next output, which are what a fraction holds.
 pub(crate) fn fraction(generator: &mut Xoshiro256PlusPlus) -> f64 {
@@ -10,8 +11,9 @@ pub(crate) fn fraction(generator: &mut Xoshiro256PlusPlus) -> f64 {
 }
 
 /// Mean of some numbers, and how far it can be trusted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mean {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mean {
+    /// Sum over count.
     pub mean: f64,
     /// Standard deviation of single numbers (n − 1); none of one number.
     pub deviation: Option<f64>,

@@ -8,7 +8,7 @@
 //! Each module uses only those above it:
 
 pub mod units;
-mod chance;
+pub mod chance;
 pub mod search;
 pub mod real;
 pub mod material;

@@ -136,25 +136,6 @@ impl Outcome {
     }
 }
 
-/// Mean of a number over samples, and how far it can be trusted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Spread {
-    /// Mean.
-    pub mean: f64,
-    /// Standard deviation of single samples (n − 1); none for one sample.
-    pub deviation: Option<f64>,
-    /// Half the width of the 95 % confidence interval of the mean, by Student's t; none for one sample.
-    pub interval: Option<f64>,
-}
-
-impl Spread {
-    /// Of some numbers, at least one.
-    pub fn of(numbers: &[f64]) -> Self {
-        let Mean { mean, deviation, interval } = Mean::of(numbers);
-        Self { mean, deviation, interval }
-    }
-}
-
 /// All samples of one kind of friction at one speed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cell {
@@ -167,13 +148,13 @@ pub struct Cell {
     /// Runs that a guard stopped.
     pub stopped: usize,
     /// Depth at the end (d).
-    pub final_depth_d: Spread,
+    pub final_depth_d: Mean,
     /// Greatest depth (d).
-    pub max_depth_d: Spread,
+    pub max_depth_d: Mean,
     /// Greatest depth less that at the end (d).
-    pub overshoot_d: Spread,
+    pub overshoot_d: Mean,
     /// Greatest force on the intruder (m d/τ_c²).
-    pub peak_force: Spread,
+    pub peak_force: Mean,
 }
 
 /// Means over the samples, a cell for each kind of friction and speed, in the order of the ensemble; cells in which no run came to
@@ -188,7 +169,7 @@ pub fn summarise(ensemble: &Ensemble, outcomes: &[Outcome]) -> Vec<Cell> {
                 continue;
             }
             let of = |number: fn(&Outcome) -> f64| {
-                Spread::of(&whole.iter().map(|outcome| number(outcome)).collect::<Vec<f64>>())
+                Mean::of(&whole.iter().map(|outcome| number(outcome)).collect::<Vec<f64>>())
             };
             cells.push(Cell {
                 friction,

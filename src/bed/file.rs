@@ -319,40 +319,40 @@ fn read_intruder((scope, file): &(Scope, &IntruderSection)) -> Result<Intruder, 
     let known = [("disk", Shape::Disk), ("ellipse", Shape::Ellipse), ("ogive", Shape::Ogive), ("flat", Shape::Flat)];
     let entry = scope.required("shape", &file.shape)?;
     let shape = entry.choice("shape", &known)?;
-    let size = |key: &str, written: &'_ Written| within(&scope.required(key, written)?, 0.5..=1000.0);
-    let (outline, foreign): (Outline, [(&str, &Written); 2]) = match shape {
-        Shape::Disk => (
-            Outline::Disk { diameter: size("diameter", &file.diameter)? },
-            [("half_width", &file.half_width), ("width", &file.width)],
-        ),
+    let size = |(key, written): (&str, _)| within(&scope.required(key, written)?, 0.5..=1000.0);
+    let [diameter, half_width, half_height, width] = [
+        ("diameter", &file.diameter),
+        ("half_width", &file.half_width),
+        ("half_height", &file.half_height),
+        ("width", &file.width),
+    ];
+    let forbid = |keys: &[_]| scope.forbid(keys, "this shape", "Leave it out, or change intruder.shape.");
+    let outline = match shape {
+        Shape::Disk => {
+            forbid(&[half_width, half_height, width])?;
+            Outline::Disk { diameter: size(diameter)? }
+        }
         Shape::Ellipse | Shape::Ogive => {
-            let half_width = size("half_width", &file.half_width)?;
-            let half_height = size("half_height", &file.half_height)?;
+            forbid(&[diameter, width])?;
+            let (wide, high) = (size(half_width)?, size(half_height)?);
             let entry = scope.required("half_height", &file.half_height)?;
-            if half_width <= 1.0 || half_height <= 1.0 {
+            if wide <= 1.0 || high <= 1.0 {
                 return Err(entry.fail("or half_width is not above 1", "A shell is made of disks of diameter 1."));
             }
-            let outline = match shape {
-                Shape::Ellipse => Outline::Ellipse { half_width, half_height },
-                _ if half_height < half_width => {
-                    return Err(
-                        entry.fail("is less than half_width", "An ogive is at least as high as wide; take an ellipse.")
-                    );
+            match shape {
+                Shape::Ellipse => Outline::Ellipse { half_width: wide, half_height: high },
+                _ if high < wide => {
+                    let instead = "An ogive is at least as high as wide; take an ellipse.";
+                    return Err(entry.fail("is less than half_width", instead));
                 }
-                _ => Outline::Ogive { half_width, half_height },
-            };
-            (outline, [("diameter", &file.diameter), ("width", &file.width)])
+                _ => Outline::Ogive { half_width: wide, half_height: high },
+            }
         }
-        Shape::Flat => (
-            Outline::Flat { width: size("width", &file.width)? },
-            [("diameter", &file.diameter), ("half_width", &file.half_width)],
-        ),
+        Shape::Flat => {
+            forbid(&[diameter, half_width, half_height])?;
+            Outline::Flat { width: size(width)? }
+        }
     };
-    for (key, written) in foreign {
-        if let Some(stray) = scope.optional(key, written) {
-            return Err(stray.fail("does not belong to this shape", "Leave it out, or change intruder.shape."));
-        }
-    }
     let body = match scope.optional("body", &file.body) {
         Some(entry) => entry.choice("body", &[("solid", Body::Solid), ("hollow", Body::Hollow)])?,
         None => Body::Solid,
@@ -419,6 +419,11 @@ mod tests {
                 "diameter = 10",
                 "diameter = 10\nwidth = 3",
                 "bed.toml:10: intruder.width = 3 does not belong to this shape.",
+            ),
+            (
+                "diameter = 10",
+                "diameter = 10\nhalf_height = 3",
+                "bed.toml:10: intruder.half_height = 3 does not belong to this shape.",
             ),
             ("speed = 0.7", "", "bed.toml:7: intruder.speed is missing."),
             ("speed = 0.7", "speed = nan", "bed.toml:10: intruder.speed = nan is not a finite number."),

@@ -21,7 +21,7 @@ mod settle;
 mod sound;
 mod store;
 
-pub use ensemble::{Case, Cell, Ensemble, Outcome, Rubbing, Spread, summarise};
+pub use ensemble::{Case, Cell, Ensemble, Outcome, Rubbing, summarise};
 pub use file::{BedFile, Origin};
 pub use grains::{Damping, Grains, Surface};
 pub use impact::{BedImpact, Course, Moment, Snapshot, stop_words, strike};
@@ -29,7 +29,7 @@ pub use intruder::{Body, Intruder, Outline};
 pub use measure::{Measures, measure};
 pub use packing::{Packing, Pile, Sides};
 pub use settle::{SettleError, Settled, settle};
-pub use sound::{SoundError, sound_speed};
+pub use sound::{Sound, SoundError, listen};
 pub use store::{StoreError, read, write};
 
 /// One disk of a bed.

@@ -29,12 +29,27 @@ const PUSH: f64 = 10.0;
 /// A change of the force on the bottom counts as heard from this part of its greatest on.
 const HEARD: f64 = 0.05;
 
-/// Speed (d/τ_c) at which a push on the top grain in the middle reaches the bottom: the surface's height over the time from
-/// the push to the first 5 % of its greatest force on the bottom.
+/// Steps between two looks at the bottom.
+const LOOK: u64 = 5;
+
+/// A push on the top grain in the middle, and what of it reached the bottom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sound {
+    /// Height of the surface where it was pushed over the time of arrival (d/τ_c).
+    pub speed: f64,
+    /// When the force on the bottom first reached [`Sound::threshold`] (τ_c from the push).
+    pub arrival: f64,
+    /// 5 % of the push's greatest force on the bottom (m d/τ_c²).
+    pub threshold: f64,
+    /// Time (τ_c) and by how much the force on the bottom differs from that of the same bed left alone (m d/τ_c²).
+    pub bottom: Vec<[f64; 2]>,
+}
+
+/// Pushes the top grain in the middle of a bed at rest and listens at its bottom.
 ///
 /// # Errors
 /// See [`SoundError`].
-pub fn sound_speed(bed: &Bed, grains: &Grains, interrupt: &AtomicBool) -> Result<f64, SoundError> {
+pub fn listen(bed: &Bed, grains: &Grains, interrupt: &AtomicBool) -> Result<Sound, SoundError> {
     let middle = 0.5 * bed.width;
     let near = |x: f64| (x - middle).abs() < 1.0;
     let top = (0..bed.grains.len())
@@ -54,19 +69,21 @@ pub fn sound_speed(bed: &Bed, grains: &Grains, interrupt: &AtomicBool) -> Result
         let mut simulation = Simulation::new(rig, STEP)?;
         let mut forces = Vec::new();
         // Slow beds carry sound at about one diameter a unit of time.
-        for _ in 0..(1.5 * height / (5.0 * STEP)) as usize {
-            simulation.advance(5, interrupt)?;
+        for _ in 0..(1.5 * height / (LOOK as f64 * STEP)) as usize {
+            simulation.advance(LOOK, interrupt)?;
             forces.push(walls.clone().map(|i| simulation.view().net_force(i)[1]).sum());
         }
         Ok(forces)
     };
     // Against the same bed left alone, so that its own creeping is not heard.
     let (pushed, alone) = (bottom(true)?, bottom(false)?);
-    let change: Vec<f64> = pushed.iter().zip(&alone).map(|(a, b)| (a - b).abs()).collect();
-    let most = change.iter().copied().fold(0.0, f64::max);
-    let first = change.iter().position(|&c| c >= HEARD * most).filter(|_| most > 1e-3 * push);
-    match first {
-        Some(k) => Ok(height / ((k + 1) as f64 * 5.0 * STEP)),
-        None => Err(SoundError::Unheard(1.5 * height)),
+    let bottom: Vec<[f64; 2]> = (pushed.iter().zip(&alone).enumerate())
+        .map(|(k, (a, b))| [(k + 1) as f64 * LOOK as f64 * STEP, (a - b).abs()])
+        .collect();
+    let most = bottom.iter().map(|[_, change]| *change).fold(0.0, f64::max);
+    let threshold = HEARD * most;
+    match bottom.iter().find(|[_, change]| *change >= threshold) {
+        Some(&[arrival, _]) if most > 1e-3 * push => Ok(Sound { speed: height / arrival, arrival, threshold, bottom }),
+        _ => Err(SoundError::Unheard(1.5 * height)),
     }
 }

@@ -57,6 +57,14 @@ impl<'a> Scope<'a> {
         })
     }
 
+    /// Refuses keys that have no meaning where another key has the value it has: `whose` they are not, and what to do `instead`.
+    pub fn forbid(&self, keys: &[(&str, &'a Written)], whose: &str, instead: &str) -> Result<(), DocumentError> {
+        match keys.iter().find_map(|(key, written)| self.optional(key, written)) {
+            Some(stray) => Err(stray.fail(&format!("does not belong to {whose}"), instead)),
+            None => Ok(()),
+        }
+    }
+
     /// A section below this one that may be missing.
     pub fn section<T>(&self, key: &str, section: &'a Section<T>) -> Option<(Scope<'a>, &'a T)> {
         let section = section.as_ref()?;

@@ -4,7 +4,7 @@ use super::chart::{COLOURS, Chart, Line};
 use super::colour::Scale;
 use super::plain_page::plain_page;
 use super::svg::{Anchor, Svg, escape};
-use crate::bed::{Bed, BedImpact, Course, Measures, Moment};
+use crate::bed::{Bed, BedImpact, Course, Disk, Measures, Moment, Sound};
 
 /// The pictures of an impact by their file names, and a page with all of them.
 pub struct BedPictures {
@@ -14,23 +14,33 @@ pub struct BedPictures {
     pub page: String,
 }
 
+/// All that is known of an impact.
+#[derive(Clone, Copy, Debug)]
+pub struct BedRecord<'a> {
+    /// What was wanted.
+    pub impact: &'a BedImpact,
+    /// The bed before.
+    pub bed: &'a Bed,
+    /// How it was packed.
+    pub measures: &'a Measures,
+    /// How sound runs through it, if that was measured.
+    pub sound: Option<&'a Sound>,
+    /// What the intruder did.
+    pub course: &'a Course,
+}
+
 /// Draws an impact; `words` stand on the page above the pictures.
-pub fn draw_bed(
-    name: &str,
-    impact: &BedImpact,
-    bed: &Bed,
-    measures: &Measures,
-    course: &Course,
-    words: &str,
-) -> BedPictures {
+pub fn draw_bed(name: &str, record: &BedRecord<'_>, words: &str) -> BedPictures {
+    let &BedRecord { impact, bed, measures, sound: heard, course } = record;
     let speed = impact.intruder.speed;
-    let pictures = vec![
+    let mut pictures = vec![
         ("depth.svg", depth(name, speed, course)),
         ("force.svg", force(name, speed, course)),
         ("energy.svg", energy(name, course)),
         ("bed.svg", snapshot(name, bed, course)),
         ("pair-correlation.svg", correlation(name, measures)),
     ];
+    pictures.extend(heard.map(|heard| ("sound.svg", sound(name, heard))));
     let words = words.lines().map(escape).collect::<Vec<_>>().join("\n");
     let above = format!(
         "<pre>{words}</pre>\n<p>Lengths in mean grain diameters d, times in collision times τ_c, masses in that of a grain of \
@@ -99,8 +109,30 @@ fn correlation(name: &str, measures: &Measures) -> String {
     chart.svg()
 }
 
+/// What reached the bottom of a push on the top, and when it counts as arrived.
+fn sound(name: &str, sound: &Sound) -> String {
+    let most = sound.bottom.iter().map(|[_, change]| *change).fold(0.0, f64::max);
+    let arrival = Line {
+        dashed: true,
+        ..line(
+            &format!("5 %, at {:.1} τ_c", sound.arrival),
+            1,
+            [[sound.arrival, 0.0], [sound.arrival, most]].into_iter(),
+        )
+    };
+    let chart = Chart {
+        title: format!("{name}: a push on the top as the bottom feels it; speed {:.2} d/τ_c", sound.speed),
+        labels: ["time from the push (τ_c)".to_owned(), "change of the force (m d/τ_c²)".to_owned()],
+        lines: vec![arrival, line("on the bottom", 0, sound.bottom.iter().copied())],
+    };
+    chart.svg()
+}
+
 /// Side of a diameter (px).
 const GRAIN: f64 = 7.0;
+
+/// How much of a wide bed a picture shows (d).
+const SHOWN: f64 = 200.0;
 
 /// Grains coloured by the force they feel when that on the intruder is greatest.
 fn snapshot(name: &str, bed: &Bed, course: &Course) -> String {
@@ -113,34 +145,50 @@ fn snapshot(name: &str, bed: &Bed, course: &Course) -> String {
     let high = shot.intruder.iter().map(|d| d.centre[1] + 0.5 * d.diameter);
     let top = shot.centres.iter().map(|c| c[1]).chain(high).fold(0.0, f64::max) + 2.0;
     let [left, upper] = [20.0, 44.0];
-    let (width, height) = (bed.width * GRAIN, (top + 1.0) * GRAIN);
+    // Of a wide bed what is around the intruder.
+    let shown = bed.width.min(SHOWN);
+    let middle = match shot.intruder.first() {
+        Some(disk) if shown < bed.width => disk.centre[0],
+        _ => 0.5 * bed.width,
+    };
+    let (width, height) = (shown * GRAIN, (top + 1.0) * GRAIN);
     let mut svg = Svg::new(left + width + 120.0, upper + height + 20.0, name);
     let title = format!("{name}: normal forces at {:.1} τ_c, when the force on the intruder is greatest", shot.time);
+    let title = if shown < bed.width { format!("{title}; {SHOWN} of {} d", bed.width) } else { title };
     svg.text([left, 24.0], 14.0, Anchor::Start, r#"font-weight="bold""#, &title);
-    let place = |[x, y]: [f64; 2]| [left + x * GRAIN, upper + (top - y) * GRAIN];
+    // From the middle of what is shown; of grains the image that is nearest to it.
+    let nearest = |x: f64| match bed.periodic {
+        true => (x - middle + 0.5 * bed.width).rem_euclid(bed.width) - 0.5 * bed.width,
+        false => x - middle,
+    };
+    let place = |[x, y]: [f64; 2]| [left + (0.5 * shown + x) * GRAIN, upper + (top - y) * GRAIN];
+    let is_shown = |x: f64, disk: &Disk| nearest(x).abs() < 0.5 * (shown + disk.diameter);
     // Nine in ten grains of the upper part of the distribution fit into the scale.
     let mut sorted = shot.force.clone();
     sorted.sort_by(f64::total_cmp);
     let most = sorted[(sorted.len() * 995 / 1000).min(sorted.len() - 1)].max(f64::MIN_POSITIVE);
     let scale = Scale::linear(most);
     svg.clipped([left, upper], [width, height], |svg| {
-        for disk in &bed.walls {
-            svg.circle(place(disk.centre), 0.5 * disk.diameter * GRAIN, r##"fill="#777""##);
+        for disk in bed.walls.iter().filter(|disk| is_shown(disk.centre[0], disk)) {
+            let [x, y] = disk.centre;
+            svg.circle(place([nearest(x), y]), 0.5 * disk.diameter * GRAIN, r##"fill="#777""##);
         }
-        for ((disk, centre), force) in bed.grains.iter().zip(&shot.centres).zip(&shot.force) {
-            let x = if bed.periodic { centre[0].rem_euclid(bed.width) } else { centre[0] };
-            let fill = super::colour::level(scale.level(*force));
-            let attributes = format!(r##"fill="{fill}" stroke="#666" stroke-width="0.25""##);
-            svg.circle(place([x, centre[1]]), 0.5 * disk.diameter * GRAIN, &attributes);
+        for ((disk, [x, y]), force) in bed.grains.iter().zip(&shot.centres).zip(&shot.force) {
+            if is_shown(*x, disk) {
+                let fill = super::colour::level(scale.level(*force));
+                let attributes = format!(r##"fill="{fill}" stroke="#666" stroke-width="0.25""##);
+                svg.circle(place([nearest(*x), *y]), 0.5 * disk.diameter * GRAIN, &attributes);
+            }
         }
+        let middled = |[x, y]: [f64; 2]| place([x - middle, y]);
         if let [a, b] = shot.intruder.as_slice()
             && a.diameter == 0.0
         {
-            svg.line(place(a.centre), place(b.centre), r##"stroke="#222" stroke-width="4""##);
+            svg.line(middled(a.centre), middled(b.centre), r##"stroke="#222" stroke-width="4""##);
         }
         for disk in shot.intruder.iter().filter(|disk| disk.diameter > 0.0) {
             let attributes = r##"fill="#dfe6ee" stroke="#223" stroke-width="1""##;
-            svg.circle(place(disk.centre), 0.5 * disk.diameter * GRAIN, attributes);
+            svg.circle(middled(disk.centre), 0.5 * disk.diameter * GRAIN, attributes);
         }
     });
     svg.rectangle([left, upper], [width, height], r##"fill="none" stroke="#555""##);

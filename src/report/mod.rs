@@ -41,7 +41,7 @@ mod table;
 mod trace;
 mod trial;
 
-pub use bed::{BedPictures, draw_bed};
+pub use bed::{BedPictures, BedRecord, draw_bed};
 pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;
 pub use ensemble::draw_ensemble;

@@ -11,8 +11,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::Wanted::{Above, Below, Within};
 use super::{Part, Row, RowError, Verdict};
 use crate::bed::{
-    Bed, BedImpact, Body, Course, Grains, Intruder, Outline, Packing, Pile, SettleError, Sides, SoundError, measure,
-    settle, sound_speed, strike,
+    Bed, BedImpact, Body, Course, Grains, Intruder, Outline, Packing, Pile, SettleError, Sides, SoundError, listen,
+    measure, settle, strike,
 };
 
 pub(super) const ROWS: &[Row] = &[
@@ -234,13 +234,13 @@ fn sound(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     let bed = settled(pile(0.2, 60.0, SEEDS[0]), interrupt)?;
     let mut parts = Vec::new();
     for (name, spring, published) in [("kinetic", 0.0, 2.0), ("static", 0.8, 2.4)] {
-        let speed = sound_speed(&bed, &rubbing(0.5, spring), interrupt).map_err(|error| match error {
+        let heard = listen(&bed, &rubbing(0.5, spring), interrupt).map_err(|error| match error {
             SoundError::Stop(stop) => RowError::from(stop),
             SoundError::Rig(error) => RowError::Rig(error),
             error => RowError::NoWave(error.to_string()),
         })?;
         let wanted = Within { value: published, absolute: 0.3 };
-        parts.push(Part::words(name, &format!("{published} d/τ_c"), speed, "d/τ_c", wanted));
+        parts.push(Part::words(name, &format!("{published} d/τ_c"), heard.speed, "d/τ_c", wanted));
     }
     Ok(parts)
 }

@@ -8,7 +8,7 @@
 //! - `anneal`: simulated annealing
 //! - `genetic`: a population that exchanges rectangles; `breed`: how it has children
 //! - `cma`: CMA-ES on real parameters; `painted`: choices that follow from such; `level_set`: low-order fields, whose signs
-//!   decide each site
+//!   decide each site; `curves`: bands between two free curves
 //! - `simplices`, `swarm`: other ways to search real parameters, by argmin; `lockstep`: its solvers by ask and tell
 //! - `nsga`: several losses at once; `front`: who dominates whom, volume and knee of a front, rank correlation
 //! - `rounds`: each of these as a method without an end
@@ -16,6 +16,7 @@
 mod anneal;
 mod breed;
 mod cma;
+mod curves;
 mod front;
 mod genetic;
 mod level_set;
@@ -29,13 +30,14 @@ mod swarm;
 
 pub use anneal::Annealing;
 pub use cma::Cma;
+pub use curves::Bands;
 pub use front::{front, hypervolume, knee, rank_correlation};
 pub use genetic::Genetic;
 pub use level_set::{Waves, level_set};
 pub use local::{LocalSearch, Reach};
 pub use nsga::Nsga;
 pub use painted::{Driver, Guess, Paint, Painted, Painter};
-pub use rounds::{LEVEL_SET_ORDER, Method, Rounds};
+pub use rounds::{Method, ORDER, Rounds};
 pub use simplices::Simplices;
 pub use swarm::Swarm;
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::level_set::Waves;
-use super::{Choice, Cma, Dice, Search, Simplices, Space, Swarm, sane};
+use super::{Bands, Choice, Cma, Dice, Search, Simplices, Space, Swarm, sane};
 
 /// From parameters, of any finite values, to a choice.
 pub type Paint = dyn Fn(&[f64]) -> Choice + Send + Sync;
@@ -34,6 +34,16 @@ impl Painter {
         // As far as restarts of CMA-ES commonly begin.
         let bounds = fit.iter().map(|weight| [weight.min(0.0) - 1.5, weight.max(0.0) + 1.5]).collect();
         Self { start: fit, spread: 0.5, bounds, paint: Arc::new(move |weights| waves.choice(weights)), guess: None }
+    }
+
+    /// Bands between curves with so many knots, from those that come nearest to `start`.
+    pub fn curves(space: &Space, knots: usize, start: &[u8]) -> Self {
+        let bands = Bands::new(space, knots);
+        let fit = bands.fit(start);
+        // From a quarter of the rows before the first of them to as much behind the last.
+        let bounds = vec![[-1.5, 1.5]; fit.len()];
+        // A fifth of the rows.
+        Self { start: fit, spread: 0.4, bounds, paint: Arc::new(move |heights| bands.choice(heights)), guess: None }
     }
 }
 

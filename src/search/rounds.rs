@@ -13,8 +13,8 @@ const BATCH: usize = 16;
 /// Changes that an annealing tries, times the number of flips.
 const ANNEALING: usize = 10;
 
-/// Half waves each way of a level set, and one more, where nobody says how many.
-pub const LEVEL_SET_ORDER: usize = 6;
+/// Half waves each way of a level set, and one more, or knots of a curve, where nobody says how many.
+pub const ORDER: usize = 6;
 
 /// How to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub enum Method {
     Anneal,
     /// CMA-ES over the coefficients of level sets, the first from that which is nearest to the start.
     LevelSet,
+    /// CMA-ES over the faces of bands, one band for each letter but the first; from those that are nearest to the start.
+    Curves,
     /// Over the parameters of a painter that whoever asks brings along.
     Painter(Driver),
     /// NSGA-II, for several losses.
@@ -37,7 +39,7 @@ pub enum Method {
 
 impl Method {
     /// Names as they are written in files.
-    pub const NAMES: [(&str, Self); 12] = [
+    pub const NAMES: [(&str, Self); 13] = [
         ("genetic", Self::Genetic),
         ("local", Self::Local(Reach::Flips)),
         ("local-swaps", Self::Local(Reach::Swaps)),
@@ -45,6 +47,7 @@ impl Method {
         ("genetic+local", Self::GeneticLocal),
         ("anneal", Self::Anneal),
         ("level-set", Self::LevelSet),
+        ("curves", Self::Curves),
         ("lens-family", Self::Painter(Driver::Cma)),
         ("lens-family-simplex", Self::Painter(Driver::Simplices)),
         ("lens-family-swarm", Self::Painter(Driver::Swarm)),
@@ -117,8 +120,8 @@ pub struct Rounds {
 
 impl Rounds {
     /// Begins with `starts`, of which those that need one take the first; it is the first letter everywhere where there is none.
-    /// `painter` is what [`Method::Painter`] and [`Method::LevelSet`] search; without one both search level sets of
-    /// [`LEVEL_SET_ORDER`].
+    /// `painter` is what [`Method::Painter`], [`Method::LevelSet`] and [`Method::Curves`] search; without one they search level
+    /// sets, the last one curves, of [`ORDER`].
     pub fn new(method: Method, space: &Space, mut starts: Vec<Choice>, painter: Option<Painter>, seed: u64) -> Self {
         let mut dice = Dice::new(seed);
         if starts.is_empty() {
@@ -131,9 +134,12 @@ impl Rounds {
             }
             Method::Genetic | Method::GeneticLocal => Stage::Genetic(Genetic::new(space, starts, seed)),
             Method::Anneal => Stage::Anneal(annealing(space, starts.swap_remove(0), seed)),
-            Method::LevelSet | Method::Painter(_) => {
+            Method::LevelSet | Method::Curves | Method::Painter(_) => {
                 let driver = if let Method::Painter(driver) = method { driver } else { Driver::Cma };
-                let painter = painter.unwrap_or_else(|| Painter::level_sets(space, LEVEL_SET_ORDER, &starts[0]));
+                let painter = painter.unwrap_or_else(|| match method {
+                    Method::Curves => Painter::curves(space, ORDER, &starts[0]),
+                    _ => Painter::level_sets(space, ORDER, &starts[0]),
+                });
                 Stage::Painted(Painted::new(painter, driver, seed))
             }
             Method::Nsga => Stage::Nsga(Nsga::new(space, starts, seed)),
@@ -172,7 +178,7 @@ impl Rounds {
                 Stage::Local(LocalSearch::new(&self.space, start, None, BATCH, reach, seed))
             }
             Method::Anneal => Stage::Anneal(annealing(&self.space, self.so_far(), seed)),
-            Method::LevelSet | Method::Painter(_) | Method::Nsga => return None,
+            Method::LevelSet | Method::Curves | Method::Painter(_) | Method::Nsga => return None,
         })
     }
 

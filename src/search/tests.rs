@@ -35,8 +35,9 @@ fn every_method_finds_the_optimum_of_a_space_that_can_be_enumerated() {
     for seed in 1..=5 {
         let loss = rugged(100 + seed);
         let optimum = brute_force(&loss);
-        // Painters have a space of their own, below.
-        for (name, method) in Method::NAMES.into_iter().filter(|(_, method)| !matches!(method, Method::Painter(_))) {
+        // Painters and curves have spaces of their own, below.
+        let any = |(_, method): &(&str, Method)| !matches!(method, Method::Painter(_) | Method::Curves);
+        for (name, method) in Method::NAMES.into_iter().filter(any) {
             let mut search = Rounds::new(method, &space(2), vec![vec![0; 12]], None, seed);
             let mut asked = 0;
             while search.best().is_none_or(|(_, best)| best > optimum) {
@@ -46,6 +47,34 @@ fn every_method_finds_the_optimum_of_a_space_that_can_be_enumerated() {
                 search.tell(&choices.iter().map(|choice| single(loss(choice))).collect::<Vec<_>>());
             }
         }
+    }
+}
+
+/// In each of four columns no site, or a run of the three: what is between two curves, 2401 choices of the 4096.
+#[test]
+fn curves_find_the_best_of_what_they_can_bound() {
+    let runs: [&[u32]; 7] = [&[], &[0], &[1], &[2], &[0, 1], &[1, 2], &[0, 1, 2]];
+    let between = |mut k: usize| -> Choice {
+        let mut choice = vec![0; 12];
+        for column in 0..4 {
+            runs[k % 7].iter().for_each(|&row| choice[row as usize * 4 + column] = 1);
+            k /= 7;
+        }
+        choice
+    };
+    for seed in 1..=5 {
+        let loss = rugged(100 + seed);
+        let optimum = (0..2401).map(|k| loss(&between(k))).fold(f64::INFINITY, f64::min);
+        let mut search = Rounds::new(Method::Curves, &space(2), vec![vec![0; 12]], None, seed);
+        let mut asked = 0;
+        while search.best().is_none_or(|(_, best)| best > optimum) {
+            let choices = search.ask();
+            asked += choices.len();
+            assert!(asked < 40_000, "seed {seed}: {:?} is not {optimum}", search.best());
+            search.tell(&choices.iter().map(|choice| single(loss(choice))).collect::<Vec<_>>());
+        }
+        // Nor anything that no two curves bound.
+        assert_eq!(search.best().map(|(_, loss)| loss), Some(optimum), "seed {seed}");
     }
 }
 

@@ -7,10 +7,13 @@ use super::file::IntruderFile;
 use super::place::{along_wave, no_axis};
 use crate::bed::{Body as Filling, Outline};
 use crate::dem::rig::Cluster;
-use crate::document::{DocumentError, Entry, Scope, Written, is_plain_name};
+use crate::document::{DocumentError, Entry, Scope, is_plain_name};
 use crate::material::Material;
 use crate::sample::Sphere;
 use crate::units::Dimension;
+
+/// What to do about a key of another shape.
+const CHANGE: &str = "Leave it out, or change intruder.shape.";
 
 /// A rigid body that strikes the crystal.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,12 +60,17 @@ pub(super) fn place<const D: usize>(
     let kinds = [("ball", Shape::Ball), ("ellipse", Shape::Ellipse), ("ogive", Shape::Ogive)];
     let outline = match shape.choice("shape of an intruder", &kinds)? {
         Shape::Ball => {
-            forbid(scope, [("half_width", &file.half_width), ("half_height", &file.half_height)])?;
-            forbid(scope, [("shell", &file.shell), ("body", &file.body)])?;
+            let foreign = [
+                ("half_width", &file.half_width),
+                ("half_height", &file.half_height),
+                ("shell", &file.shell),
+                ("body", &file.body),
+            ];
+            scope.forbid(&foreign, "this shape", CHANGE)?;
             Solid::Ball(0.5 * scope.required("diameter", &file.diameter)?.positive(Dimension::Length)?)
         }
         kind => {
-            forbid(scope, [("diameter", &file.diameter)])?;
+            scope.forbid(&[("diameter", &file.diameter)], "this shape", CHANGE)?;
             if D != 2 {
                 return Err(
                     shape.fail("is an outline in a sheet", "In a chain or in space strike with a ball or a flat.")
@@ -90,16 +98,6 @@ pub(super) fn place<const D: usize>(
     let velocity: [f64; D] = along_wave(&scope.required("velocity", &file.velocity)?, Dimension::Speed)?;
     let centre = before(stage, scope, file, outline.half_height())?;
     Ok(outline.put(stage, Placing { name, centre, velocity, mass, material, turns }))
-}
-
-/// Keys that have no meaning for a shape.
-fn forbid<const N: usize>(scope: &Scope, keys: [(&str, &Written); N]) -> Result<(), DocumentError> {
-    for (key, written) in keys {
-        if let Some(stray) = scope.optional(key, written) {
-            return Err(stray.fail("does not belong to this shape", "Leave it out, or change intruder.shape."));
-        }
-    }
-    Ok(())
 }
 
 /// Where the centre stands: over the middle of the crystal unless said otherwise, its foremost point `gap` before the plane that

@@ -9,10 +9,10 @@ use crate::search::Choice;
 pub struct Key(u128);
 
 impl Key {
-    /// Everything but the layout: the design's text, impacts, materials, integrator, step and window.
+    /// Everything but the layout: what the design's text says, impacts, materials, integrator, step and window.
     pub fn new(study: &Study, plan: &Plan) -> Self {
         let mut key = Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
-        key.add(study.design.text.as_bytes());
+        key.add(said(&study.design.text).as_bytes());
         key.add(format!("{:?}", study.palette).as_bytes());
         key.add(plan.integrator.to_string().as_bytes());
         let impacts = study.impacts.iter().flat_map(|impact| [impact.pulse.force, impact.pulse.duration]);
@@ -62,4 +62,10 @@ impl Key {
         };
         entries.iter().filter_map(own).collect()
     }
+}
+
+/// What a design's text says, whatever its comments, spaces and the order of its keys.
+fn said(text: &str) -> String {
+    // A text that is no TOML is no design.
+    text.parse::<toml::Table>().map_or_else(|_| text.to_owned(), |table| format!("{table:?}"))
 }

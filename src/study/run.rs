@@ -221,6 +221,7 @@ impl Run<'_> {
                 let painter = match method {
                     Method::Painter(_) => self.study.painter(&self.rays),
                     Method::LevelSet => starts.first().map(|start| Painter::level_sets(&space, stage.order, start)),
+                    Method::Curves => starts.first().map(|start| Painter::curves(&space, stage.order, start)),
                     _ => None,
                 };
                 Some(Rounds::new(method, &space, starts.clone(), painter, seed))

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::StudyError;
 use super::source::Source;
-use crate::search::{LEVEL_SET_ORDER, Method};
+use crate::search::{Method, ORDER};
 use crate::units::Dimension::Time;
 
 /// More is taken for a slip: all evaluations are held in memory.
@@ -46,7 +46,7 @@ pub struct Stage {
     /// How many layouts, evenly over the ranks of what the stages before evaluated, are evaluated with them, so that the rank
     /// correlation of the two steps is that of all and not of the best alone.
     pub sample: usize,
-    /// Half waves each way of the fields of a level set, and one more.
+    /// Half waves each way of the fields of a level set, and one more; knots of a curve.
     pub order: usize,
 }
 
@@ -95,12 +95,14 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
         if work != Work::Rescore && sample > 0 {
             return Err(fail("sample", "sample belongs to stages with method = \"rescore\".".to_owned()));
         }
-        let order = file.order.unwrap_or(LEVEL_SET_ORDER);
-        if file.order.is_some() && !matches!(work, Work::Search(Method::LevelSet)) {
-            return Err(fail("order", "order belongs to stages with method = \"level-set\".".to_owned()));
+        let order = file.order.unwrap_or(ORDER);
+        if file.order.is_some() && !matches!(work, Work::Search(Method::LevelSet | Method::Curves)) {
+            let message = "order belongs to stages with method = \"level-set\" or \"curves\".";
+            return Err(fail("order", message.to_owned()));
         }
         if !(2..=MOST_ORDER).contains(&order) {
-            return Err(fail("order", format!("order = {order} must be 2 to {MOST_ORDER} cosines each way.")));
+            let message = format!("order = {order} must be 2 to {MOST_ORDER}: cosines each way, or knots of a curve.");
+            return Err(fail("order", message));
         }
         let evaluations = match (work, file.evaluations) {
             (Work::Rescore, None) => promote as u64 + sample as u64,
@@ -125,5 +127,5 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
 
 /// The one stage of a study that names its method at the top.
 pub(super) fn single(method: Method, evaluations: u64) -> Stage {
-    Stage { work: Work::Search(method), evaluations, rung: 0, promote: 1, sample: 0, order: LEVEL_SET_ORDER }
+    Stage { work: Work::Search(method), evaluations, rung: 0, promote: 1, sample: 0, order: ORDER }
 }

@@ -62,3 +62,18 @@ fn evaluations_of_other_settings_are_not_used() {
     assert_eq!(told.simulated, 200);
     assert!(told.warnings[0].contains("200 evaluations of the journal belong to other settings"));
 }
+
+/// A comment, an empty line, another order of keys: the design says the same, and nothing is evaluated anew.
+#[test]
+fn what_is_said_counts_and_not_how() {
+    let desk = Desk::new(&STUDY.replace("600", "200"));
+    let before = desk.run().unwrap().0;
+    let (first, rest) = DESIGN.split_once('\n').unwrap();
+    let (second, rest) = rest.split_once('\n').unwrap();
+    let told_anew = format!("# The same.\n\n{second}\n{first}   # as before\n{rest}");
+    assert!(first.contains('=') && second.contains('='), "two keys to exchange: {first}, {second}");
+    std::fs::write(desk.path("tiny.toml"), told_anew).unwrap();
+    let (state, told) = desk.run().unwrap();
+    assert_eq!((told.simulated, told.warnings.len()), (0, 0));
+    assert_eq!(state, before);
+}

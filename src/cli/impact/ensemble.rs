@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use granulens::bed::{
-    Bed, BedFile, Case, Cell, Ensemble, Measures, Origin, Outcome, Pile, Spread, measure, strike, summarise,
-};
+use granulens::bed::{Bed, BedFile, Case, Cell, Ensemble, Measures, Origin, Outcome, Pile, measure, strike, summarise};
+use granulens::chance::Mean;
 use granulens::dem::rig::RigStop;
 use granulens::report::draw_ensemble;
 use rayon::prelude::*;
@@ -137,14 +136,14 @@ fn table(cells: &[Cell]) -> String {
     }
     for cell in cells {
         text += &format!("\n{},{:?},{},{}", cell.friction.name(), cell.speed, cell.samples, cell.stopped);
-        for Spread { mean, deviation, interval } in measures(cell) {
+        for Mean { mean, deviation, interval } in measures(cell) {
             text += &format!(",{mean:?},{},{}", number(deviation), number(interval));
         }
     }
     text + "\n"
 }
 
-fn measures(cell: &Cell) -> [Spread; 4] {
+fn measures(cell: &Cell) -> [Mean; 4] {
     [cell.final_depth_d, cell.max_depth_d, cell.overshoot_d, cell.peak_force]
 }
 
@@ -173,7 +172,7 @@ fn rows(outcomes: &[Outcome]) -> String {
 }
 
 fn words(cells: &[Cell]) -> String {
-    let of = |Spread { mean, deviation, interval }: Spread| match (deviation, interval) {
+    let of = |Mean { mean, deviation, interval }: Mean| match (deviation, interval) {
         (Some(deviation), Some(interval)) => format!("{mean:.2} +- {interval:.2} ({deviation:.2})"),
         _ => format!("{mean:.2}"),
     };

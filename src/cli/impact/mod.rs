@@ -11,11 +11,9 @@ mod ensemble;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use granulens::bed::{
-    Bed, BedFile, Course, Ensemble, Measures, Origin, Rubbing, measure, sound_speed, stop_words, strike,
-};
+use granulens::bed::{Bed, BedFile, Course, Ensemble, Origin, Rubbing, listen, measure, stop_words, strike};
 use granulens::dem::rig::RigStop;
-use granulens::report::{BedPictures, draw_bed};
+use granulens::report::{BedPictures, BedRecord, draw_bed};
 use serde::Serialize;
 
 use super::Common;
@@ -102,7 +100,7 @@ impl Impact {
         let measures = measure(&bed);
         let grains = &file.impact.grains;
         let heard = match self.sound {
-            true => Some(sound_speed(&bed, grains, interrupt()).map_err(|error| Failure::input(error.to_string()))?),
+            true => Some(listen(&bed, grains, interrupt()).map_err(|error| Failure::input(error.to_string()))?),
             false => None,
         };
         let begun = Instant::now();
@@ -113,8 +111,10 @@ impl Impact {
         .map_err(|error| Failure::input(format!("{}: {error}", self.bed.display())))?;
         bar.done();
         let seconds = begun.elapsed().as_secs_f64();
-        let numbers = numbers(&file, &bed, &measures, &course, heard, [Some(seconds), settled_in]);
-        self.write(&file, &bed, &measures, &course, &numbers, folder)?;
+        let record =
+            BedRecord { impact: &file.impact, bed: &bed, measures: &measures, sound: heard.as_ref(), course: &course };
+        let numbers = numbers(&file, &record, [Some(seconds), settled_in]);
+        write(&file, &record, &numbers, folder)?;
         if common.json {
             emit_json(&numbers);
         } else {
@@ -156,7 +156,7 @@ impl Impact {
             note(common, &format!("bed: {} (settled before)", path.display()));
             return Ok((load(&path)?, None));
         }
-        note(common, "the bed settles; with 6000 grains that takes half a minute, once");
+        note(common, "the bed settles, once: 6000 grains in some ten seconds, 90 000 in some minutes");
         let bar = Steps::unbounded(common);
         let bed = pour(&self.bed, pile, &file.impact.grains, |time, kinetic| {
             bar.at(time, &format!("settling: {time:.0} tau_c, kinetic energy {kinetic:.1e} m g d"));
@@ -166,52 +166,54 @@ impl Impact {
         note(common, &format!("bed: {} (settled in {seconds:.0} s)", path.display()));
         Ok((bed, Some(seconds)))
     }
+}
 
-    fn write(
-        &self,
-        file: &BedFile,
-        bed: &Bed,
-        measures: &Measures,
-        course: &Course,
-        numbers: &Numbers,
-        folder: Folder,
-    ) -> Result<(), Failure> {
-        let save = |name: &str, text: &str| {
-            let path = folder.path().join(name);
-            std::fs::write(&path, text).map_err(|error| Failure::write(&path, &error))
-        };
-        save("impact.json", &pretty(numbers))?;
-        save("bed.toml", &file.text)?;
-        save("impact.csv", &moments(course))?;
-        let mut correlation = "r_d,g\n".to_owned();
-        for [r, g] in &measures.pair_correlation {
-            correlation += &format!("{r:.3},{g:.6}\n");
-        }
-        save("pair-correlation.csv", &correlation)?;
-        let mut grains = "x0_d,y0_d,diameter_d,x_d,y_d,greatest_force\n".to_owned();
-        for ((disk, [x, y]), force) in bed.grains.iter().zip(&course.grains).zip(&course.grain_force) {
-            let [x0, y0] = disk.centre;
-            grains += &format!("{x0:?},{y0:?},{:?},{x:?},{y:?},{force:.6e}\n", disk.diameter);
-        }
-        save("grains.csv", &grains)?;
-        let BedPictures { pictures, page } = draw_bed(&file.name, &file.impact, bed, measures, course, &words(numbers));
-        for (name, svg) in &pictures {
-            save(name, svg)?;
-        }
-        save("impact.html", &page)?;
-        folder.finish()
+/// Fills the folder and puts it in its place.
+fn write(file: &BedFile, record: &BedRecord<'_>, numbers: &Numbers, folder: Folder) -> Result<(), Failure> {
+    let save = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).map_err(|error| Failure::write(&path, &error))
+    };
+    save("impact.json", &pretty(numbers))?;
+    save("bed.toml", &file.text)?;
+    save("impact.csv", &moments(record.course))?;
+    save("pair-correlation.csv", &pairs("r_d,g", &record.measures.pair_correlation))?;
+    if let Some(sound) = record.sound {
+        save("sound.csv", &pairs("time_tau_c,force_change", &sound.bottom))?;
     }
+    save("grains.csv", &grains(record))?;
+    let BedPictures { pictures, page } = draw_bed(&file.name, record, &words(numbers));
+    for (name, svg) in &pictures {
+        save(name, svg)?;
+    }
+    save("impact.html", &page)?;
+    folder.finish()
+}
+
+/// Two columns below their heads.
+fn pairs(heads: &str, rows: &[[f64; 2]]) -> String {
+    let rows: String = rows.iter().map(|[x, y]| format!("{x:.3},{y:.6e}\n")).collect();
+    format!("{heads}\n{rows}")
+}
+
+/// Where every grain was and came to, and the greatest force that it felt.
+fn grains(record: &BedRecord<'_>) -> String {
+    let BedRecord { bed, course, .. } = record;
+    let mut text = "x0_d,y0_d,diameter_d,x_d,y_d,greatest_force\n".to_owned();
+    for ((disk, [x, y]), force) in bed.grains.iter().zip(&course.grains).zip(&course.grain_force) {
+        let [x0, y0] = disk.centre;
+        text += &format!("{x0:?},{y0:?},{:?},{x:?},{y:?},{force:.6e}\n", disk.diameter);
+    }
+    text
 }
 
 /// A guard's words; times are in collision times here.
 fn numbers<'a>(
     file: &'a BedFile,
-    bed: &Bed,
-    measures: &Measures,
-    course: &Course,
-    sound_speed: Option<f64>,
+    record: &BedRecord<'_>,
     [seconds, settled_in_seconds]: [Option<f64>; 2],
 ) -> Numbers<'a> {
+    let &BedRecord { bed, measures, course, sound, .. } = record;
     let grains = &file.impact.grains;
     let last = &course.moments[course.moments.len() - 1];
     Numbers {
@@ -227,7 +229,7 @@ fn numbers<'a>(
         coordination: measures.coordination,
         surface_d: measures.surface,
         true_restitution: grains.true_restitution(grains.dashpot_rate(grains.grains.restitution)),
-        sound_speed,
+        sound_speed: sound.map(|sound| sound.speed),
         final_depth_d: course.final_depth,
         final_swing_d: course.final_swing,
         max_depth_d: course.max_depth,
@@ -268,12 +270,17 @@ fn words(n: &Numbers) -> String {
         n.overshoot_d,
         n.peak_force,
         n.peak_force_time_tau_c,
-        n.lost_in_contacts,
-        n.lost_by_friction,
+        hundredths(n.lost_in_contacts),
+        hundredths(n.lost_by_friction),
         n.work_in,
         n.residual.unwrap_or(0.0)
     );
     text
+}
+
+/// Rounded, and nothing that rounding made is a negative zero.
+fn hundredths(x: f64) -> f64 {
+    (x * 100.0).round() / 100.0 + 0.0
 }
 
 fn moments(course: &Course) -> String {
