@@ -158,6 +158,6 @@ mod tests {
         let parted = |site: &[u32; 2]| if site[0] - 7 <= 8 { 1 } else { 2 };
         assert_eq!(both, space.sites.iter().map(parted).collect::<Choice>());
         // Closed bands leave the first letter.
-        assert_eq!(bands.choice(&bands.fit(&vec![0; 180])), vec![0; 180]);
+        assert_eq!(bands.choice(&bands.fit(&[0; 180])), vec![0; 180]);
     }
 }

@@ -72,6 +72,17 @@ fn a_bed_from_a_file_and_other_speeds() {
     let fast = desk.run(&["impact", "other.toml", "--json", "--sound"]).ok().json();
     assert!(slow["max_depth_d"].as_f64() < fast["max_depth_d"].as_f64(), "{slow} {fast}");
     assert!(slow["seed"].is_null() && (0.5..5.0).contains(&fast["sound_speed"].as_f64().unwrap()), "{fast}");
+    // What the speed was read from is kept and drawn: nothing at first, then a rise through 5 % of the most at the surface's
+    // height over the speed.
+    let heard = std::fs::read_to_string(desk.path("reports/other/sound.csv")).unwrap();
+    let rows: Vec<Vec<f64>> =
+        heard.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    let most = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
+    let arrival = rows.iter().find(|row| row[1] >= 0.05 * most).unwrap()[0];
+    let height = arrival * fast["sound_speed"].as_f64().unwrap();
+    // To 2 d: the surface above the middle is not the mean one.
+    assert!((height - fast["surface_d"].as_f64().unwrap()).abs() < 2.0, "{height} {fast}");
+    assert!(desk.path("reports/other/sound.svg").exists());
 }
 
 #[test]
