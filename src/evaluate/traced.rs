@@ -108,10 +108,11 @@ fn trace_layout(
     let eikonal = decaying.as_ref().unwrap_or(plain);
     let first_arrival = eikonal.at_sites();
     let times = times(first_arrival.iter().copied().fold(0.0, f64::max));
-    let isochrone = |&time: &f64| {
-        let lines = eikonal.isochrone(time).into_iter().map(|piece| piece.to_vec()).collect();
-        Front { time, lines }
-    };
+    let isochrones = times
+        .iter()
+        .zip(eikonal.isochrones(&times))
+        .map(|(&time, pieces)| Front { time, lines: pieces.into_iter().map(|piece| piece.to_vec()).collect() });
+    let isochrones = isochrones.collect();
     let sites = lattice.sites();
     let first = |region: &Region, arrivals: &[f64]| {
         let mid = region.mid_row();
@@ -169,7 +170,7 @@ fn trace_layout(
         wavefronts: Vec::new(),
         caustic: Vec::new(),
         spots: [None, None],
-        isochrones: times.iter().map(isochrone).collect(),
+        isochrones,
         focal_arrival: [None, earliest(|focus| focus.arrival[1])],
         focal_arrival_decaying: earliest(|focus| focus.arrival_decaying),
         foci,

@@ -1,8 +1,9 @@
 //! First arrivals on the lattice, without rays: a second opinion where rays cross or nobody knows the faces.
 
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::mesh::{Mesh, NONE};
 use crate::lattice::HexagonalSheet;
 
 /// First arrivals of the impact's plane wave where the speed changes from site to site.
@@ -14,41 +15,21 @@ use crate::lattice::HexagonalSheet;
 pub struct Eikonal {
     lattice: HexagonalSheet,
     finer: u32,
-    /// Half steps of the mesh from mirror line to mirror line.
-    width: i64,
-    rows: u32,
+    mesh: Mesh,
     /// Arrival time at each point of the mesh (s), row by row.
     times: Vec<f64>,
 }
 
-/// A point to be settled next; the earliest first, of equal ones the one of lower index, so that the order is always the
-/// same.
-#[derive(PartialEq)]
-struct Trial {
-    time: f64,
-    point: usize,
-}
-
-impl Eq for Trial {}
-
-impl PartialOrd for Trial {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Trial {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.time.total_cmp(&other.time).then(self.point.cmp(&other.point))
-    }
-}
+/// A point to be settled next: the bits of its time, which order as times from 0 on do, and its index. The earliest comes first,
+/// of equal ones that of lower index, so that the order is always the same.
+type Trial = Reverse<(u64, u32)>;
 
 impl Eikonal {
     /// Arrivals of a wave that starts along all of row 1 at time 0. `speeds` (m/s) are those of the sites, in the lattice's
     /// order; `finer` is at least 1.
     pub fn of_plane_wave(lattice: &HexagonalSheet, speeds: &[f64], finer: u32) -> Self {
         let mut solver = Self::empty(lattice, finer);
-        let first_row: Vec<(usize, f64)> = (0..solver.points(0)).map(|point| (point, 0.0)).collect();
+        let first_row: Vec<usize> = (0..solver.mesh.points(0)).collect();
         solver.march(speeds, &first_row);
         solver
     }
@@ -56,77 +37,27 @@ impl Eikonal {
     /// The same from a point at (x, z) (m), taken to the nearest of the mesh.
     pub fn of_point(lattice: &HexagonalSheet, speeds: &[f64], finer: u32, [x, z]: [f64; 2]) -> Self {
         let mut solver = Self::empty(lattice, finer);
-        let nearest = (0..solver.times.len()).min_by(|&a, &b| {
-            let off = |point| {
-                let at: [f64; 2] = solver.at(point);
-                (at[0] - x).hypot(at[1] - z)
-            };
-            off(a).total_cmp(&off(b))
-        });
-        solver.march(speeds, &[(nearest.unwrap_or(0), 0.0)]);
+        let off = |[a, b]: [f64; 2]| (a - x).hypot(b - z);
+        let nearest = solver.places().enumerate().min_by(|a, b| off(a.1).total_cmp(&off(b.1))).map_or(0, |n| n.0);
+        solver.march(speeds, &[nearest]);
         solver
     }
 
     fn empty(lattice: &HexagonalSheet, finer: u32) -> Self {
         let finer = finer.max(1);
-        let width = (2.0 * lattice.half_width() / lattice.diameter()).round() as i64 * i64::from(finer);
-        let rows = (lattice.rows() - 1) * finer + 1;
-        let mut solver = Self { lattice: *lattice, finer, width, rows, times: Vec::new() };
-        solver.times = vec![f64::INFINITY; solver.start(rows)];
-        solver
+        let mesh = Mesh::new(lattice, finer);
+        Self { lattice: *lattice, finer, times: vec![f64::INFINITY; mesh.len()], mesh }
     }
 
-    /// Mesh step (m).
-    fn step(&self) -> f64 {
-        self.lattice.diameter() / f64::from(self.finer)
-    }
-
-    /// Number of points in a mesh row, from 0 on. Even ones begin on the axis, odd ones half a step off it.
-    fn points(&self, row: u32) -> usize {
-        let first = i64::from(row % 2);
-        ((self.width - first) / 2 + 1) as usize
-    }
-
-    /// Index of the first point of a mesh row.
-    fn start(&self, row: u32) -> usize {
-        (row as usize / 2) * (self.points(0) + self.points(1)) + if row % 2 == 1 { self.points(0) } else { 0 }
-    }
-
-    /// Mesh row and half steps from the axis.
-    fn place(&self, point: usize) -> (u32, i64) {
-        let pair = self.points(0) + self.points(1);
-        let (mut row, mut rest) = (2 * (point / pair) as u32, point % pair);
-        if rest >= self.points(0) {
-            (row, rest) = (row + 1, rest - self.points(0));
-        }
-        (row, 2 * rest as i64 + i64::from(row % 2))
-    }
-
-    fn at(&self, point: usize) -> [f64; 2] {
-        let (row, half_steps) = self.place(point);
-        [half_steps as f64 * 0.5 * self.step(), f64::from(row) * 0.75_f64.sqrt() * self.step()]
-    }
-
-    /// The point at a mesh row and so many half steps from the axis, mirrored into the crystal.
-    fn index(&self, row: i64, half_steps: i64) -> Option<usize> {
-        let row = u32::try_from(row).ok().filter(|row| *row < self.rows)?;
-        let inside = half_steps.abs();
-        let inside = if inside > self.width { 2 * self.width - inside } else { inside };
-        Some(self.start(row) + usize::try_from(inside / 2).ok()?)
-    }
-
-    /// The six neighbours, in order around the point.
-    fn around(&self, point: usize) -> [Option<usize>; 6] {
-        let (row, p) = self.place(point);
-        let row = i64::from(row);
-        [(0, 2), (1, 1), (1, -1), (0, -2), (-1, -1), (-1, 1)].map(|(down, across)| self.index(row + down, p + across))
+    /// Where all points of the mesh lie (m), in order.
+    fn places(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        (0..self.mesh.rows).flat_map(move |row| (0..self.mesh.points(row)).map(move |k| self.mesh.at(row, k)))
     }
 
     /// Slowness of every point: that of the nearest site.
     fn slowness(&self, speeds: &[f64]) -> Vec<f64> {
         let (diameter, spacing) = (self.lattice.diameter(), self.lattice.row_spacing());
-        let nearest = |point: usize| {
-            let [x, z] = self.at(point);
+        let nearest = |[x, z]: [f64; 2]| {
             let row = (z / spacing).floor() as u32 + 1;
             let beside = [row, row + 1].into_iter().filter(|row| *row <= self.lattice.rows());
             let sites = beside.flat_map(|row| {
@@ -134,90 +65,103 @@ impl Eikonal {
                 let column = ((x / diameter - first).round().max(0.0) as u32 + 1).min(self.lattice.columns(row));
                 self.lattice.site(row, column).zip(self.lattice.index(row, column))
             });
-            sites
-                .min_by(|(a, _), (b, _)| (a.x - x).hypot(a.z - z).total_cmp(&(b.x - x).hypot(b.z - z)))
-                .map_or(0, |s| s.1)
+            let off = |dx: f64, dz: f64| dx * dx + dz * dz;
+            sites.min_by(|(a, _), (b, _)| off(a.x - x, a.z - z).total_cmp(&off(b.x - x, b.z - z))).map_or(0, |s| s.1)
         };
-        (0..self.times.len()).map(|point| 1.0 / speeds[nearest(point)]).collect()
+        self.places().map(|place| 1.0 / speeds[nearest(place)]).collect()
     }
 
-    fn march(&mut self, speeds: &[f64], sources: &[(usize, f64)]) {
+    fn march(&mut self, speeds: &[f64], sources: &[usize]) {
         let slowness = self.slowness(speeds);
-        let delay = self.step();
+        let neighbours = self.mesh.neighbours();
+        let delay = self.mesh.step;
         let mut settled = vec![false; self.times.len()];
-        let mut trials = BinaryHeap::new();
-        for &(point, time) in sources {
-            self.times[point] = time;
-            trials.push(Reverse(Trial { time, point }));
+        let mut trials: BinaryHeap<Trial> = BinaryHeap::new();
+        for &point in sources {
+            self.times[point] = 0.0;
+            trials.push(Reverse((0.0_f64.to_bits(), point as u32)));
         }
-        while let Some(Reverse(Trial { time, point })) = trials.pop() {
+        while let Some(Reverse((time, index))) = trials.pop() {
+            let (time, point) = (f64::from_bits(time), index as usize);
             if settled[point] || time > self.times[point] {
                 continue;
             }
             settled[point] = true;
-            for next in self.around(point).into_iter().flatten() {
-                if settled[next] {
+            for next in neighbours[point].into_iter().filter(|next| *next != NONE) {
+                let corner = next as usize;
+                if settled[corner] {
                     continue;
                 }
-                // What the triangles between settled neighbours say.
-                let around = self.around(next);
-                let known = |k: usize| around[k % 6].filter(|&n| settled[n]).map(|n| self.times[n]);
-                let per_step = slowness[next] * delay;
-                let earliest = (0..6)
-                    .filter_map(|k| Some(update(known(k)?, known(k + 1), per_step)))
-                    .fold(f64::INFINITY, f64::min);
-                if earliest < self.times[next] {
-                    self.times[next] = earliest;
-                    trials.push(Reverse(Trial { time: earliest, point: next }));
+                // What the triangles say that this point belongs to: what others say has been heard before. Beside a mirror line
+                // it may be in two places around its neighbour.
+                let around = &neighbours[corner];
+                let known = |k: usize| {
+                    let other = around[k % 6] as usize;
+                    (other < settled.len() && settled[other]).then(|| self.times[other])
+                };
+                let per_step = slowness[corner] * delay;
+                let mut earliest = self.times[corner];
+                for k in (0..6).filter(|&k| around[k] == index) {
+                    earliest = earliest.min(update(time, known(k + 1), per_step));
+                    if let Some(before) = known(k + 5) {
+                        earliest = earliest.min(update(before, Some(time), per_step));
+                    }
+                }
+                if earliest < self.times[corner] {
+                    self.times[corner] = earliest;
+                    trials.push(Reverse((earliest.to_bits(), next)));
                 }
             }
         }
     }
 
-    /// Where the wave is at a time (s): straight pieces (m), one for each triangle of the mesh that it crosses.
-    pub fn isochrone(&self, time: f64) -> Vec<[[f64; 2]; 2]> {
-        let mut pieces = Vec::new();
-        for point in 0..self.times.len() {
-            let (row, p) = self.place(point);
-            // The triangles to the right of a point: with its neighbours below and above.
-            for down in [1, -1] {
-                let corners = [(0, 0), (0, 2), (down, 1)].map(|(down, across)| (i64::from(row) + down, p + across));
-                if corners.iter().any(|(_, p)| *p > self.width) {
-                    continue;
-                }
-                let [Some(a), Some(b), Some(c)] = corners.map(|(row, p)| self.index(row, p)) else { continue };
-                let reached = [a, b, c].map(|corner| self.times[corner] < time);
-                if reached[0] == reached[1] && reached[1] == reached[2] {
-                    continue;
-                }
-                let mut crossed = [[a, b], [b, c], [c, a]].into_iter().filter_map(|side| self.crossed(side, time));
-                if let (Some(from), Some(to)) = (crossed.next(), crossed.next()) {
-                    pieces.push([from, to]);
+    /// Where the wave is at each of some times (s), in ascending order: straight pieces (m), one for each triangle of the mesh that it
+    /// crosses.
+    pub fn isochrones(&self, times: &[f64]) -> Vec<Vec<[[f64; 2]; 2]>> {
+        let mut fronts = vec![Vec::new(); times.len()];
+        let corner = |row: u32, k: usize| (self.times[self.mesh.start(row) + k], self.mesh.at(row, k));
+        for row in 0..self.mesh.rows {
+            for k in 1..self.mesh.points(row) {
+                // The triangles below and above two neighbours in a row.
+                for tip in [Some(row + 1).filter(|row| *row < self.mesh.rows), row.checked_sub(1)].into_iter().flatten()
+                {
+                    let third = corner(tip, if row % 2 == 0 { k - 1 } else { k });
+                    let [a, b, c] = [corner(row, k - 1), corner(row, k), third];
+                    let [low, high] = [a.0.min(b.0).min(c.0), a.0.max(b.0).max(c.0)];
+                    let first = times.partition_point(|time| *time <= low);
+                    for (front, &time) in
+                        fronts[first..].iter_mut().zip(&times[first..]).take_while(|(_, time)| **time <= high)
+                    {
+                        let mut crossed = [[a, b], [b, c], [c, a]].into_iter().filter_map(|side| crossing(side, time));
+                        if let (Some(from), Some(to)) = (crossed.next(), crossed.next()) {
+                            front.push([from, to]);
+                        }
+                    }
                 }
             }
         }
-        pieces
-    }
-
-    /// Where the wave crosses a side of a triangle at a time.
-    fn crossed(&self, [a, b]: [usize; 2], time: f64) -> Option<[f64; 2]> {
-        let (start, end) = (self.times[a], self.times[b]);
-        if (start < time) == (end < time) {
-            return None;
-        }
-        let part = (time - start) / (end - start);
-        let ([x0, z0], [x1, z1]) = (self.at(a), self.at(b));
-        Some([x0 + part * (x1 - x0), z0 + part * (z1 - z0)])
+        fronts
     }
 
     /// First arrivals at the sites (s), in the lattice's order.
     pub fn at_sites(&self) -> Vec<f64> {
         let site = |row: u32, x: f64| {
-            let half_steps = (2.0 * x / self.step()).round() as i64;
-            self.index(i64::from((row - 1) * self.finer), half_steps).map_or(f64::INFINITY, |point| self.times[point])
+            let half_steps = (2.0 * x / self.mesh.step).round() as i64;
+            self.mesh
+                .index(i64::from((row - 1) * self.finer), half_steps)
+                .map_or(f64::INFINITY, |point| self.times[point])
         };
         self.lattice.sites().iter().map(|s| site(s.row, s.x)).collect()
     }
+}
+
+/// Where the wave crosses a side of a triangle, whose ends have each a time and a place, at a time.
+fn crossing([(start, from), (end, to)]: [(f64, [f64; 2]); 2], time: f64) -> Option<[f64; 2]> {
+    if (start < time) == (end < time) {
+        return None;
+    }
+    let part = (time - start) / (end - start);
+    Some([from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])])
 }
 
 /// Arrival at the corner of an equilateral triangle from one or two of the others, and `per_step`, slowness times side.

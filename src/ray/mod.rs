@@ -10,7 +10,7 @@
 //! - `scene`: media and interfaces; a ray through all of them, with its [`Fate`]
 //! - `slab`: a flat slab whose speed changes across it
 //! - `fan`: many rays together: spot, caustic, wavefronts
-//! - `eikonal`: first arrivals on the lattice, without rays
+//! - `eikonal`: first arrivals on the lattice, without rays; `mesh`: the points they are found at
 //! - `path`: the way of one ray
 //! - `bench`: the plano-convex lens by itself, for searches
 
@@ -18,6 +18,7 @@ mod bench;
 mod curve;
 mod eikonal;
 mod fan;
+mod mesh;
 mod path;
 mod scene;
 mod slab;
