@@ -2,7 +2,7 @@
 
 use super::form::Form;
 use super::fraction::{passing, without};
-use super::solve::Problem;
+use super::problem::Problem;
 use super::symmetry::Symmetry;
 use super::{LensError, LensRequest, check, shape, unreachable};
 use crate::contact::Constants;
@@ -71,7 +71,7 @@ pub fn propose_body(
     let palette_speeds = problem.palette_speeds();
     let optics = form.optics(problem.surrounds(&palette_speeds));
     let goal = (problem.depth, problem.region);
-    let fraction = passing(&*optics, problem.window, &[goal], RAYS, symmetry);
+    let fraction = passing(&*optics, problem.window, goal, RAYS, symmetry);
     let volumes = form.extents(palette.len(), lattice.half_width(), symmetry);
     let counts: Vec<f64> = volumes.iter().map(|volume| volume * symmetry.sites(lattice.diameter())).collect();
     let mass =

@@ -133,7 +133,7 @@ impl Form {
                     let faces = [(&element.front, [speed, inside], "front"), (&element.back, [inside, speed], "back")];
                     for (face, speeds, name) in faces {
                         let curves = face.curves(element.x).into_iter();
-                        interfaces.extend(curves.map(|curve| Interface { curve, speeds, name: format!("{name}{of}") }));
+                        interfaces.extend(curves.map(|curve| Interface::new(curve, speeds, format!("{name}{of}"))));
                     }
                 }
                 interfaces.extend(walls(elements, around));
@@ -294,7 +294,7 @@ fn walls(elements: &[Element], around: Surrounds) -> Vec<Interface> {
             if speeds[0] != speeds[1] {
                 // Towards −z, so that its second side is that of greater x.
                 let wall = Segment { from: Vector2::new(x, pair[1]), to: Vector2::new(x, pair[0]) };
-                walls.push(Interface { curve: Box::new(wall), speeds, name: "side of a part".to_owned() });
+                walls.push(Interface::new(Box::new(wall), speeds, "side of a part"));
             }
         }
     }

@@ -8,7 +8,7 @@
 //! - `raster`: from the smooth shape to sites
 //! - `parts`: one lens for several foci, cut into strips
 //! - `fraction`: how much of the struck width rays send through a region
-//! - `solve`: the search for the form that sends most
+//! - `problem`: what is sought, within which limits; `solve`: the search for the form that sends most
 //! - `proposed`: the lens that was found, and its first-order data
 //! - `symmetry`: a sheet's lens or a body of revolution: what is struck, areas and volumes; `body`: the latter, proposed without sites
 //! - `unreachable`: why no lens serves a target, and which target near it could be served
@@ -23,6 +23,7 @@ mod fraction;
 mod graded;
 mod parts;
 mod plano_convex;
+mod problem;
 mod proposed;
 mod raster;
 mod solve;
@@ -48,8 +49,9 @@ use crate::material::Material;
 use crate::target::Target;
 use crate::wave::{Dimension, bound};
 use parts::Strip;
+use problem::{Candidate, Problem};
 use proposed::Found;
-use solve::{Candidate, Grid, Problem};
+use solve::Grid;
 
 /// What kind of lens is asked for, and what is already decided about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,7 +161,7 @@ fn shape(problem: &Problem, request: &LensRequest, focus: Option<usize>) -> Resu
     };
     // What cannot gather needs no fine search to say so.
     let fine = given.is_none() && (problem.may_gain() || !needs_radius);
-    let best = fine.then(|| problem.best(Grid::fine(request.family))).flatten();
+    let best = fine.then(|| problem.best(Grid::fine(problem))).flatten();
     let shape = match (request.apex_row, request.back_row) {
         // With its rows given, only the side of a prism's edge is open.
         (Some(_), Some(_)) if !needs_radius => best.map(|best| best.shape),

@@ -1,6 +1,6 @@
 //! One lens for several foci: the struck width is cut into strips, one for each focus, and each strip takes a part of its own.
 
-use super::solve::aim;
+use super::problem::aim;
 use crate::lattice::HexagonalSheet;
 use crate::target::Focus;
 

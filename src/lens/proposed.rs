@@ -1,14 +1,15 @@
 //! The lens that was found: its data of first order, its sites, its rays.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::form::{Form, Surrounds};
-use super::fraction::{passing, passing_of, without};
+use super::fraction::{Fan, passing, passing_of, without};
 use super::graded::fractions;
 use super::parts::{FocusRays, Part};
 use super::plano_convex::Shape;
+use super::problem::{LEAST_GAIN, Problem};
 use super::raster::{Raster, raster};
-use super::solve::{Grid, LEAST_GAIN, Problem};
+use super::solve::FAN;
 use super::{Family, LensRequest};
 use crate::contact::Constants;
 use crate::lattice::{HexagonalSheet, Site};
@@ -116,13 +117,7 @@ impl Found<'_> {
     fn alone(&self) -> f64 {
         let speeds = self.problem.palette_speeds();
         let optics = self.form.optics(self.problem.surrounds(&speeds));
-        passing(
-            &*optics,
-            self.problem.window,
-            &[(self.problem.depth, self.problem.region)],
-            RAYS,
-            self.problem.symmetry,
-        )
+        passing(&*optics, self.problem.window, (self.problem.depth, self.problem.region), RAYS, self.problem.symmetry)
     }
 
     /// The part in the lens that rays run through, followed by those of its strip, `own`.
@@ -178,7 +173,7 @@ impl Lens {
         // Where one lens of all the width serves several foci, they are the same region.
         let same = goals.iter().all(|goal| *goal == goals[0]);
         let fraction = match goals[0] {
-            (depth, x) if by_fan => problem.fan(Grid::fine(family), shape.rim_angle(lattice)).fraction(
+            (depth, x) if by_fan => Fan::new(FAN, shape.rim_angle(lattice), problem.speeds).fraction(
                 &shape.bench(lattice, problem.speeds),
                 depth,
                 x,
@@ -232,8 +227,9 @@ impl Lens {
         let mut warnings = failures(&*optics, &traces);
         let mut parts = Vec::new();
         for part in found {
-            let own = fan_between(&*optics, part.problem.window, RAYS);
-            parts.push(part.part(&*optics, &own));
+            // A single part has all rays.
+            let own = if one { None } else { Some(fan_between(&*optics, part.problem.window, RAYS)) };
+            parts.push(part.part(&*optics, own.as_ref().unwrap_or(&traces)));
         }
         match one {
             true => warnings.extend(beside(problem.axis, aperture, half_width)),
@@ -320,17 +316,20 @@ fn sites(
         mixture_speed(Dimension::Two, &parts, diameter, constants)
     };
     let all = lattice.sites();
+    // Sites below each other have the same mixture.
+    let mut mixtures: HashMap<u64, Vec<f64>> = HashMap::new();
     if let (Form::Elements(_), Raster::Nearest) = (form, rule) {
         return all.iter().map(|site| form.at([site.x, site.z], slack)).collect();
     }
-    let parts = |site: &Site| match form {
+    let mut parts = |site: &Site| match form {
         Form::Graded(profile) if form.at([site.x, site.z], slack) != 0 => {
-            fractions(profile.slowness(site.x), &pure, mixed)
+            let mix = || fractions(profile.slowness(site.x), &pure, mixed);
+            mixtures.entry(site.x.to_bits()).or_insert_with(mix).clone()
         }
         Form::Graded(_) => (0..palette.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect(),
         Form::Elements(_) => cell(form, palette.len(), [site.x, site.z], diameter, lattice.half_width()),
     };
-    raster(lattice, rule, seed, &all.iter().map(parts).collect::<Vec<_>>())
+    raster(lattice, rule, seed, &all.iter().map(&mut parts).collect::<Vec<_>>())
 }
 
 /// Fractions of the palette in a site's cell, the regular hexagon that is nearer to it than to any other; of a site on a

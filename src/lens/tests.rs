@@ -280,7 +280,7 @@ fn general_rays_agree_with_the_fan() {
     for x in [[0.0, 2.5], [4.0, 8.0], [12.0, 16.5]] {
         let x = x.map(|x| x * DIAMETER);
         let general =
-            fraction::passing(&*lens.optics(), [0.0, crystal().half_width()], &[(depth, x)], 513, Symmetry::Plane);
+            fraction::passing(&*lens.optics(), [0.0, crystal().half_width()], (depth, x), 513, Symmetry::Plane);
         let bench = lens.shape().bench(&crystal(), [lens.host_speed, lens.lens_speed]);
         let fan = Fan::new(256, request().max_interface_angle, [lens.host_speed, lens.lens_speed]);
         assert!((general - fan.fraction(&bench, depth, x)).abs() < 2e-3, "{general}");

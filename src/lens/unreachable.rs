@@ -3,7 +3,8 @@
 use std::fmt;
 
 use super::Family;
-use super::solve::{Candidate, Grid, Problem};
+use super::problem::{Candidate, Problem};
+use super::solve::Grid;
 use crate::units::Dimension::{Angle, Length};
 
 /// What keeps lenses from serving a target.
@@ -138,7 +139,7 @@ impl Unreachable {
     /// Finds out why, by relaxing one limit after the other. `best` is the best lens that was found, where one was sought.
     pub(super) fn explain(problem: &Problem, material: &str, best: Option<Candidate>) -> Self {
         // Of families that are not solved at once, a coarse search tells as much.
-        let grid = if problem.is_fast() { Grid::fine(problem.family) } else { Grid::coarse(problem.family) };
+        let grid = if problem.is_fast() { Grid::fine(problem) } else { Grid::coarse(problem) };
         let best = best.or_else(|| problem.best(grid));
         let comparable = problem.may_gain();
         Self {
@@ -174,7 +175,7 @@ fn relax<'a>(problem: &Problem<'a>, limits: &[Limit]) -> Problem<'a> {
 }
 
 fn reachable(problem: &Problem) -> Option<Candidate> {
-    problem.best(Grid::coarse(problem.family)).filter(|candidate| problem.gains(candidate))
+    problem.best(Grid::coarse(problem)).filter(|candidate| problem.gains(candidate))
 }
 
 fn binding(problem: &Problem) -> Vec<Limit> {

@@ -18,6 +18,19 @@ pub trait Curve: Send + Sync {
     /// The first place, farther than `least` (m) from `origin` (m), where the ray along the unit vector `direction` meets
     /// the curve.
     fn meet(&self, origin: Vector, direction: Vector, least: f64) -> Option<Meeting>;
+
+    /// Depths z (m) beyond which it is not, as far as that is known; generous by far more than round-off.
+    fn depths(&self) -> [f64; 2] {
+        [f64::NEG_INFINITY, f64::INFINITY]
+    }
+}
+
+/// The depths of some points of a curve that reaches no farther, and 10⁻⁵ of its `extent` (m) more.
+fn around(points: impl IntoIterator<Item = f64>, extent: f64) -> [f64; 2] {
+    let [low, high] =
+        points.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
+    let margin = 1e-5 * (extent.abs() + high - low);
+    [low - margin, high + margin]
 }
 
 /// A straight piece. Its second side is that of +z where it runs along +x.
@@ -47,6 +60,10 @@ impl Curve for Segment {
         (inside && distance > least)
             .then(|| Meeting { distance, normal: Vector::new(-along.y, along.x) / along.norm() })
     }
+
+    fn depths(&self) -> [f64; 2] {
+        around([self.from.y, self.to.y], self.to.x - self.from.x)
+    }
 }
 
 /// Straight pieces from corner to corner, sides as those of [`Segment`].
@@ -57,6 +74,11 @@ impl Curve for Polyline {
     fn meet(&self, origin: Vector, direction: Vector, least: f64) -> Option<Meeting> {
         let pieces = self.0.windows(2).map(|ends| Segment { from: ends[0], to: ends[1] });
         nearest(pieces.filter_map(|piece| piece.meet(origin, direction, least)))
+    }
+
+    fn depths(&self) -> [f64; 2] {
+        let extent = |corner: Option<&Vector>| corner.map_or(0.0, |corner| corner.x);
+        around(self.0.iter().map(|corner| corner.y), extent(self.0.last()) - extent(self.0.first()))
     }
 }
 
@@ -159,6 +181,13 @@ impl Curve for Conic {
         let first = roots.into_iter().filter_map(place).min_by(|a, b| a.0.total_cmp(&b.0));
         first.map(|(distance, r, root)| Meeting { distance, normal: Vector::new(-c * r, root).normalize() })
     }
+
+    fn depths(&self) -> [f64; 2] {
+        // The sag grows with the distance from the axis.
+        let [low, high] = self.x;
+        let places = [low, high, self.vertex.x.clamp(low, high)];
+        around(places.map(|x| self.vertex.y + self.sag(x - self.vertex.x)), high - low)
+    }
 }
 
 /// Any curve z(x), met by bracketing: its second side is that of +z.
@@ -196,6 +225,11 @@ impl<F: Fn(f64) -> f64 + Send + Sync> Curve for Graph<F> {
         if near > far || !far.is_finite() {
             return None;
         }
+        if direction.x == 0.0 {
+            // Down or up along z it is met where it lies.
+            let distance = ((self.height)(origin.x.clamp(self.x[0], self.x[1])) - origin.y) / direction.y;
+            return (distance > least).then(|| Meeting { distance, normal: self.normal(origin.x) });
+        }
         let above = |distance: f64| {
             let point = origin + direction * distance;
             point.y - (self.height)(point.x.clamp(self.x[0], self.x[1]))
@@ -211,6 +245,10 @@ impl<F: Fn(f64) -> f64 + Send + Sync> Curve for Graph<F> {
             start = end;
         }
         None
+    }
+
+    fn depths(&self) -> [f64; 2] {
+        around(self.z, self.x[1] - self.x[0])
     }
 }
 

@@ -27,7 +27,7 @@ mod snell;
 pub use bench::{Bench, Face, Reason, Stray, enter, leave};
 pub use curve::{Circle, Conic, Curve, Graph, Meeting, Polyline, Segment};
 pub use eikonal::Eikonal;
-pub use fan::{Optics, Spot, caustic, fan, fan_between, least_spot, spot, wavefront};
+pub use fan::{Optics, Spot, caustic, fan, fan_between, least_spot, spot, starts, wavefront};
 pub use path::Path;
 pub use scene::{Event, Fate, Interface, Scene, Trace};
 pub use slab::Slab;

@@ -10,19 +10,28 @@ pub struct Path {
 }
 
 impl Path {
+    /// A way that begins at a point (m), with room for so many corners.
+    pub(super) fn from(start: [f64; 2], corners: usize) -> Self {
+        let mut path = Self { points: Vec::with_capacity(corners), times: Vec::with_capacity(corners) };
+        path.points.push(start);
+        path.times.push(0.0);
+        path
+    }
+
     /// Place (m) and time (s) at which the ray passes a depth; none if it does not come there.
     pub fn at_depth(&self, depth: f64) -> Option<(f64, f64)> {
-        let leg = self.points.windows(2).position(|leg| (leg[0][1]..=leg[1][1]).contains(&depth))?;
-        self.on_leg(leg, depth)
+        self.on_leg(self.leg_at(depth)?, depth)
+    }
+
+    /// The first of the legs between corners on which the ray passes a depth; none if it does not come there.
+    pub fn leg_at(&self, depth: f64) -> Option<usize> {
+        self.points.windows(2).position(|leg| (leg[0][1]..=leg[1][1]).contains(&depth))
     }
 
     /// The same on one of the legs between corners; none if that does not come there.
-    pub(super) fn on_leg(&self, leg: usize, depth: f64) -> Option<(f64, f64)> {
-        if !(self.points[leg][1]..=self.points[leg + 1][1]).contains(&depth) {
-            return None;
-        }
-        let ([x0, z0], [x1, z1]) = (self.points[leg], self.points[leg + 1]);
-        let part = if z1 > z0 { (depth - z0) / (z1 - z0) } else { 0.0 };
+    pub fn on_leg(&self, leg: usize, depth: f64) -> Option<(f64, f64)> {
+        let part = part_at([self.points[leg][1], self.points[leg + 1][1]], depth)?;
+        let ([x0, _], [x1, _]) = (self.points[leg], self.points[leg + 1]);
         let (t0, t1) = (self.times[leg], self.times[leg + 1]);
         Some((x0 + part * (x1 - x0), t0 + part * (t1 - t0)))
     }
@@ -34,6 +43,16 @@ impl Path {
         }
         self.points.iter().find(|point| point[0] == 0.0).map(|point| point[1])
     }
+}
+
+/// Which part of a leg between two depths, the second no less, a depth takes; none if it lies beyond them.
+fn part_at([z0, z1]: [f64; 2], depth: f64) -> Option<f64> {
+    (z0..=z1).contains(&depth).then(|| if z1 > z0 { (depth - z0) / (z1 - z0) } else { 0.0 })
+}
+
+/// Where a leg down between two points passes a depth.
+pub(super) fn across([[x0, z0], [x1, z1]]: [[f64; 2]; 2], depth: f64) -> Option<f64> {
+    Some(x0 + part_at([z0, z1], depth)? * (x1 - x0))
 }
 
 /// The place between the mirror lines to which an unfolded `x` belongs.

@@ -9,7 +9,7 @@ use crate::ray::{Circle, Conic, Graph, Polyline, Segment, caustic, fan, least_sp
 type Vector = Vector2<f64>;
 
 fn scene(curve: impl Curve + 'static, speeds: [f64; 2]) -> Scene {
-    let interfaces = vec![Interface { curve: Box::new(curve), speeds, name: "face".to_owned() }];
+    let interfaces = vec![Interface::new(Box::new(curve), speeds, "face")];
     Scene { interfaces, speed: speeds[0], half_width: 10.0, end: 100.0, reflections: 0 }
 }
 
@@ -105,8 +105,8 @@ fn a_prism_deviates_by_the_closed_form() {
     let edge = Vector::new(9.0, 50.0);
     let [front, back] = [-0.5 * apex, 0.5 * apex].map(|turn: f64| edge - Vector::new(turn.cos(), -turn.sin()) * 9.0);
     let interfaces = vec![
-        Interface { curve: Box::new(Segment { from: front, to: edge }), speeds: [n, 1.0], name: "front".to_owned() },
-        Interface { curve: Box::new(Segment { from: back, to: edge }), speeds: [1.0, n], name: "back".to_owned() },
+        Interface::new(Box::new(Segment { from: front, to: edge }), [n, 1.0], "front"),
+        Interface::new(Box::new(Segment { from: back, to: edge }), [1.0, n], "back"),
     ];
     let prism = Scene { interfaces, speed: n, half_width: 10.0, end: 100.0, reflections: 0 };
     for degrees in [20.0_f64, 30.0, 45.0, 60.0] {
@@ -152,8 +152,8 @@ fn travel_time_is_stationary_for_any_pair_of_faces() {
     let front = Conic { vertex: Vector::new(0.0, 4.0), curvature: 0.05, constant: -2.0, x: [0.0, 10.0] };
     let back = Conic { vertex: Vector::new(0.0, 16.0), curvature: -0.04, constant: 0.5, x: [0.0, 10.0] };
     let interfaces = vec![
-        Interface { curve: Box::new(front), speeds: [host, lens], name: "front".to_owned() },
-        Interface { curve: Box::new(back), speeds: [lens, host], name: "back".to_owned() },
+        Interface::new(Box::new(front), [host, lens], "front"),
+        Interface::new(Box::new(back), [lens, host], "back"),
     ];
     let scene = Scene { interfaces, speed: host, half_width: 10.0, end: 30.0, reflections: 0 };
     for x in [1.0, 4.0, 7.0] {
@@ -238,4 +238,30 @@ fn mirror_lines_fold_the_way() {
     let front = wavefront(&fan(&empty, 11), 7.0);
     assert_eq!(front.len(), 1);
     assert!(front[0].len() == 11 && front[0].iter().all(|p| (p[1] - 14.0).abs() < 1e-12));
+}
+
+/// The landing at a depth is that of the whole way, to the last bit, wherever rays go: through both faces, beside the lens, over
+/// mirror lines, and not at all.
+#[test]
+fn a_landing_is_where_the_way_goes() {
+    let front = Conic { vertex: Vector::new(0.0, 4.0), curvature: 0.12, constant: -0.5, x: [0.0, 7.0] };
+    let back = Conic { vertex: Vector::new(0.0, 14.0), curvature: -0.05, constant: 0.0, x: [0.0, 7.0] };
+    let interfaces =
+        vec![Interface::new(Box::new(front), [2.0, 1.0], "front"), Interface::new(Box::new(back), [1.0, 2.0], "back")];
+    let scene = Scene { interfaces, speed: 2.0, half_width: 10.0, end: 60.0, reflections: 0 };
+    let (mut met, mut lost, mut mirrored) = (vec![Event::Bent], 0, 0);
+    for k in 0..200 {
+        let x = 0.05 * f64::from(k);
+        let trace = scene.trace(x);
+        for depth in [2.0, 10.0, 20.0, 59.0] {
+            let landing = scene.landing(x, depth, &mut met);
+            assert_eq!(landing, trace.path.at_depth(depth).map(|place| place.0), "{x} {depth}");
+            match trace.path.leg_at(depth) {
+                Some(leg) => assert_eq!(met, trace.events[..leg]),
+                None => lost += 1,
+            }
+            mirrored += usize::from(met.contains(&Event::Mirror(false)));
+        }
+    }
+    assert!(lost > 0 && mirrored > 0, "{lost} {mirrored}");
 }

@@ -11,22 +11,61 @@ pub struct Px(pub f64);
 
 impl fmt::Display for Px {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = String::with_capacity(12);
+        self.onto(&mut text);
+        f.write_str(&text)
+    }
+}
+
+impl Px {
+    /// Appends its digits. Pictures hold tens of thousands of these: the machinery of formats would take most of their time, and the
+    /// shortest digits of a float more still.
+    fn onto(self, text: &mut String) {
         let hundredths = (self.0 * 100.0).round();
         if !hundredths.is_finite() {
-            return f.write_str("0");
+            text.push('0');
+            return;
         }
         if hundredths.abs() >= 1e15 {
-            return write!(f, "{}", hundredths / 100.0);
+            text.push_str(&(hundredths / 100.0).to_string());
+            return;
         }
-        // By whole numbers: pictures hold tens of thousands of these, and the shortest digits of a float take most of their time.
-        let (whole, part) = (hundredths.abs() as u64 / 100, hundredths.abs() as u64 % 100);
-        let sign = if hundredths < 0.0 { "-" } else { "" };
-        match (part, part % 10) {
-            (0, _) => write!(f, "{sign}{whole}"),
-            (_, 0) => write!(f, "{sign}{whole}.{}", part / 10),
-            _ => write!(f, "{sign}{whole}.{part:02}"),
+        let left = hundredths.abs() as u64;
+        let (mut whole, part) = (left / 100, (left % 100) as u8);
+        // From the last digit on; fifteen digits and what goes with them.
+        let mut digits = [0; 20];
+        let mut first = digits.len();
+        let mut put = |digit: u8| {
+            first -= 1;
+            digits[first] = digit;
+        };
+        if part != 0 {
+            if part % 10 != 0 {
+                put(b'0' + part % 10);
+            }
+            put(b'0' + part / 10);
+            put(b'.');
         }
+        loop {
+            put(b'0' + (whole % 10) as u8);
+            whole /= 10;
+            if whole == 0 {
+                break;
+            }
+        }
+        if hundredths < 0.0 {
+            put(b'-');
+        }
+        text.extend(digits[first..].iter().map(|&digit| char::from(digit)));
     }
+}
+
+/// Appends a point: its coordinates behind the letter of a path.
+fn onto(text: &mut String, letter: char, [x, y]: [f64; 2]) {
+    text.push(letter);
+    Px(x).onto(text);
+    text.push(' ');
+    Px(y).onto(text);
 }
 
 /// Text with the characters that mean something to XML and HTML replaced, and those that XML forbids left out.
@@ -164,10 +203,9 @@ impl Svg {
 
 /// Path data through the points.
 fn through(points: &[[f64; 2]]) -> String {
-    let mut d = String::new();
+    let mut d = String::with_capacity(14 * points.len());
     for (k, point) in points.iter().enumerate() {
-        let [x, y] = point.map(Px);
-        let _ = write!(d, "{}{x} {y}", if k == 0 { 'M' } else { 'L' });
+        onto(&mut d, if k == 0 { 'M' } else { 'L' }, *point);
     }
     d
 }
@@ -180,19 +218,18 @@ pub struct Shapes {
 
 impl Shapes {
     /// A closed shape: where it starts, then steps from corner to corner.
-    pub fn closed(&mut self, [x, y]: [f64; 2], steps: &[[f64; 2]]) {
-        let _ = write!(self.d, "M{} {}", Px(x), Px(y));
+    pub fn closed(&mut self, start: [f64; 2], steps: &[[f64; 2]]) {
+        onto(&mut self.d, 'M', start);
         for step in steps {
-            let [dx, dy] = step.map(Px);
-            let _ = write!(self.d, "l{dx} {dy}");
+            onto(&mut self.d, 'l', *step);
         }
         self.d.push('z');
     }
 
     /// A straight segment.
     pub fn segment(&mut self, from: [f64; 2], to: [f64; 2]) {
-        let ([x1, y1], [x2, y2]) = (from.map(Px), to.map(Px));
-        let _ = write!(self.d, "M{x1} {y1}L{x2} {y2}");
+        onto(&mut self.d, 'M', from);
+        onto(&mut self.d, 'L', to);
     }
 
     /// The path data.
