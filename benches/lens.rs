@@ -1,4 +1,4 @@
-//! The lens problem, one design at a time and in batches of eight: milliseconds per design and core.
+//! The lens problem, one design at a time and in batches of eight: milliseconds per design and core. Proposals of lenses.
 //!
 //! `cargo bench --bench lens`. What the figures mean and what bounds them: `benches/README.md`.
 
@@ -12,11 +12,14 @@ mod reference;
 use std::sync::atomic::AtomicBool;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use granulens::contact::LawKind;
+use granulens::contact::{Constants, LawKind};
 use granulens::dem::{Impact, Integrator, simulate, simulate_batch};
 use granulens::layout::{Layout, random_choice};
+use granulens::lens::{Family, LensRequest, propose};
+use granulens::material::find;
 use granulens::real::Width;
 use granulens::sample::Sample;
+use granulens::target::{Region, Target};
 
 use problem::{impact, is_lens, layout};
 
@@ -80,5 +83,22 @@ fn lens(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, lens);
+/// The proposal of every family for the target of the gallery.
+fn proposals(criterion: &mut Criterion) {
+    let lattice = layout(is_lens).lattice;
+    let [Ok(steel), Ok(brass)] = ["440c", "brass"].map(|name| find(name, &[])) else { return };
+    let region = |x: [f64; 2]| Region { rows: [30, 34], x: x.map(|x| x * lattice.diameter()) };
+    let target = Target::one(region([0.0, 2.5]), region([12.0, 16.5]));
+    let mut group = criterion.benchmark_group("proposal");
+    group.sample_size(20);
+    for family in Family::ALL {
+        let request = LensRequest::new(family, brass.clone(), [5, 25]);
+        group.bench_function(family.name(), |bench| {
+            bench.iter(|| propose(&lattice, &steel, &request, &target, Constants::Code));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, lens, proposals);
 criterion_main!(benches);

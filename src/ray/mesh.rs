@@ -66,13 +66,13 @@ impl Mesh {
                 (row.checked_sub(1).map(|row| self.start(row)), self.start(row), self.start(row + 1));
             let below = (row + 1 < self.rows).then_some(below);
             // Half a step to the left and to the right in the rows beside this one are so many places from the same k.
-            let [left, right] = if row % 2 == 0 { [-1, 0] } else { [0, 1] };
+            let [left, right] = if row.is_multiple_of(2) { [-1, 0] } else { [0, 1] };
             let beside = self.points(row + 1) as i64;
             let last = self.points(row) as i64;
             // A place beyond either end is the mirror image of one within: of the end itself where the row has a point on the
             // mirror line, of its neighbour where it has not.
             let within = |k: i64, row: u32, points: i64| {
-                let on_axis = row % 2 == 0;
+                let on_axis = row.is_multiple_of(2);
                 let on_far = (self.width - i64::from(row % 2)) % 2 == 0;
                 let low = if k < 0 { if on_axis { -k } else { -k - 1 } } else { k };
                 let high = if low < points { low } else { 2 * (points - 1) - low + i64::from(!on_far) };
