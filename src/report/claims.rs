@@ -26,27 +26,49 @@ pub struct Claim {
 /// Every claim that this outcome can decide; those whose baseline was not run are left out.
 pub fn claims(outcome: &Outcome) -> Vec<Claim> {
     let Some(lens) = outcome.arrangements.first() else { return Vec::new() };
-    let view = View { outcome, lens, rows: rows(outcome) };
+    let views: Vec<View> =
+        (0..outcome.target.foci.len()).map(|focus| View { outcome, lens, focus, rows: rows(outcome, focus) }).collect();
     [
-        view.peak_in_focus(),
-        view.focusing_by_row(),
-        view.raised_focus(),
-        view.lowest_opposite(),
-        view.as_low_as_random(),
-        view.random_range(),
-        view.below_lens_material_behind(),
-        view.more_dissipated(),
-        view.dissipation_follows_focus(),
-        view.estimate_of_dissipation(),
+        at_each(&views, View::peak_in_focus),
+        at_each(&views, View::focusing_by_row),
+        of_all(&views, View::raised_focus),
+        at_each(&views, View::lowest_opposite),
+        at_each(&views, View::as_low_as_random),
+        at_each(&views, View::random_range),
+        at_each(&views, View::below_lens_material_behind),
+        of_all(&views, View::more_dissipated),
+        at_each(&views, View::dissipation_follows_focus),
+        of_all(&views, View::estimate_of_dissipation),
     ]
     .into_iter()
     .flatten()
     .collect()
 }
 
+/// A claim about the lens as a whole.
+fn of_all<'a>(views: &[View<'a>], claim: fn(&View<'a>) -> Option<Claim>) -> Option<Claim> {
+    views.first().and_then(claim)
+}
+
+/// What was measured at each focus as one: it holds if it does at all of them. None if it cannot be decided at one.
+fn at_each<'a>(views: &[View<'a>], claim: fn(&View<'a>) -> Option<Claim>) -> Option<Claim> {
+    let claims: Vec<Claim> = views.iter().map(claim).collect::<Option<_>>()?;
+    if claims.len() < 2 {
+        return claims.into_iter().next();
+    }
+    let measured = claims.iter().enumerate().map(|(k, claim)| format!("Focus {}: {}", k + 1, claim.measured));
+    Some(Claim {
+        measured: measured.collect::<Vec<_>>().join(" "),
+        holds: claims.iter().all(|claim| claim.holds),
+        ..*claims.first()?
+    })
+}
+
 struct View<'a> {
     outcome: &'a Outcome,
     lens: &'a ArrangementOutcome,
+    /// Which of the foci.
+    focus: usize,
     /// Rows before, in and behind the focus.
     rows: [u32; 3],
 }
@@ -63,9 +85,9 @@ impl View<'_> {
         sites.filter_map(|i| Some((self.outcome.sites[i].x / self.outcome.diameter, at(list, i)?))).collect()
     }
 
-    /// The focal region, of several the first.
+    /// The focal region.
     fn focus(&self) -> &Region {
-        &self.outcome.target.foci[0].region
+        &self.outcome.target.foci[self.focus].region
     }
 
     /// The values of a row within a region's range of x.

@@ -58,6 +58,8 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
         validity => outcome.proposal.as_ref().map(|p| &p.validity),
         headings => COLUMNS.map(heading).to_vec(),
         comparison => all.iter().map(compared).collect::<Vec<_>>(),
+        foci => foci(outcome),
+        by_focus => all.iter().map(by_focus).collect::<Vec<_>>(),
         seeds => single.map(|line| compared(&line)).collect::<Vec<_>>(),
         claims => claims.collect::<Value>(),
         figures => figures.collect::<Value>(),
@@ -83,6 +85,37 @@ fn compared(line: &Line) -> Vec<String> {
         seeds => format!("{} ({seeds} seeds)", line.name),
     };
     [name, line.spheres()].into_iter().chain(COLUMNS.iter().map(|column| line.show(column))).collect()
+}
+
+/// The columns of what came to each of several foci; none with a single one.
+fn foci(outcome: &Outcome) -> Vec<String> {
+    let foci = &outcome.target.foci;
+    if foci.len() < 2 {
+        return Vec::new();
+    }
+    let of = |(k, focus): (usize, &Focus)| {
+        let rays = outcome.proposal.as_ref().and_then(|proposal| proposal.foci.get(k));
+        let rays = rays.map_or(String::new(), |rays| {
+            format!(
+                ", {} % of the rays ({} % straight on)",
+                significant(100.0 * rays.fraction[0], 3),
+                significant(100.0 * rays.fraction[1], 3)
+            )
+        });
+        format!("F of focus {} [J] (wanted {} %{rays})", k + 1, significant(100.0 * focus.share, 3))
+    };
+    foci.iter().enumerate().map(of).chain(["balance".to_owned()]).collect()
+}
+
+/// F of each focus in an arrangement, with its part of their sum, and how evenly they are served.
+fn by_focus(line: &Line) -> Vec<String> {
+    let members = line.members.len() as f64;
+    let foci = line.members.iter().map(|member| member.scores.foci.len()).min().unwrap_or(0);
+    let mean = |k: usize| line.members.iter().map(|member| member.scores.foci[k]).sum::<f64>() / members;
+    let all: f64 = (0..foci).map(mean).sum();
+    let cell = |k: usize| format!("{} ({} %)", significant(mean(k), 3), significant(100.0 * mean(k) / all, 3));
+    let balance = line.members.iter().filter_map(|member| member.scores.balance).sum::<f64>() / members;
+    [line.name.to_owned()].into_iter().chain((0..foci).map(cell)).chain([significant(balance, 2)]).collect()
 }
 
 /// Where the work of the load went, with its share.
@@ -192,7 +225,10 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
             }),
         ),
         pair(
-            "Struck width whose rays reach the focal region",
+            match outcome.target.foci.len() {
+                1 => "Struck width whose rays reach the focal region",
+                _ => "Struck width whose rays reach one of the focal regions",
+            },
             format!("{} with the lens, {} straight on", percent(proposal.fraction), percent(proposal.fraction_without)),
         ),
         pair(
@@ -217,13 +253,26 @@ fn millimetres(length: f64) -> String {
 }
 
 fn caption(outcome: &Outcome, file: &str) -> String {
-    let regions = "The focal region is outlined solid, the protected one dashed; faint lines part the materials.";
+    let several = outcome.target.foci.len() > 1;
+    let regions = match several {
+        false => "The focal region is outlined solid, the protected one dashed; faint lines part the materials.",
+        true => "The focal regions are outlined solid, the protected one dashed; faint lines part the materials.",
+    };
     let beyond = format!(
         "The scale ends where 99 % of the values behind the lens (from row {}) are below, at {} J; spheres above it, nearly all before and in the lens, take the top colour.",
         first_row_behind(outcome),
         significant(kinetic_scale(outcome).high(), 2)
     );
-    let [before, at, behind] = rows(outcome);
+    let shown: Vec<String> = (0..outcome.target.foci.len())
+        .map(|focus| {
+            let [before, at, behind] = rows(outcome, focus);
+            format!(
+                "{before}, {at} and {behind}{}",
+                if several { format!(" (focus {})", focus + 1) } else { String::new() }
+            )
+        })
+        .collect();
+    let shown = shown.join("; ");
     let rays = if outcome.proposal.is_some() {
         " Blue: the ideal faces that the spheres approximate; red: rays refracted at them by Snell's law with the wave-speed bounds."
     } else {
@@ -231,7 +280,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
     };
     match file {
         "layout.svg" => format!("The lens as it would be built, both halves, spheres in true proportion.{rays}"),
-        "spots.svg" => "Spot diagram: where the rays pass the middle row of the focal region (across), by where they start (upwards); ticks below are the same places on one line. Rays of a perfect lens stand on one vertical line; a bend is spherical aberration, a jump a step between zones or parts. Rays know nothing of wavelength and decay: the simulated spot is some diameters wide all the same.".to_owned(),
+        "spots.svg" => "Spot diagram: where the rays pass the middle row of the focal region, or of each by the rays that are meant for it (across), by where they start (upwards); ticks below are the same places on one line. Rays of a perfect lens stand on one vertical line; a bend is spherical aberration, a jump a step between zones or parts. Rays know nothing of wavelength and decay: the simulated spot is some diameters wide all the same.".to_owned(),
         "kinetic-lens.svg" => format!(
             "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves. Where rays (white) gather, the energy behind the lens should be high; where they leave, low. The last rows are faster again because nothing stands behind them. {beyond} {regions}"
         ),
@@ -239,7 +288,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
             "The same for the lens and one arrangement of each kind it is compared with (of random ones the first seed), the simulated half only (axis at the left), all on one colour scale. A useful lens is brighter than its neighbours in the solid box and darker in the dashed one. {beyond}"
         ),
         "profiles.svg" => format!(
-            "Greatest kinetic energy across rows {before}, {at} and {behind}, from the axis to the rim. Arrangements without structure across x are flat lines; the lens should rise towards the axis and fall below them at the rim. Each panel row has its own energy scale."
+            "Greatest kinetic energy across rows {shown}, from the axis to the rim. Arrangements without structure across x are flat lines; the lens should rise towards the axis and fall below them at the rim. Each panel row has its own energy scale."
         ),
         "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
         "forces.svg" => "Greatest net contact force on each sphere of the lens arrangement. Left: as it is, logarithmic; the decay with depth masks the focusing. Right: over the greatest of its row, which takes the decay away; a row where all is bright carries the force evenly. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left.".to_owned(),

@@ -58,10 +58,10 @@ struct Curve<'a> {
     band: Option<[Vec<[f64; 2]>; 2]>,
 }
 
-/// The rows shown: before, in and behind the focus, of several the first, kept within the crystal.
-pub fn rows(outcome: &Outcome) -> [u32; 3] {
+/// The rows shown for one of the foci: before, in and behind it, kept within the crystal.
+pub fn rows(outcome: &Outcome, focus: usize) -> [u32; 3] {
     let last = outcome.sites.iter().map(|s| s.row).max().unwrap_or(1);
-    let middle = (outcome.target.foci[0].region.mid_row().floor() as u32).clamp(1, last);
+    let middle = (outcome.target.foci[focus].region.mid_row().floor() as u32).clamp(1, last);
     [middle.saturating_sub(APART).max(1), middle, (middle + APART).min(last)]
 }
 
@@ -85,16 +85,20 @@ pub fn random_kinds(outcome: &Outcome) -> Vec<(&str, Vec<&ArrangementOutcome>)> 
 /// The figure.
 pub fn profiles(outcome: &Outcome) -> String {
     let cell = [SPACE[0] + PANEL[0] + SPACE[2], SPACE[1] + PANEL[1] + SPACE[3]];
-    let title = format!("{}: greatest kinetic energy across three rows", outcome.manifest.name);
+    let foci = outcome.target.foci.len();
+    let lines = (3 * foci) as f64;
+    let count = if foci > 1 { format!("three rows about each of {foci} foci") } else { "three rows".to_owned() };
+    let title = format!("{}: greatest kinetic energy across {count}", outcome.manifest.name);
     let random = random_kinds(outcome);
     let columns = if random.is_empty() { 1 } else { 2 };
-    let mut svg = Svg::new(cell[0] * columns as f64, HEAD + cell[1] * 3.0 + FOOT, &title);
+    let mut svg = Svg::new(cell[0] * columns as f64, HEAD + cell[1] * lines + FOOT, &title);
     let headings = ["lens, flat strips, one material", "lens and random mixtures"];
     for (k, heading) in headings.iter().take(columns).enumerate() {
         let middle = cell[0] * k as f64 + SPACE[0] + PANEL[0] / 2.0;
         svg.text([middle, 18.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, heading);
     }
-    for (line, (row, place)) in rows(outcome).into_iter().zip(["before", "in", "behind"]).enumerate() {
+    let shown = (0..foci).flat_map(|focus| rows(outcome, focus).into_iter().zip(["before", "in", "behind"]));
+    for (line, (row, place)) in shown.enumerate() {
         let curves = [plain_curves(outcome, row), random_curves(outcome, &random, row)];
         let tops = curves.iter().flatten().flat_map(|c| c.mean.iter().chain(c.band.iter().flat_map(|b| &b[1])));
         // Room above the highest value for the regions' names; one range for both columns of a row.
@@ -102,12 +106,18 @@ pub fn profiles(outcome: &Outcome) -> String {
         let high = if high > 0.0 { (high / round_up(high / 20.0)).ceil() * round_up(high / 20.0) } else { 1.0 };
         for (k, curves) in curves.iter().take(columns).enumerate() {
             let corner = [cell[0] * k as f64 + SPACE[0], HEAD + cell[1] * line as f64 + SPACE[1]];
-            let heading =
-                format!("row {row}, {place} {}", if place == "in" { "the focal region" } else { "the focus" });
+            let number = if foci > 1 { format!(" {}", line / 3 + 1) } else { String::new() };
+            let what = match (place, foci) {
+                ("in", 1) => "the focal region",
+                ("in", _) => "focal region",
+                (_, 1) => "the focus",
+                _ => "focus",
+            };
+            let heading = format!("row {row}, {place} {what}{number}");
             panel(&mut svg, outcome, corner, high, &heading, curves);
         }
     }
-    let foot = HEAD + cell[1] * 3.0 + 12.0;
+    let foot = HEAD + cell[1] * lines + 12.0;
     for k in 0..columns {
         let middle = cell[0] * k as f64 + SPACE[0] + PANEL[0] / 2.0;
         svg.text([middle, foot], 12.0, Anchor::Middle, "", "distance from the axis, x/D");
@@ -196,7 +206,7 @@ fn panel(svg: &mut Svg, outcome: &Outcome, [left, top]: [f64; 2], high: f64, hea
 fn shade(svg: &mut Svg, outcome: &Outcome, region: &Region, name: &str, [left, top]: [f64; 2], most: f64) {
     let x = |metres: f64| left + (metres / outcome.diameter / most).clamp(0.0, 1.0) * PANEL[0];
     let (from, to) = (x(region.x[0]), x(region.x[1]));
-    let fill = if name == "focal" { "#f4ead2" } else { "#e4ecf4" };
+    let fill = if name.starts_with("focal") { "#f4ead2" } else { "#e4ecf4" };
     svg.rectangle([from, top], [to - from, PANEL[1]], &format!(r#"fill="{fill}""#));
     svg.text([(from + to) / 2.0, top + 14.0], 11.0, Anchor::Middle, r##"fill="#555""##, name);
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use granulens::outcome::Outcome;
 use granulens::report;
+use granulens::target::Focus;
 
 const NAMES: [&str; 11] = [
     "dissipation.svg",
@@ -241,6 +242,35 @@ fn claims_are_measured_on_the_lens() {
     assert!(!holds("eq. 5.6", "½"));
     let all = serde_json::to_string(&claims).unwrap();
     assert!(all.contains("G = 0.907"), "{all}");
+}
+
+/// With a second region in front of the first, where the recorded lens has no focus: each is scored, drawn and judged by itself. F of
+/// either and the balance are by hand: 3 J and 1 J where 1 to 3 was asked for, so that one has nine times its due.
+#[test]
+fn several_foci_are_all_reported() {
+    let mut outcome = synthetic::outcome();
+    let one = outcome.target.foci[0];
+    let mut second = Focus { share: 0.75, ..one };
+    (second.region.rows, second.region.x) = ([20, 22], [10.0 * synthetic::D, 11.0 * synthetic::D]);
+    outcome.target.foci = vec![Focus { share: 0.25, ..one }, second];
+    for arrangement in &mut outcome.arrangements {
+        (arrangement.scores.foci, arrangement.scores.balance) = (vec![3.0, 1.0], Some(1.0 / 9.0));
+    }
+    let files = files(&outcome);
+    assert_sound(&files);
+    let page = &files["report.html"];
+    assert!(page.contains("F of focus 1 [J] (wanted 25.0 %)") && page.contains("F of focus 2 [J] (wanted 75.0 %)"));
+    assert!(page.contains("<td>3.00 (75.0 %)</td><td>1.00 (25.0 %)</td><td>0.11</td>"));
+    let profiles = &files["profiles.svg"];
+    for heading in ["row 32, in focal region 1", "row 21, in focal region 2"] {
+        assert!(profiles.contains(heading), "{heading}");
+    }
+    // The peak of the lens lies in the first region and not in the second: both are said, and the claim falls.
+    let claims = report::claims(&outcome);
+    let peak = claims.iter().find(|claim| claim.claim.starts_with("A very clear peak")).unwrap();
+    assert!(peak.measured.starts_with("Focus 1: In row 32") && peak.measured.contains("Focus 2: In row 21"));
+    assert!(!peak.holds);
+    assert_eq!(claims.len(), report::claims(&synthetic::outcome()).len());
 }
 
 #[test]
