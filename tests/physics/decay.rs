@@ -122,3 +122,39 @@ fn a_wave_that_decays_bends_nearer_to_the_simulated_angle() {
     println!("rms: Snell {snell:.2}, eikonal {bound:.2}, decaying {decaying:.2} deg");
     assert!(decaying < 0.75 * snell, "{decaying} {snell}");
 }
+
+/// A material of the same wave speed and `times` the impedance: density, modulus and yield stress grow alike.
+fn with_impedance(of: Material, times: f64) -> Material {
+    Material {
+        density: of.density * times,
+        youngs_modulus: of.youngs_modulus * times,
+        yield_stress: of.yield_stress * times,
+        ..of
+    }
+}
+
+/// It is not the impedances that decide where a wave that decays is nearer than the bound: 440c and brass stay on that side when brass is made so
+/// light that they differ 2.1 times, aluminium and brass on the other when they differ 1.5 times only, less than 440c and brass do.
+#[test]
+fn the_impedance_ratio_does_not_decide_where_decay_holds() {
+    for (names, times, degrees, ratio, nearer) in [
+        (["440c", "brass"], [1.0, 0.72], 45.0_f64, 2.12, true),
+        (["brass", "440c"], [0.72, 1.0], 25.0, 2.12, true),
+        (["al", "brass"], [1.0, 0.66], 45.0, 1.50, false),
+        (["brass", "al"], [0.66, 1.0], 30.0, 1.50, false),
+    ] {
+        let materials = [0, 1].map(|k| with_impedance(material(names[k]), times[k]));
+        let wedge = Wedge { materials, law: LawKind::Thesis, angle: degrees.to_radians(), amplitude: 2.0 };
+        let densities = wedge.materials.each_ref().map(|material| material.density);
+        let impedances = densities[1] / densities[0] * wedge.speed_ratio();
+        assert!((impedances.max(1.0 / impedances) - ratio).abs() < 0.01, "{names:?} {impedances}");
+        let simulated = wedge.bend(&GO).unwrap();
+        let [_, decaying] = wedge.predicted(&GO).unwrap();
+        let [at_bound, off] = [wedge.snell(), decaying].map(|angle| (angle - simulated).abs().to_degrees());
+        println!(
+            "{names:?} {ratio}: simulated {:.2}, Snell off {at_bound:.2}, decaying off {off:.2} deg",
+            simulated.to_degrees()
+        );
+        assert_eq!(off < at_bound, nearer, "{names:?}: {off} {at_bound}");
+    }
+}
