@@ -9,11 +9,14 @@
 //! - `genetic`: a population that exchanges rectangles; `breed`: how it has children
 //! - `cma`: CMA-ES on real parameters; `painted`: choices that follow from such; `level_set`: low-order fields, whose signs
 //!   decide each site; `curves`: bands between two free curves
+//! - `bayes` (with the feature of that name): Bayesian optimisation of real parameters, for few and costly evaluations
 //! - `simplices`, `swarm`: other ways to search real parameters, by argmin; `lockstep`: its solvers by ask and tell
 //! - `nsga`: several losses at once; `front`: who dominates whom, volume and knee of a front, rank correlation
 //! - `rounds`: each of these as a method without an end
 
 mod anneal;
+#[cfg(feature = "bayes")]
+mod bayes;
 mod breed;
 mod cma;
 mod curves;
@@ -29,6 +32,8 @@ mod simplices;
 mod swarm;
 
 pub use anneal::Annealing;
+#[cfg(feature = "bayes")]
+pub use bayes::Bayes;
 pub use cma::Cma;
 pub use curves::Bands;
 pub use front::{front, hypervolume, knee, rank_correlation};
@@ -36,8 +41,8 @@ pub use genetic::Genetic;
 pub use level_set::{Waves, level_set};
 pub use local::{LocalSearch, Reach};
 pub use nsga::Nsga;
-pub use painted::{Driver, Guess, Paint, Painted, Painter};
-pub use rounds::{Method, ORDER, Rounds};
+pub use painted::{BATCH, Driver, Guess, Paint, Painted, Painter};
+pub use rounds::{Method, MethodError, ORDER, Rounds};
 pub use simplices::Simplices;
 pub use swarm::Swarm;
 

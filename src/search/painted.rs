@@ -1,7 +1,11 @@
-//! Choices that follow from a few real parameters, searched by CMA-ES or by what argmin has.
+//! Choices that follow from a few real parameters, searched by CMA-ES, by what argmin has, or by a Gaussian process.
 
+#[cfg(feature = "bayes")]
+use std::collections::HashSet;
 use std::sync::Arc;
 
+#[cfg(feature = "bayes")]
+use super::Bayes;
 use super::level_set::Waves;
 use super::{Bands, Choice, Cma, Dice, Search, Simplices, Space, Swarm, sane};
 
@@ -21,7 +25,12 @@ pub struct Painter {
     pub paint: Arc<Paint>,
     /// What a choice is guessed to be worth, more being better, where somebody can guess.
     pub guess: Option<Arc<Guess>>,
+    /// How many points a search that is free to ask for any number asks for at a time.
+    pub batch: usize,
 }
+
+/// Points at a time, where nobody says how many.
+pub const BATCH: usize = 4;
 
 /// From a choice to what it is guessed to be worth.
 pub type Guess = dyn Fn(&[u8]) -> f64 + Send + Sync;
@@ -33,7 +42,8 @@ impl Painter {
         let fit = waves.fit(start);
         // As far as restarts of CMA-ES commonly begin.
         let bounds = fit.iter().map(|weight| [weight.min(0.0) - 1.5, weight.max(0.0) + 1.5]).collect();
-        Self { start: fit, spread: 0.5, bounds, paint: Arc::new(move |weights| waves.choice(weights)), guess: None }
+        let paint = Arc::new(move |weights: &[f64]| waves.choice(weights));
+        Self { start: fit, spread: 0.5, bounds, paint, guess: None, batch: BATCH }
     }
 
     /// Bands between curves with so many knots, from those that come nearest to `start`.
@@ -43,7 +53,14 @@ impl Painter {
         // From a quarter of the rows before the first of them to as much behind the last.
         let bounds = vec![[-1.5, 1.5]; fit.len()];
         // A fifth of the rows.
-        Self { start: fit, spread: 0.4, bounds, paint: Arc::new(move |heights| bands.choice(heights)), guess: None }
+        Self {
+            start: fit,
+            spread: 0.4,
+            bounds,
+            paint: Arc::new(move |heights| bands.choice(heights)),
+            guess: None,
+            batch: BATCH,
+        }
     }
 }
 
@@ -58,6 +75,9 @@ pub enum Driver {
     Swarm,
     /// Random parameters, of which those are asked for that a guess likes best
     Screen,
+    /// Bayesian optimisation, which asks for no choice twice
+    #[cfg(feature = "bayes")]
+    Bayes,
 }
 
 enum Engine {
@@ -65,9 +85,12 @@ enum Engine {
     Simplices(Simplices),
     Swarm(Box<Swarm>),
     Screen,
+    /// With the choices that were asked for.
+    #[cfg(feature = "bayes")]
+    Bayes(Box<Bayes>, HashSet<Choice>),
 }
 
-/// A search of a painter's parameters, without end. When CMA-ES has converged it begins anew with twice as many points a
+/// A search of a painter's parameters, without end, but for Bayesian optimisation, which ends where nothing new is left. When CMA-ES has converged it begins anew with twice as many points a
 /// generation, from the best parameters so far and from random ones in turn (IPOP: A. Auger & N. Hansen, CEC 2005).
 pub struct Painted {
     painter: Painter,
@@ -100,6 +123,11 @@ impl Painted {
             Driver::Simplices => Engine::Simplices(Simplices::new(start, bounds.clone(), *spread, seed)),
             Driver::Swarm => Engine::Swarm(Box::new(Swarm::new(start, bounds.clone(), seed))),
             Driver::Screen => Engine::Screen,
+            #[cfg(feature = "bayes")]
+            Driver::Bayes => {
+                let bayes = Bayes::new(start, bounds.clone(), painter.batch, seed);
+                Engine::Bayes(Box::new(bayes), HashSet::new())
+            }
         };
         Self { painter, engine, dice, points: Vec::new(), asked: Vec::new(), best: None, restarts: 0 }
     }
@@ -110,6 +138,8 @@ impl Painted {
             Engine::Cma(_) | Engine::Screen => self.restarts,
             Engine::Simplices(simplices) => simplices.restarts(),
             Engine::Swarm(swarm) => swarm.restarts(),
+            #[cfg(feature = "bayes")]
+            Engine::Bayes(..) => 0,
         }
     }
 
@@ -155,6 +185,8 @@ impl Search for Painted {
             Engine::Simplices(simplices) => simplices.ask(),
             Engine::Swarm(swarm) => swarm.ask(),
             Engine::Screen => self.screened(),
+            #[cfg(feature = "bayes")]
+            Engine::Bayes(bayes, asked) => bayes.ask(&mut |point| asked.insert((self.painter.paint)(point))),
         };
         self.asked = self.points.iter().map(|point| (self.painter.paint)(point)).collect();
         self.asked.clone()
@@ -166,6 +198,8 @@ impl Search for Painted {
             Engine::Simplices(simplices) => simplices.tell(losses),
             Engine::Swarm(swarm) => swarm.tell(losses),
             Engine::Screen => {}
+            #[cfg(feature = "bayes")]
+            Engine::Bayes(bayes, _) => bayes.tell(losses),
         }
         for ((choice, point), &loss) in self.asked.drain(..).zip(self.points.drain(..)).zip(losses) {
             let loss = sane(loss);

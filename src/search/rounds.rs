@@ -16,6 +16,9 @@ const ANNEALING: usize = 10;
 /// Half waves each way of a level set, and one more, or knots of a curve, where nobody says how many.
 pub const ORDER: usize = 6;
 
+/// The method that only builds with the feature `bayes` have.
+const BAYES: &str = "lens-family-bayes";
+
 /// How to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -38,8 +41,8 @@ pub enum Method {
 }
 
 impl Method {
-    /// Names as they are written in files.
-    pub const NAMES: [(&str, Self); 13] = [
+    /// Names as they are written in files, of what this build has.
+    pub const NAMES: &[(&str, Self)] = &[
         ("genetic", Self::Genetic),
         ("local", Self::Local(Reach::Flips)),
         ("local-swaps", Self::Local(Reach::Swaps)),
@@ -52,6 +55,8 @@ impl Method {
         ("lens-family-simplex", Self::Painter(Driver::Simplices)),
         ("lens-family-swarm", Self::Painter(Driver::Swarm)),
         ("lens-family-screen", Self::Painter(Driver::Screen)),
+        #[cfg(feature = "bayes")]
+        (BAYES, Self::Painter(Driver::Bayes)),
         ("nsga2", Self::Nsga),
     ];
 
@@ -59,17 +64,40 @@ impl Method {
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, method)| *method == self).map_or("", |(name, _)| name)
     }
+
+    /// Whether it can be told how many points to ask for at a time.
+    pub fn takes_batch(self) -> bool {
+        self.name() == BAYES
+    }
+}
+
+/// A name that stands for no method here.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MethodError {
+    /// Of no method at all.
+    #[error("unknown method \"{0}\"; known are {list}", list = known())]
+    Unknown(String),
+    /// Of one that this build leaves out.
+    #[error(
+        "method = \"{BAYES}\", but this granulens is built without the feature bayes. Build with cargo build --release --features bayes, or take method = \"lens-family\", which searches the same parameters by CMA-ES"
+    )]
+    NotBuilt,
+}
+
+/// All names of methods.
+fn known() -> String {
+    let others = Method::NAMES.iter().map(|(name, _)| *name).filter(|name| *name != BAYES);
+    others.chain([BAYES]).collect::<Vec<_>>().join(", ")
 }
 
 impl FromStr for Method {
-    type Err = String;
-    fn from_str(name: &str) -> Result<Self, String> {
-        let known = || Self::NAMES.map(|(name, _)| name).join(", ");
-        Self::NAMES
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|&(_, method)| method)
-            .ok_or_else(|| format!("unknown method \"{name}\"; known are {}", known()))
+    type Err = MethodError;
+    fn from_str(name: &str) -> Result<Self, MethodError> {
+        match Self::NAMES.iter().find(|(known, _)| *known == name) {
+            Some(&(_, method)) => Ok(method),
+            None if name == BAYES => Err(MethodError::NotBuilt),
+            None => Err(MethodError::Unknown(name.to_owned())),
+        }
     }
 }
 

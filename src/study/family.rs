@@ -7,7 +7,7 @@ use super::Study;
 use crate::evaluate::Glance;
 use crate::lens::{Lens, LensRequest, propose};
 use crate::material::Material;
-use crate::search::{Choice, Painter};
+use crate::search::{BATCH, Choice, Painter};
 
 /// Rows to a unit of the parameters.
 const ROWS: f64 = 8.0 / 3.0;
@@ -99,7 +99,14 @@ impl Study {
         };
         let study = self.clone();
         let guess = move |choice: &[u8]| Glance::Bound.delay(&study.design, &study.layout(choice));
-        Some(Painter { start, spread: SPREAD, bounds, paint: Arc::new(paint), guess: Some(Arc::new(guess)) })
+        Some(Painter {
+            start,
+            spread: SPREAD,
+            bounds,
+            paint: Arc::new(paint),
+            guess: Some(Arc::new(guess)),
+            batch: BATCH,
+        })
     }
 }
 

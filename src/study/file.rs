@@ -17,7 +17,7 @@ use crate::evaluate::{Blow, Detail, Overrides, Plan, PlanError, common_plan};
 use crate::lattice::Site;
 use crate::layout::Layout;
 use crate::material::Material;
-use crate::search::{Choice, Dice, Method, Space, level_set};
+use crate::search::{Choice, Dice, Method, MethodError, Space, level_set};
 use crate::units::Dimension::Time;
 
 /// More materials have more kinds of pairs than the evaluator's tables hold.
@@ -348,7 +348,7 @@ fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec
     };
     if file.stage.is_empty() {
         let name = file.method.as_deref().unwrap_or(Method::GeneticLocal.name());
-        let method = name.parse().map_err(|error: String| source.fail("method", format!("{error}.")))?;
+        let method = name.parse().map_err(|error: MethodError| source.fail("method", format!("{error}.")))?;
         let Some(budget) = file.budget else {
             return Err(source.at(None, "budget is missing: how many evaluations the study may do.".to_owned()));
         };

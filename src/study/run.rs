@@ -219,7 +219,9 @@ impl Run<'_> {
             Work::Search(method) => {
                 let space = self.study.space();
                 let painter = match method {
-                    Method::Painter(_) => self.study.painter(&self.rays),
+                    Method::Painter(_) => {
+                        self.study.painter(&self.rays).map(|painter| Painter { batch: stage.batch, ..painter })
+                    }
                     Method::LevelSet => starts.first().map(|start| Painter::level_sets(&space, stage.order, start)),
                     Method::Curves => starts.first().map(|start| Painter::curves(&space, stage.order, start)),
                     _ => None,

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::StudyError;
 use super::source::Source;
-use crate::search::{Method, ORDER};
+use crate::search::{BATCH, Method, MethodError, ORDER};
 use crate::units::Dimension::Time;
 
 /// More is taken for a slip: all evaluations are held in memory.
@@ -12,6 +12,9 @@ pub(super) const MOST_EVALUATIONS: u64 = 10_000_000;
 
 /// Finer fields than sites.
 const MOST_ORDER: usize = 12;
+
+/// As many beside each other as eight registers hold; beliefs about beliefs are worth little long before.
+const MOST_BATCH: usize = 64;
 
 /// What a stage does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +51,8 @@ pub struct Stage {
     pub sample: usize,
     /// Half waves each way of the fields of a level set, and one more; knots of a curve.
     pub order: usize,
+    /// How many lenses a Bayesian search asks for at a time.
+    pub batch: usize,
 }
 
 #[derive(Clone, Deserialize)]
@@ -59,6 +64,7 @@ pub(super) struct StageFile {
     promote: Option<usize>,
     sample: Option<usize>,
     order: Option<usize>,
+    batch: Option<usize>,
 }
 
 /// Stages, and the different steps at which they simulate (s), none being the design's own; in order of first use.
@@ -79,7 +85,8 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
             "rescore" => Work::Rescore,
             name => match name.parse() {
                 Ok(method) => Work::Search(method),
-                Err(error) => return Err(fail("method", format!("{error}, rescore."))),
+                Err(error @ MethodError::Unknown(_)) => return Err(fail("method", format!("{error}, rescore."))),
+                Err(error) => return Err(fail("method", format!("{error}."))),
             },
         };
         let several =
@@ -104,6 +111,13 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
             let message = format!("order = {order} must be 2 to {MOST_ORDER}: cosines each way, or knots of a curve.");
             return Err(fail("order", message));
         }
+        if file.batch.is_some() && !matches!(work, Work::Search(method) if method.takes_batch()) {
+            return Err(fail("batch", "batch belongs to stages with method = \"lens-family-bayes\".".to_owned()));
+        }
+        let batch = file.batch.unwrap_or(BATCH);
+        if !(1..=MOST_BATCH).contains(&batch) {
+            return Err(fail("batch", format!("batch = {batch} must be 1 to {MOST_BATCH} lenses at a time.")));
+        }
         let evaluations = match (work, file.evaluations) {
             (Work::Rescore, None) => promote as u64 + sample as u64,
             (Work::Rescore, Some(_)) => {
@@ -120,12 +134,12 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
         if !(1..=MOST_EVALUATIONS).contains(&evaluations) {
             return Err(fail("evaluations", format!("evaluations = {evaluations} must be 1 to {MOST_EVALUATIONS}.")));
         }
-        stages.push(Stage { work, evaluations, rung, promote: promote.max(1), sample, order });
+        stages.push(Stage { work, evaluations, rung, promote: promote.max(1), sample, order, batch });
     }
     Ok((stages, rungs))
 }
 
 /// The one stage of a study that names its method at the top.
 pub(super) fn single(method: Method, evaluations: u64) -> Stage {
-    Stage { work: Work::Search(method), evaluations, rung: 0, promote: 1, sample: 0, order: ORDER }
+    Stage { work: Work::Search(method), evaluations, rung: 0, promote: 1, sample: 0, order: ORDER, batch: BATCH }
 }

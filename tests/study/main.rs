@@ -1,5 +1,6 @@
 //! Studies of a small crystal.
 //!
+//! - `bayes`: Bayesian optimisation, and a build without it
 //! - `optimum`: every method finds what brute force finds, within the limits
 //! - `stages`: several impacts, several steps, one after the other
 //! - `resume`: the same bits whatever ends a run and on any number of threads
@@ -10,6 +11,7 @@
 //! - `rays`: what is said of them as a guess
 //! - `stored`: the layouts in `studies/`, against what is said about them
 
+mod bayes;
 mod files;
 mod journal;
 mod kill;
