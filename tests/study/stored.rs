@@ -11,10 +11,12 @@ use granulens::material;
 use granulens::study::Study;
 
 /// C, G and Q as they are quoted, at 5e-8 s.
-const SAID: [(&str, [f64; 3]); 4] = [
+const SAID: [(&str, [f64; 3]); 6] = [
     ("studies/two-materials-found.csv", [5.025, 1.3375, 0.6496]),
     ("studies/two-materials-best.csv", [5.217, 1.327, 0.6208]),
+    ("studies/two-materials-5000-best.csv", [5.2725, 1.3185, 0.6103]),
     ("studies/four-materials-best.csv", [6.306, 1.5115, 0.585]),
+    ("studies/four-materials-5000-best.csv", [6.4156, 1.5255, 0.5803]),
     ("studies/four-materials-gain-best.csv", [5.531, 2.2905, 1.0107]),
 ];
 
