@@ -37,10 +37,8 @@ const LOOK: u64 = 5;
 pub struct Sound {
     /// Height of the surface where it was pushed over the time of arrival (d/τ_c).
     pub speed: f64,
-    /// When the force on the bottom first reached [`Sound::threshold`] (τ_c from the push).
+    /// When the force on the bottom first reached 5 % of the greatest that the push makes there (τ_c from the push).
     pub arrival: f64,
-    /// 5 % of the push's greatest force on the bottom (m d/τ_c²).
-    pub threshold: f64,
     /// Time (τ_c) and by how much the force on the bottom differs from that of the same bed left alone (m d/τ_c²).
     pub bottom: Vec<[f64; 2]>,
 }
@@ -81,9 +79,8 @@ pub fn listen(bed: &Bed, grains: &Grains, interrupt: &AtomicBool) -> Result<Soun
         .map(|(k, (a, b))| [(k + 1) as f64 * LOOK as f64 * STEP, (a - b).abs()])
         .collect();
     let most = bottom.iter().map(|[_, change]| *change).fold(0.0, f64::max);
-    let threshold = HEARD * most;
-    match bottom.iter().find(|[_, change]| *change >= threshold) {
-        Some(&[arrival, _]) if most > 1e-3 * push => Ok(Sound { speed: height / arrival, arrival, threshold, bottom }),
+    match bottom.iter().find(|[_, change]| *change >= HEARD * most) {
+        Some(&[arrival, _]) if most > 1e-3 * push => Ok(Sound { speed: height / arrival, arrival, bottom }),
         _ => Err(SoundError::Unheard(1.5 * height)),
     }
 }

@@ -19,12 +19,7 @@ impl Bands {
     /// Faces with `knots` heights each, at least two.
     pub fn new(space: &Space, knots: usize) -> Self {
         let knots = knots.max(2);
-        let range = |k: usize| {
-            let of = || space.sites.iter().map(|site| site[k]);
-            let first = of().min().unwrap_or(0);
-            (f64::from(first), f64::from((of().max().unwrap_or(0) - first).max(1)))
-        };
-        let [(first, height), (left, width)] = [range(0), range(1)];
+        let [(first, height), (left, width)] = [space.range(0), space.range(1)];
         Self {
             knots,
             letters: space.letters,

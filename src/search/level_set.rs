@@ -26,12 +26,7 @@ fn share(m: usize, n: usize) -> f64 {
 impl Waves {
     /// Over the sites' rectangle, each way up to `order` - 1 half waves.
     pub fn new(space: &Space, order: usize) -> Self {
-        let range = |k: usize| {
-            let of = || space.sites.iter().map(|site| site[k]);
-            let first = of().min().unwrap_or(0);
-            (f64::from(first), f64::from((of().max().unwrap_or(0) - first).max(1)))
-        };
-        let ranges = [range(0), range(1)];
+        let ranges = [space.range(0), space.range(1)];
         let products = |site: &[u32; 2]| {
             let [down, across] = [0, 1].map(|k| half_waves((f64::from(site[k]) - ranges[k].0) / ranges[k].1, order));
             let mut products = Vec::with_capacity(order * order);

@@ -103,6 +103,13 @@ impl Space {
             .collect()
     }
 
+    /// The first row (`k` = 0) or column (`k` = 1), and how far it is from there to the last, at least one.
+    fn range(&self, k: usize) -> (f64, f64) {
+        let of = || self.sites.iter().map(|site| site[k]);
+        let first = of().min().unwrap_or(0);
+        (f64::from(first), f64::from((of().max().unwrap_or(0) - first).max(1)))
+    }
+
     /// The greater of the numbers of rows and columns.
     fn extent(&self) -> u32 {
         let span = |k: usize| {

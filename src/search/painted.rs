@@ -90,8 +90,9 @@ enum Engine {
     Bayes(Box<Bayes>, HashSet<Choice>),
 }
 
-/// A search of a painter's parameters, without end, but for Bayesian optimisation, which ends where nothing new is left. When CMA-ES has converged it begins anew with twice as many points a
-/// generation, from the best parameters so far and from random ones in turn (IPOP: A. Auger & N. Hansen, CEC 2005).
+/// A search of a painter's parameters, without end, but for Bayesian optimisation, which ends where nothing new is left. When CMA-ES
+/// has converged it begins anew with twice as many points a generation, from the best parameters so far and from random ones in
+/// turn (IPOP: A. Auger & N. Hansen, CEC 2005).
 pub struct Painted {
     painter: Painter,
     engine: Engine,

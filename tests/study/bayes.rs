@@ -1,34 +1,15 @@
 //! Bayesian optimisation of lenses: refused where it is not built in; else as any other method, whatever ends a run.
 
-use crate::Desk;
+use crate::{Desk, lensed};
 
 /// A lens of four parameters in a crystal that takes milliseconds.
-const DESIGN: &str = r#"format = 1
-name = "curved"
-[crystal]
-packing = "hexagonal-2d"
-diameter = "6.35 mm"
-rows = 16
-half_width = 5.5
-sides = "mirror"
-host = "stainless-440c"
-[impact]
-kind = "force-pulse"
-force = "16 kN"
-duration = "20 us"
-[target]
-focus = { rows = [12, 15], x = ["0 D", "1.5 D"] }
-protect = { rows = [12, 15], x = ["4 D", "5.5 D"] }
-[lens]
+const LENS: &str = r#"[lens]
 family = "plano-convex"
 material = "brass-260"
 apex_row = 3
 back_row = 6
 radius = "6 D"
 rows = [3, 9]
-[run]
-step = "4e-7 s"
-window = "120 us"
 "#;
 
 const STUDY: &str = r#"format = 1
@@ -44,7 +25,7 @@ evaluations = 24
 
 fn desk(study: &str) -> Desk {
     let desk = Desk::new(study);
-    std::fs::write(desk.path("curved.toml"), DESIGN).unwrap();
+    std::fs::write(desk.path("curved.toml"), lensed("curved", LENS)).unwrap();
     desk
 }
 

@@ -50,6 +50,32 @@ step = "4e-7 s"
 window = "80 us"
 "#;
 
+/// A crystal with room for a lens that still takes milliseconds; `lens` is its section.
+fn lensed(name: &str, lens: &str) -> String {
+    format!(
+        r#"format = 1
+name = "{name}"
+[crystal]
+packing = "hexagonal-2d"
+diameter = "6.35 mm"
+rows = 16
+half_width = 5.5
+sides = "mirror"
+host = "stainless-440c"
+[impact]
+kind = "force-pulse"
+force = "16 kN"
+duration = "20 us"
+[target]
+focus = {{ rows = [12, 15], x = ["0 D", "1.5 D"] }}
+protect = {{ rows = [12, 15], x = ["4 D", "5.5 D"] }}
+{lens}[run]
+step = "4e-7 s"
+window = "120 us"
+"#
+    )
+}
+
 const STUDY: &str = r#"format = 1
 design = "tiny.toml"
 materials = ["stainless-440c", "brass-260"]

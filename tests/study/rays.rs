@@ -7,32 +7,13 @@ use granulens::lens::{LensRequest, propose};
 use granulens::search::rank_correlation;
 use granulens::study::{Journal, Study};
 
-use crate::Desk;
+use crate::{Desk, lensed};
 
 /// A prism has neither curvature nor axis, so that first and last row say which of 21 it is.
-const PRISM: &str = r#"format = 1
-name = "prism"
-[crystal]
-packing = "hexagonal-2d"
-diameter = "6.35 mm"
-rows = 16
-half_width = 5.5
-sides = "mirror"
-host = "stainless-440c"
-[impact]
-kind = "force-pulse"
-force = "16 kN"
-duration = "20 us"
-[target]
-focus = { rows = [12, 15], x = ["0 D", "1.5 D"] }
-protect = { rows = [12, 15], x = ["4 D", "5.5 D"] }
-[lens]
+const PRISM: &str = r#"[lens]
 family = "prism"
 material = "brass-260"
 rows = [3, 9]
-[run]
-step = "4e-7 s"
-window = "120 us"
 "#;
 
 const STUDY: &str = r#"format = 1
@@ -67,7 +48,7 @@ fn prisms(study: &Study) -> HashMap<Vec<u8>, f64> {
 #[test]
 fn what_rays_are_worth_is_told_at_the_end() {
     let desk = Desk::new(STUDY);
-    std::fs::write(desk.path("prism.toml"), PRISM).unwrap();
+    std::fs::write(desk.path("prism.toml"), lensed("prism", PRISM)).unwrap();
     let run = |form: &[&str]| {
         let output = Command::new(env!("CARGO_BIN_EXE_granulens"))
             .args(["study", "run", "study.toml", "--out", "s"])
