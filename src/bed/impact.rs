@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::measure::surface;
 use super::settle::STEP;
 use super::{Bed, Disk, Grains, Intruder, Outline};
-use crate::dem::rig::{Body, EnergyLedger, Face, RigError, RigStop, Simulation};
+use crate::dem::rig::{EnergyLedger, Face, RigError, RigStop, Simulation};
 
 /// An impact on a bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,16 +151,8 @@ pub fn strike(
         progress(&moment);
         let size = moment.force[0].hypot(moment.force[1]);
         let view = simulation.view();
-        let mut pushed = vec![0.0; bed.grains.len()];
-        for (bodies, force) in view.normal_forces() {
-            for body in bodies {
-                if let Body::Sphere(i) = body
-                    && let Some(sum) = pushed.get_mut(i)
-                {
-                    *sum += force.abs();
-                }
-            }
-        }
+        let mut pushed = view.pressed();
+        pushed.truncate(bed.grains.len());
         if size > peak_force[0] {
             peak_force = [size, moment.time];
             snapshot = Snapshot {

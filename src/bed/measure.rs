@@ -77,33 +77,53 @@ fn volume_fraction(bed: &Bed, sides: [f64; 2], heights: [f64; 2]) -> f64 {
     if window > 0.0 { covered / window } else { f64::NAN }
 }
 
-/// Pairs of grains nearer than `reach` between centres, each once; walls come last in the list of disks.
+/// Pairs of disks nearer than `reach` between centres, each once; over periodic sides by the nearest images.
 fn pairs(disks: &[Disk], period: Option<f64>, reach: f64, mut visit: impl FnMut(usize, usize, f64)) {
     let low = disks.iter().map(|d| d.centre[1]).fold(f64::INFINITY, f64::min);
-    let row = |disk: &Disk| ((disk.centre[1] - low) / reach).floor() as usize;
-    let mut order: Vec<usize> = (0..disks.len()).collect();
-    order.sort_by(|&a, &b| (row(&disks[a]), a).cmp(&(row(&disks[b]), b)));
-    let rows = order.last().map_or(0, |&last| row(&disks[last]) + 1);
-    let start: Vec<usize> = (0..=rows).map(|k| order.partition_point(|&i| row(&disks[i]) < k)).collect();
-    for k in 0..rows {
-        for (n, &i) in order[start[k]..start[k + 1]].iter().enumerate() {
-            let here = &order[start[k] + n + 1..start[k + 1]];
-            let above = &order[start[k + 1]..start[(k + 2).min(rows)]];
-            for &j in here.iter().chain(above) {
-                let mut dx = disks[i].centre[0] - disks[j].centre[0];
-                if let Some(period) = period {
-                    dx -= period * (dx / period).round();
+    // Rows as high as the reach, each in order of x.
+    let mut rows: Vec<Vec<(f64, usize)>> = Vec::new();
+    for (i, Disk { centre: [x, y], .. }) in disks.iter().enumerate() {
+        let row = ((y - low) / reach).floor() as usize;
+        rows.resize_with(rows.len().max(row + 1), Vec::new);
+        rows[row].push((period.map_or(*x, |period| x.rem_euclid(period)), i));
+    }
+    rows.iter_mut().for_each(|row| row.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))));
+    for (k, row) in rows.iter().enumerate() {
+        for (n, &(x, i)) in row.iter().enumerate() {
+            let mut meet = |others: &[(f64, usize)]| {
+                for &(other, j) in others {
+                    let (mut dx, dy) = (x - other, disks[i].centre[1] - disks[j].centre[1]);
+                    if let Some(period) = period.filter(|period| dx.abs() > 0.5 * period) {
+                        dx -= period.copysign(dx);
+                    }
+                    // Most are too far: they cost no root.
+                    let squared = dx * dx + dy * dy;
+                    if squared < reach * reach {
+                        visit(i.min(j), i.max(j), squared.sqrt());
+                    }
                 }
-                // Most are far aside: they cost no root.
-                if dx.abs() >= reach {
-                    continue;
-                }
-                let apart = dx.hypot(disks[i].centre[1] - disks[j].centre[1]);
-                if apart < reach {
-                    visit(i.min(j), i.max(j), apart);
-                }
+            };
+            for others in near(&row[n + 1..], x, period, reach) {
+                meet(others);
+            }
+            for others in rows.get(k + 1).map_or([&[][..]; 3], |above| near(above, x, period, reach)) {
+                meet(others);
             }
         }
+    }
+}
+
+/// The part of a row in order of x that lies within `reach` of `x`, and what of it does so over either side.
+fn near(row: &[(f64, usize)], x: f64, period: Option<f64>, reach: f64) -> [&[(f64, usize)]; 3] {
+    let between = |low: f64, high: f64| {
+        let from = row.partition_point(|other| other.0 < low);
+        &row[from..from + row[from..].partition_point(|other| other.0 <= high)]
+    };
+    match period {
+        // So narrow that each disk is near all, and once.
+        Some(period) if period <= 2.0 * reach => [row, &[], &[]],
+        Some(period) => [-period, 0.0, period].map(|shift| between(x + shift - reach, x + shift + reach)),
+        None => [between(x - reach, x + reach), &[], &[]],
     }
 }
 
@@ -182,6 +202,44 @@ mod tests {
             .sum();
         let density = 1.0 / 0.75_f64.sqrt();
         assert!((ring * density / 6.0 - 1.0).abs() < 0.05, "{}", ring * density);
+    }
+
+    /// Pairs found by rows are those found by comparing all with all: over sides that repeat far apart and close by, and without.
+    #[test]
+    fn pairs_are_all_pairs_in_reach() {
+        let mut state = 3_u64;
+        let mut draw = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for width in [3.0, 11.0, 40.0] {
+            let disks: Vec<Disk> = (0..300)
+                .map(|_| Disk { centre: [width * (3.0 * draw() - 1.0), 20.0 * draw()], diameter: 1.0 })
+                .collect();
+            for (period, reach) in [(None, 1.5), (Some(width), 1.5), (Some(width), 6.0)] {
+                let mut found = Vec::new();
+                pairs(&disks, period, reach, |i, j, apart| found.push((i, j, apart)));
+                found.sort_by_key(|&(i, j, _)| (i, j));
+                let mut expected = Vec::new();
+                for i in 0..disks.len() {
+                    for j in i + 1..disks.len() {
+                        let mut dx = disks[i].centre[0] - disks[j].centre[0];
+                        if let Some(period) = period {
+                            dx -= period * (dx / period).round();
+                        }
+                        let apart = dx.hypot(disks[i].centre[1] - disks[j].centre[1]);
+                        if apart < reach {
+                            expected.push((i, j, apart));
+                        }
+                    }
+                }
+                assert_eq!(found.len(), expected.len(), "{width} {period:?} {reach}");
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!((found.0, found.1) == (expected.0, expected.1), "{found:?} {expected:?}");
+                    assert!((found.2 - expected.2).abs() < 1e-12, "{found:?} {expected:?}");
+                }
+            }
+        }
     }
 
     /// Half a disk lies below its middle, all of it below its top.

@@ -92,7 +92,7 @@ impl<const D: usize> ClusterState<D> {
         arm
     }
 
-    /// Moves on by a step; members follow, with their predicted velocities and spins in `trial` and `trial_spin`.
+    /// Moves on by a step; members follow, with their predicted velocities in `trial` and r ω in `trial_turn`.
     pub(super) fn drift(
         &mut self,
         rig: &Rig<D>,
@@ -100,7 +100,7 @@ impl<const D: usize> ClusterState<D> {
         h: f64,
         bodies: &mut Bodies<D>,
         trial: &mut [[f64; D]],
-        trial_spin: &mut Turns<D>,
+        trial_turn: &mut Turns<D>,
     ) {
         for k in 0..D {
             self.moved[k] += h * (self.velocity[k] + 0.5 * h * self.acceleration[k]);
@@ -114,8 +114,8 @@ impl<const D: usize> ClusterState<D> {
                 bodies.displacement[i][k] = cluster.centre[k] + self.moved[k] + arm[k] - centre[k];
             }
             trial[i] = moving(&velocity, &spin, &arm);
-            if !trial_spin.numbers().is_empty() {
-                trial_spin.set(i, &spin);
+            if !trial_turn.numbers().is_empty() {
+                trial_turn.set(i, &spin.map(|w| rig.sample.spheres[i].radius * w));
             }
         }
     }

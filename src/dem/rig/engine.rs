@@ -26,8 +26,8 @@ pub(super) trait Engine<const D: usize>: Send {
     fn contacts(&self) -> usize;
     /// A contact that is closed.
     fn touching(&self, rig: &Rig<D>, c: usize) -> Option<Touching<D>>;
-    /// Bodies and normal force (N) of a contact that is closed.
-    fn push(&self, c: usize) -> Option<([Body; 2], f64)>;
+    /// Sum of the sizes of the normal forces (N) on each sphere.
+    fn pressed(&self) -> Vec<f64>;
     /// What contacts have borne beyond an overlap ratio, their law's range, or a stiffness over reduced mass (1/s²), and those dropped
     /// since `forget_dropped`.
     fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain>;
@@ -40,7 +40,7 @@ pub(super) trait Engine<const D: usize>: Send {
     fn load(&mut self, rig: &Rig<D>, state: State) -> bool;
 }
 
-impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L, B> {
+impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
     fn begin(&mut self, rig: &Rig<D>) {
         Machine::begin(self, rig);
     }
@@ -89,9 +89,17 @@ impl<const D: usize, L: Bonding, B: Binder<L> + Send> Engine<D> for Machine<D, L
         })
     }
 
-    fn push(&self, c: usize) -> Option<([Body; 2], f64)> {
+    fn pressed(&self) -> Vec<f64> {
         let contacts = &self.contacts;
-        (contacts.account.overlap[c] > 0.0).then(|| (contacts.bodies(c), contacts.account.force[c]))
+        let mut pressed = vec![0.0; self.bodies.velocity.len()];
+        for (c, force) in contacts.account.force.iter().enumerate().filter(|(_, force)| **force != 0.0) {
+            for body in contacts.bodies(c) {
+                if let Body::Sphere(i) = body {
+                    pressed[i] += force.abs();
+                }
+            }
+        }
+        pressed
     }
 
     fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain> {

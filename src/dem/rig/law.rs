@@ -262,7 +262,7 @@ pub(super) fn reduced_mass([a, b]: [End; 2]) -> f64 {
 }
 
 /// Makes bonds from a law book.
-pub(super) trait Binder<L> {
+pub(super) trait Binder<L>: Send + Sync {
     /// Whether laws depend on the spheres' sizes, not on their materials alone.
     const BY_SIZE: bool;
     fn bond(&self, ends: [End; 2]) -> Bond<L>;

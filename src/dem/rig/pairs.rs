@@ -2,13 +2,8 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::Rig;
-
-/// From so many spheres on a search is shared among threads, so many at a time.
-const MANY: usize = 20_000;
-const GRAIN: usize = 2048;
+use super::share::{parts, rows};
 
 /// Two spheres that touch, or may do so before the list is made anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,34 +142,21 @@ impl<const D: usize> Finder<D> {
     /// All near pairs, in order of their keys. `displacement` is from the start.
     pub fn find(&self, rig: &Rig<D>, displacement: &[[f64; D]]) -> Vec<Near<D>> {
         let spheres = &rig.sample.spheres;
-        let mut wrapped = Vec::with_capacity(spheres.len());
-        let mut turns = Vec::with_capacity(spheres.len());
-        for (i, (sphere, moved)) in spheres.iter().zip(displacement).enumerate() {
-            let mut at: [f64; D] = std::array::from_fn(|k| sphere.centre[k] + moved[k]);
-            let mut turn = [0_i32; D];
+        let at = |i: usize| -> [f64; D] { std::array::from_fn(|k| spheres[i].centre[k] + displacement[i][k]) };
+        let whole = |at: f64, k: usize| self.periods[k].map_or(0.0, |period| (at / period).floor());
+        let wrapped = rows(spheres.len(), |i| {
+            let mut at = at(i);
             for k in 0..D {
-                if let Some(period) = self.periods[k] {
-                    let whole = (at[k] / period).floor();
-                    at[k] -= whole * period;
-                    turn[k] = whole as i32;
-                }
+                at[k] -= whole(at[k], k) * self.periods[k].unwrap_or(0.0);
             }
-            wrapped.push(Packed { at, size: sphere.radius + self.leeway[i], sphere: i as u32 });
-            turns.push(turn);
-        }
+            Packed { at, size: spheres[i].radius + self.leeway[i], sphere: i as u32 }
+        });
+        let turns = rows(spheres.len(), |i| {
+            let at = at(i);
+            std::array::from_fn(|k| whole(at[k], k) as i32)
+        });
         let grid = self.grid(&wrapped);
-        if spheres.len() < MANY || rayon::current_num_threads() == 1 {
-            return self.near(rig, &grid, &wrapped, &turns, 0..spheres.len());
-        }
-        // Each thread some spheres in turn; the parts are joined in their order.
-        let parts: Vec<Vec<Near<D>>> = (0..spheres.len().div_ceil(GRAIN))
-            .into_par_iter()
-            .map(|part| {
-                let from = part * GRAIN;
-                self.near(rig, &grid, &wrapped, &turns, from..(from + GRAIN).min(spheres.len()))
-            })
-            .collect();
-        parts.concat()
+        parts(spheres.len(), |these| self.near(rig, &grid, &wrapped, &turns, these)).concat()
     }
 
     /// The near pairs of which one of `these` spheres is the first.
@@ -283,7 +265,7 @@ impl<const D: usize> Finder<D> {
         let cells: usize = count.iter().product();
         let periodic = self.periods.map(|p| p.is_some());
         let mut grid = Grid { low, width, count, periodic, start: vec![0; cells + 1], packed: Vec::new() };
-        let homes: Vec<usize> = wrapped.iter().map(|sphere| grid.index(&grid.place(&sphere.at))).collect();
+        let homes = rows(wrapped.len(), |i| grid.index(&grid.place(&wrapped[i].at)));
         for (i, &home) in homes.iter().enumerate() {
             if !self.is_big[i] {
                 grid.start[home + 1] += 1;

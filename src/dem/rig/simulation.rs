@@ -12,6 +12,7 @@ use super::law::{ByDashpot, ByMaterial};
 use super::ledger::EnergyLedger;
 use super::machine::Machine;
 use super::pairs::TOUCHING;
+use super::share::MANY;
 use super::view::View;
 use super::{Body, LawBook, Rig};
 use crate::dem::{ContactRecord, same, stable_step};
@@ -81,6 +82,19 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// See [`RigStop`].
     pub fn follow(
+        &mut self,
+        steps: u64,
+        interrupt: &AtomicBool,
+        each: impl FnMut(&View<'_, D>) + Send,
+    ) -> Result<(), RigStop> {
+        if self.engine.bodies().velocity.len() < MANY {
+            return self.steps_on(steps, interrupt, each);
+        }
+        // Among the threads that share a step's loops, so that none has to be woken for each.
+        rayon::scope(|_| self.steps_on(steps, interrupt, each))
+    }
+
+    fn steps_on(
         &mut self,
         steps: u64,
         interrupt: &AtomicBool,

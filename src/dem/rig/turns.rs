@@ -14,6 +14,9 @@ impl<const D: usize> Turns<D> {
         _ => 0,
     };
 
+    /// The same as the length of a row to walk in, of which there are none on a line.
+    pub const ROW: usize = if Self::AXES > 0 { Self::AXES } else { 1 };
+
     /// Of so many spheres, all zero.
     pub fn still(spheres: usize) -> Self {
         Self(vec![0.0; Self::AXES * spheres])
@@ -22,6 +25,12 @@ impl<const D: usize> Turns<D> {
     /// Of these, of which the components count that there are in `D` dimensions.
     pub fn of(rows: &[[f64; 3]]) -> Self {
         Self(rows.iter().flat_map(|row| row[axes_of_spin::<D>()].iter().copied()).collect())
+    }
+
+    /// Each times a factor of its sphere.
+    pub fn times(&self, factors: &[f64]) -> Self {
+        let rows = self.0.chunks_exact(Self::ROW).zip(factors);
+        Self(rows.flat_map(|(row, factor)| row.iter().map(move |number| factor * number)).collect())
     }
 
     /// That of a sphere.

@@ -105,9 +105,9 @@ impl<const D: usize> View<'_, D> {
     pub fn cluster(&self, cluster: usize) -> ClusterState<D> {
         self.engine.bodies().clusters[cluster]
     }
-    /// Bodies and normal force (N) of the closed contacts, in the order of [`contacts`](Self::contacts).
-    pub fn normal_forces(&self) -> impl Iterator<Item = ([Body; 2], f64)> + '_ {
-        (0..self.engine.contacts()).filter_map(|c| self.engine.push(c))
+    /// Sum of the sizes of the normal forces (N) on each sphere.
+    pub fn pressed(&self) -> Vec<f64> {
+        self.engine.pressed()
     }
     /// The closed contacts, in a fixed order.
     pub fn contacts(&self) -> impl Iterator<Item = Touching<D>> + '_ {

@@ -1,5 +1,8 @@
 //! What contacts have carried and lost, as parallel arrays.
 
+use super::list::inherited;
+use crate::dem::rig::share::cut;
+
 /// What a contact remembers besides its normal law's memory and its tangential spring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account {
@@ -60,18 +63,16 @@ pub struct AccountRows<'a> {
 }
 
 impl Accounts {
-    pub fn with_capacity(count: usize) -> Self {
-        let new = || Vec::with_capacity(count);
-        Self { overlap: new(), force: new(), work: new(), slid: new(), power: new() }
-    }
-
-    pub fn push(&mut self, account: Account) {
-        let Account { overlap, force, work, slid, power } = account;
-        self.overlap.push(overlap);
-        self.force.push(force);
-        self.work.push(work);
-        self.slid.push(slid);
-        self.power.push(power);
+    /// The rows that stood in these places; see [`inherited`].
+    pub fn inherited(&self, from: &[u32]) -> Self {
+        let Self { overlap, force, work, slid, power } = self;
+        Self {
+            overlap: inherited(overlap, from),
+            force: inherited(force, from),
+            work: inherited(work, from),
+            slid: inherited(slid, from),
+            power: inherited(power, from),
+        }
     }
 
     /// Row c.
@@ -93,15 +94,16 @@ impl Accounts {
 }
 
 impl<'a> AccountRows<'a> {
-    /// The first `count` rows, and those after them.
-    pub fn split_at(self, count: usize) -> (Self, Self) {
+    /// The first `count` rows, which the rest is left without.
+    pub fn cut(&mut self, count: usize) -> Self {
         let Self { overlap, force, work, slid, power } = self;
-        let (overlap, force, work) = (overlap.split_at_mut(count), force.split_at_mut(count), work.split_at_mut(count));
-        let (slid, power) = (slid.split_at_mut(count), power.split_at_mut(count));
-        (
-            Self { overlap: overlap.0, force: force.0, work: work.0, slid: slid.0, power: power.0 },
-            Self { overlap: overlap.1, force: force.1, work: work.1, slid: slid.1, power: power.1 },
-        )
+        Self {
+            overlap: cut(overlap, count),
+            force: cut(force, count),
+            work: cut(work, count),
+            slid: cut(slid, count),
+            power: cut(power, count),
+        }
     }
 
     /// Row c.

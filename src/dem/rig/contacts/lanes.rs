@@ -5,10 +5,11 @@
 
 use crate::dem::rig::law::{Bond, SpringDashpot};
 use crate::dem::rig::pairs::Near;
+use crate::dem::rig::share::rows;
 use crate::real::{Kernel, Real};
 
-use super::account::AccountRows;
 use super::react::{CLOSED, Grip, between, meet};
+use super::sections::{Piece, Spill, to_torques};
 
 /// Near pairs as parallel arrays: row c of each is pair c, as in [`Near`].
 #[derive(Default)]
@@ -22,10 +23,10 @@ pub struct Lines {
 impl Lines {
     pub fn of(near: &[Near<2>]) -> Self {
         Self {
-            ends: near.iter().map(|pair| pair.ends).collect(),
-            offset: [0, 1].map(|k| near.iter().map(|pair| pair.offset[k]).collect()),
-            gap: near.iter().map(|pair| pair.gap).collect(),
-            reach: near.iter().map(|pair| pair.reach).collect(),
+            ends: rows(near.len(), |c| near[c].ends),
+            offset: [0, 1].map(|k| rows(near.len(), |c| near[c].offset[k])),
+            gap: rows(near.len(), |c| near[c].gap),
+            reach: rows(near.len(), |c| near[c].reach),
         }
     }
 }
@@ -36,30 +37,18 @@ pub struct Disks<'a> {
     /// Displacement (m) and velocity (m/s).
     pub at: &'a [[f64; 2]],
     pub velocity: &'a [[f64; 2]],
-    /// r ω (m/s)
+    /// r ω (m/s); empty where nothing turns.
     pub turn: &'a [f64],
 }
 
-/// Where reactions go.
-pub enum Receiver<'a> {
-    /// To the disks: force, and couple per lever arm (N).
-    Disks { force: &'a mut [[f64; 2]], twist: &'a mut [f64] },
-    /// Into a list, to be added up later: force, and couple per lever arm.
-    List(&'a mut [[f64; 3]]),
-}
-
-/// Successive contacts, from `first` on.
+/// The contacts of a section.
 pub struct Sweep<'a, const TURNING: bool, const SPRING: bool> {
     pub lines: &'a Lines,
     pub disks: Disks<'a>,
     pub bonds: &'a [Bond<SpringDashpot>],
     pub bond: &'a [u32],
     pub reduced: &'a [f64],
-    pub first: usize,
-    /// Rows from `first` on.
-    pub account: AccountRows<'a>,
-    pub stretch: [&'a mut [f64]; 2],
-    pub receiver: Receiver<'a>,
+    pub piece: Piece<'a, 2, ()>,
     pub step: f64,
 }
 
@@ -82,7 +71,7 @@ impl<const TURNING: bool, const SPRING: bool> Kernel for Sweep<'_, TURNING, SPRI
     fn run<V: Real>(mut self) {
         let zero = [0.0; BLOCK];
         let mut block = Block { shift: [zero; 2], approach: [zero; 2], turn: zero, force: [zero; 2], twist: zero };
-        let count = self.account.overlap.len();
+        let count = self.piece.account.overlap.len();
         let mut begin = 0;
         while begin < count {
             let size = BLOCK.min(count - begin);
@@ -99,16 +88,19 @@ impl<const TURNING: bool, const SPRING: bool> Kernel for Sweep<'_, TURNING, SPRI
             self.give(begin, size, &block);
             begin += size;
         }
+        if TURNING {
+            to_torques::<2>(self.piece.twist, self.piece.lever);
+        }
     }
 }
 
 impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
     #[inline(always)]
     fn gather(&self, begin: usize, size: usize, block: &mut Block) {
-        let ends = &self.lines.ends[self.first + begin..][..size];
+        let ends = &self.lines.ends[self.piece.first + begin..][..size];
         // Of one length, so that an index is held against it once.
         let Disks { at, velocity, turn } = self.disks;
-        let (velocity, turn) = (&velocity[..at.len()], &turn[..at.len()]);
+        let (velocity, turn) = (&velocity[..at.len()], if TURNING { &turn[..at.len()] } else { turn });
         for n in 0..size {
             let [p, q] = [ends[n][0] as usize, ends[n][1] as usize];
             for k in 0..2 {
@@ -155,14 +147,14 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
     /// Contacts of the rows from c on, which stand from place n on in their block.
     #[inline(always)]
     fn react<V: Real>(&mut self, c: usize, n: usize, block: &mut Block) {
-        let (line, zero, half) = (self.first + c, V::splat(0.0), V::splat(0.5));
+        let (line, zero, half) = (self.piece.first + c, V::splat(0.0), V::splat(0.5));
         let lines = self.lines;
         let offset = [V::load(&lines.offset[0][line..]), V::load(&lines.offset[1][line..])];
         let shift = [V::load(&block.shift[0][n..]), V::load(&block.shift[1][n..])];
         let reach = V::load(&lines.reach[line..]);
         let (apart, excess) = between(&offset, &shift, V::load(&lines.gap[line..]));
         let closed = (V::splat(2.0 * CLOSED) * reach * reach).lt(excess);
-        let before = V::load(&self.account.overlap[c..]);
+        let before = V::load(&self.piece.account.overlap[c..]);
         if !V::any(V::or(closed, zero.lt(before))) {
             zero.store(&mut block.force[0][n..]);
             zero.store(&mut block.force[1][n..]);
@@ -182,12 +174,12 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
             let grip = Grip { coefficient, stiffness, damping: slide_rate * reduced };
             let mut stretch = [zero; 2];
             if SPRING {
-                stretch = [V::load(&self.stretch[0][c..]), V::load(&self.stretch[1][c..])];
+                stretch = [V::load(&self.piece.stretch[0][c..]), V::load(&self.piece.stretch[1][c..])];
             }
             let rub = grip.rub::<2, SPRING>(&meeting, push, &mut stretch, self.step);
             if SPRING {
-                V::select(closed, stretch[0], zero).store(&mut self.stretch[0][c..]);
-                V::select(closed, stretch[1], zero).store(&mut self.stretch[1][c..]);
+                V::select(closed, stretch[0], zero).store(&mut self.piece.stretch[0][c..]);
+                V::select(closed, stretch[1], zero).store(&mut self.piece.stretch[1][c..]);
             }
             power = V::select(closed, rub.power, zero);
             force = [force[0] + rub.drag[0], force[1] + rub.drag[1]];
@@ -199,7 +191,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         // As `Account::accept`; an open contact has neither overlap nor force nor power.
         let overlap = V::select(closed, meeting.overlap, zero);
         let push = V::select(closed, push, zero);
-        let account = &mut self.account;
+        let account = &mut self.piece.account;
         let work = half * (V::load(&account.force[c..]) + push) * (overlap - before);
         (V::load(&account.work[c..]) + work).store(&mut account.work[c..]);
         overlap.store(&mut account.overlap[c..]);
@@ -213,101 +205,27 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
 
     #[inline(always)]
     fn give(&mut self, begin: usize, size: usize, block: &Block) {
-        match &mut self.receiver {
-            Receiver::List(list) => {
-                let list = &mut list[begin..][..size];
-                for n in 0..size {
-                    list[n] = [block.force[0][n], block.force[1][n], block.twist[n]];
-                }
+        let Piece { first, first_sphere, force, twist, spill, .. } = &mut self.piece;
+        let ends = &self.lines.ends[*first + begin..][..size];
+        let twist = &mut twist[..force.len()];
+        for n in 0..size {
+            let [a, b] = ends[n].map(|end| end as usize - *first_sphere);
+            for k in 0..2 {
+                force[a][k] -= block.force[k][n];
             }
-            Receiver::Disks { force, twist } => {
-                let ends = &self.lines.ends[self.first + begin..][..size];
-                let twist = &mut twist[..force.len()];
-                for n in 0..size {
-                    let [a, b] = [ends[n][0] as usize, ends[n][1] as usize];
-                    for k in 0..2 {
-                        force[a][k] -= block.force[k][n];
-                        force[b][k] += block.force[k][n];
-                    }
-                    if TURNING {
-                        twist[a] += block.twist[n];
-                        twist[b] += block.twist[n];
-                    }
-                }
+            if TURNING {
+                twist[a] += block.twist[n];
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::dem::rig::bodies::Bodies;
-    use crate::dem::rig::contacts::{Contacts, Sums, Trial};
-    use crate::dem::rig::law::{ByDashpot, SpringDashpot};
-    use crate::dem::rig::pairs::Finder;
-    use crate::dem::rig::{Friction, LawBook, Rig, Spring};
-    use crate::real::Width;
-    use crate::sample::{Sample, Sphere};
-
-    /// Bits of all that a few sweeps over jostling disks of two materials come to; one contact at a time where there is no
-    /// width.
-    fn bits(width: Option<Width>, grip: [Spring; 2]) -> Vec<u64> {
-        let mut state = 7_u64;
-        let mut draw = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        let spheres: Vec<Sphere<2>> = (0..400)
-            .map(|i| Sphere {
-                centre: [f64::from(i % 20) + 0.1 * draw(), f64::from(i / 20) + 0.1 * draw()],
-                radius: 0.45 + 0.1 * draw(),
-                material: usize::from(i % 20 == 3),
-            })
-            .collect();
-        let friction = |spring| Some(Friction { coefficient: 0.3, spring, damping: 0.7 });
-        let materials = vec![(1.4, friction(grip[0])), (4.6, friction(grip[1]))];
-        let binder = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut: false };
-        let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut: false };
-        let material = crate::material::find("440c", &[]).unwrap();
-        let mut rig = Rig::new(Sample { materials: vec![material; 2], spheres }, laws);
-        rig.periods = [Some(20.0), None];
-        let (finder, mut bodies) = (Finder::new(&rig), Bodies::new(&rig));
-        let mut contacts = Contacts::<2, SpringDashpot>::new(&rig, 1.0);
-        contacts.renew(&rig, &finder, &bodies, &binder);
-        contacts.width = width.unwrap_or(Width::Scalar);
-        if width.is_none() {
-            // With shares, even of one, contacts are taken one at a time.
-            contacts.share = vec![1.0; contacts.near.len()];
-        }
-        let mut sums = Sums::new(400, 0);
-        let mut bits = Vec::new();
-        for _ in 0..10 {
-            for i in 0..400 {
-                bodies.velocity[i] = [draw() - 0.5, draw() - 0.5];
-                bodies.spin.set(i, &[0.0, 0.0, draw() - 0.5]);
+            if b < force.len() {
                 for k in 0..2 {
-                    bodies.displacement[i][k] += 0.1 * bodies.velocity[i][k];
+                    force[b][k] += block.force[k][n];
                 }
-            }
-            let trial =
-                Trial { velocity: &bodies.velocity.clone(), spin: &bodies.spin.clone(), flat_velocity: &[], step: 0.1 };
-            contacts.sweep(&rig, &bodies, trial, &mut sums);
-            bits.extend(sums.force.iter().flatten().chain(sums.torque.numbers()).map(|x| x.to_bits()));
-        }
-        let closed = contacts.account.overlap.iter().filter(|&&overlap| overlap > 0.0).count();
-        assert!(closed > 100 && closed < contacts.len() - 100, "{closed} of {}", contacts.len());
-        bits.extend((0..contacts.len()).flat_map(|c| contacts.account.at(c).numbers()).map(f64::to_bits));
-        bits.extend((0..contacts.len()).map(|c| contacts.wound(c).to_bits()));
-        bits
-    }
-
-    /// Contacts side by side do what they do one at a time, to the bit: with springs, without, and with both kinds together.
-    #[test]
-    fn every_width_gives_the_same_forces() {
-        for grip in [[Spring::None; 2], [Spring::Constant(3.9); 2], [Spring::Constant(3.9), Spring::None]] {
-            let one_at_a_time = bits(None, grip);
-            for width in Width::available() {
-                assert!(bits(Some(width), grip) == one_at_a_time, "{width:?} {grip:?}");
+                if TURNING {
+                    twist[b] += block.twist[n];
+                }
+            } else {
+                let force = [block.force[0][n], block.force[1][n]];
+                spill.push(Spill { sphere: ends[n][1], force, twist: [0.0, 0.0, block.twist[n]] });
             }
         }
     }

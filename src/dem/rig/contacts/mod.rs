@@ -1,20 +1,25 @@
 //! All candidate contacts, as parallel arrays, and the force sweep over them.
 //!
 //! Pairs of spheres come first, then contacts with faces: flats, and mirrors, in which a sphere meets its own image. What one
-//! contact does is worked out in one place (`react`) and added up in order of the contacts, either at once or, on several
-//! threads, by first storing the reactions and then adding up sphere by sphere: the same sums in the same order.
+//! contact does is worked out in one place (`react`) and added up in order of the contacts, or, where there are many, of those of each
+//! section, which threads share out: the same sums for any number of threads.
 //!
 //! - `react`: what contacts do; `faces`: contacts with flats and mirrors
 //! - `sweep`: forces on all bodies; `lanes`: the same for disks with springs and dashpots, several contacts side by side
+//! - `list`: how the list changes
+//! - `sections`: parts of the list of pairs that threads share out
 //! - `account`: what contacts have carried and lost
 
 mod account;
 mod faces;
 mod lanes;
+mod list;
 mod react;
+mod sections;
 mod sweep;
+#[cfg(test)]
+mod tests;
 
-use std::any::Any;
 use std::collections::{BTreeMap, HashMap};
 
 pub(super) use account::Account;
@@ -23,15 +28,14 @@ pub(super) use react::Trial;
 pub(super) use sweep::Sums;
 
 use super::bodies::{Bodies, dot};
-use super::law::{Binder, Bond, Bonding, End, SpringDashpot, reduced_mass};
-use super::pairs::{Finder, Near};
+use super::law::{Bond, Bonding, End};
+use super::pairs::Near;
+use super::share::parts;
 use super::{Body, Rig};
 use crate::real::Width;
 use account::Accounts;
-use faces::near_faces;
 use lanes::Lines;
-use react::Reaction;
-use sweep::MANY;
+use sections::Sections;
 
 /// A contact's memories that outlive its being near.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,17 +101,11 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     class: Vec<u32>,
     ends: Vec<End>,
     turning: bool,
-    /// For sums on several threads: the contacts of each sphere, in order, twice their index, plus one where it is the second
-    /// end.
-    by_sphere: Vec<u32>,
-    first_of: Vec<u32>,
-    reactions: Vec<Reaction<D>>,
-    /// As `reactions`, of disks in lanes.
-    flat_reactions: Vec<[f64; 3]>,
-    /// For disks in lanes: the pairs as parallel arrays, all radii (m), and r ω of all (m/s).
+    sections: Sections<D>,
+    /// All radii (m).
+    pub lever: Vec<f64>,
+    /// For disks in lanes: the pairs as parallel arrays.
     lines: Lines,
-    lever: Vec<f64>,
-    turn: Vec<f64>,
     width: Width,
 }
 
@@ -159,206 +157,11 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             face_factor,
             class,
             lever: ends.iter().map(|end| end.radius).collect(),
-            turn: vec![0.0; count],
             ends,
             turning: rig.laws.has_friction(),
-            by_sphere: Vec::new(),
-            first_of: Vec::new(),
-            reactions: Vec::new(),
-            flat_reactions: Vec::new(),
+            sections: Sections::of(&[], count),
             lines: Lines::default(),
             width: Width::widest(),
-        }
-    }
-
-    /// Looks anew who is near whom; memories go with their contact.
-    pub fn renew(&mut self, rig: &Rig<D>, finder: &Finder<D>, bodies: &Bodies<D>, binder: &impl Binder<L>) {
-        let near = finder.find(rig, &bodies.displacement);
-        let faces = near_faces(rig, finder, bodies);
-        self.replace(rig, near, faces, bodies, binder);
-    }
-
-    /// Puts another list in the place of the present one; memories go with their contact.
-    pub fn replace(
-        &mut self,
-        rig: &Rig<D>,
-        near: Vec<Near<D>>,
-        faces: Vec<NearFace>,
-        bodies: &Bodies<D>,
-        binder: &impl Binder<L>,
-    ) {
-        let old_pairs = self.near.len();
-        let mut memory = Vec::with_capacity(near.len() + faces.len());
-        let mut account = Accounts::with_capacity(near.len() + faces.len());
-        let turning = self.turning;
-        let mut stretch: [Vec<f64>; D] =
-            std::array::from_fn(|_| Vec::with_capacity(if turning { near.len() + faces.len() } else { 0 }));
-        let mut take = |from: Option<usize>, kept: Option<Kept<L::Memory>>, old: &Self| {
-            match (from, kept) {
-                (Some(c), _) => {
-                    memory.push(old.memory[c]);
-                    account.push(old.account.at(c));
-                    if turning {
-                        for k in 0..D {
-                            stretch[k].push(old.stretch[k][c]);
-                        }
-                    }
-                }
-                (None, kept) => {
-                    memory.push(kept.map_or_else(L::Memory::default, |kept| kept.memory));
-                    account.push(kept.map_or_else(Account::default, |kept| Account {
-                        work: kept.work,
-                        slid: kept.slid,
-                        ..Account::default()
-                    }));
-                    if turning {
-                        stretch.iter_mut().for_each(|axis| axis.push(0.0));
-                    }
-                }
-            };
-        };
-        // Both lists are in order of their keys: one walk through both.
-        let mut c = 0;
-        let mut dropped = Vec::new();
-        for pair in &near {
-            while c < old_pairs && self.near[c].key() < pair.key() {
-                dropped.push(c);
-                c += 1;
-            }
-            if c < old_pairs && self.near[c].key() == pair.key() {
-                take(Some(c), None, self);
-                c += 1;
-            } else {
-                let kept = if self.kept_pairs.is_empty() { None } else { self.kept_pairs.remove(&pair.key()) };
-                take(None, kept, self);
-            }
-        }
-        dropped.extend(c..old_pairs);
-        let mut f = 0;
-        let key = |face: &NearFace| (face.sphere, face.facing);
-        for face in &faces {
-            while f < self.faces.len() && key(&self.faces[f]) < key(face) {
-                dropped.push(old_pairs + f);
-                f += 1;
-            }
-            if f < self.faces.len() && key(&self.faces[f]) == key(face) {
-                take(Some(old_pairs + f), None, self);
-                f += 1;
-            } else {
-                let kept = self.kept_faces.remove(&key(face));
-                take(None, kept, self);
-            }
-        }
-        dropped.extend((f..self.faces.len()).map(|f| old_pairs + f));
-        for c in dropped {
-            self.drop_contact(c, bodies);
-        }
-        self.near = near;
-        self.faces = faces;
-        (self.memory, self.account, self.stretch) = (memory, account, stretch);
-        self.bind(rig, binder);
-        self.share = match rig.mirrors.is_empty() {
-            true => Vec::new(),
-            false => self.near.iter().map(|pair| share_in_mirrors(rig, pair)).collect(),
-        };
-        if let Some(disks) = (self as &mut dyn Any).downcast_mut::<Contacts<2, SpringDashpot>>() {
-            disks.lines = Lines::of(&disks.near);
-        }
-        self.index();
-    }
-
-    /// Keeps what a contact remembers that is no longer near.
-    fn drop_contact(&mut self, c: usize, bodies: &Bodies<D>) {
-        let Account { work, slid, .. } = self.account.at(c);
-        let memory = self.memory[c];
-        if memory == L::Memory::default() && work == 0.0 && slid == 0.0 {
-            return;
-        }
-        self.dropped.extend(self.strain(c));
-        if L::NUMBERS == 0 {
-            self.lost[0] += self.weight(c) * work;
-            self.lost[1] += self.share(c) * slid;
-            for (sphere, part) in self.spheres(c) {
-                let energy = part * (self.weight(c) * work + self.share(c) * slid);
-                self.lost_by_sphere[sphere] += energy / bodies.weight[sphere];
-            }
-            return;
-        }
-        let kept = Kept { memory, work, slid, weight: self.weight(c), share: self.share(c) };
-        match self.near.get(c) {
-            Some(pair) => {
-                self.kept_pairs.insert(pair.key(), kept);
-            }
-            None => {
-                let face = &self.faces[c - self.near.len()];
-                self.kept_faces.insert((face.sphere, face.facing), kept);
-            }
-        }
-    }
-
-    fn bind<B: Binder<L>>(&mut self, rig: &Rig<D>, binder: &B) {
-        self.bond.clear();
-        self.reduced.clear();
-        let class = |i: u32| if B::BY_SIZE { self.class[i as usize] } else { self.ends[i as usize].material as u32 };
-        let mut last = None;
-        for c in 0..self.near.len() + self.faces.len() {
-            let (key, ends, counted) = match self.near.get(c) {
-                Some(pair) => (pair.ends.map(class), pair.ends.map(|i| self.ends[i as usize]), 1.0),
-                None => {
-                    let face = &self.faces[c - self.near.len()];
-                    let end = self.ends[face.sphere as usize];
-                    // Where a flat stands for an equal sphere the closing speed counts double, and the mass that is slowed half.
-                    let (mass, counted) = match face.facing {
-                        Facing::Flat(f) => (rig.flats[f as usize].mass, self.face_factor),
-                        Facing::Mirror(_) => (end.mass, 1.0),
-                    };
-                    // A face counts as a sphere like the one that it meets.
-                    ([class(face.sphere); 2], [end, End { mass, ..end }], counted)
-                }
-            };
-            self.reduced.push(reduced_mass(ends) / counted);
-            // Most contacts have the law of the one before.
-            let place = match last {
-                Some((known, place)) if known == key => place,
-                _ => {
-                    let next = self.bonds.len() as u32;
-                    let place = *self.known_bonds.entry(key).or_insert(next);
-                    if place == next {
-                        self.bonds.push(binder.bond(ends));
-                    }
-                    place
-                }
-            };
-            last = Some((key, place));
-            self.bond.push(place);
-        }
-    }
-
-    /// Which contacts each sphere has, for sums on several threads.
-    fn index(&mut self) {
-        self.by_sphere.clear();
-        self.first_of.clear();
-        self.reactions.clear();
-        self.flat_reactions.clear();
-        if self.near.len() < MANY || rayon::current_num_threads() == 1 {
-            return;
-        }
-        self.first_of.resize(self.class.len() + 1, 0);
-        for pair in &self.near {
-            for end in pair.ends {
-                self.first_of[end as usize + 1] += 1;
-            }
-        }
-        for i in 0..self.class.len() {
-            self.first_of[i + 1] += self.first_of[i];
-        }
-        let mut next = self.first_of.clone();
-        self.by_sphere.resize(2 * self.near.len(), 0);
-        for (c, pair) in self.near.iter().enumerate() {
-            for (side, end) in pair.ends.into_iter().enumerate() {
-                self.by_sphere[next[end as usize] as usize] = (2 * c + side) as u32;
-                next[end as usize] += 1;
-            }
         }
     }
 
@@ -407,21 +210,18 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// What the contacts have borne that went beyond an overlap ratio, the range of their law, or a stiffness over reduced
     /// mass (1/s²); and those that were dropped, whatever they bore.
     pub fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain> {
-        let mut strains = self.dropped.clone();
-        for c in 0..self.len() {
-            let [overlap, force] = self.greatest(c);
+        let bold = |c: &usize| {
+            let [overlap, force] = self.greatest(*c);
             if overlap == 0.0 {
-                continue;
+                return false;
             }
-            let law = self.normal_law(c);
-            if overlap > ratio * self.reach(c)
+            let law = self.normal_law(*c);
+            overlap > ratio * self.reach(*c)
                 || overlap > law.range()
-                || law.stiffness_max(force) > stiffness_over_mass * self.reduced[c]
-            {
-                strains.extend(self.strain(c));
-            }
-        }
-        strains
+                || law.stiffness_max(force) > stiffness_over_mass * self.reduced[*c]
+        };
+        let found = parts(self.len(), |range| range.filter(bold).filter_map(|c| self.strain(c)).collect::<Vec<_>>());
+        self.dropped.iter().copied().chain(found.into_iter().flatten()).collect()
     }
 
     /// Greatest overlap (m) and force (N) so far, where the law remembers them; else the present ones.
@@ -513,19 +313,4 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             [slip.stiffness_at(self.account.overlap[c]), dot(&stretch, &stretch)]
         })
     }
-}
-
-/// 1/2 for a pair that lies in a mirror, on which both its spheres lie.
-fn share_in_mirrors<const D: usize>(rig: &Rig<D>, pair: &Near<D>) -> f64 {
-    let mut share = 1.0;
-    for mirror in &rig.mirrors {
-        let on = |i: u32| {
-            let sphere = &rig.sample.spheres[i as usize];
-            mirror.carries(&sphere.centre, sphere.radius)
-        };
-        if pair.ends.into_iter().all(on) {
-            share *= 0.5;
-        }
-    }
-    share
 }

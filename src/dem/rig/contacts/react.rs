@@ -3,7 +3,7 @@
 //! Geometry and friction are written for any [`Real`]: one contact at a time, or in lanes (`lanes`).
 
 use crate::dem::rig::bodies::{cross, dot, spin_cross};
-use crate::dem::rig::law::{Bond, Bonding, End, Slip};
+use crate::dem::rig::law::{Bond, Bonding, Slip};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::turns::Turns;
 use crate::real::Real;
@@ -14,7 +14,8 @@ use super::account::Account;
 #[derive(Clone, Copy)]
 pub struct Trial<'a, const D: usize> {
     pub velocity: &'a [[f64; D]],
-    pub spin: &'a Turns<D>,
+    /// r ω of each sphere (m/s).
+    pub turn: &'a Turns<D>,
     pub flat_velocity: &'a [[f64; D]],
     /// (s)
     pub step: f64,
@@ -25,11 +26,6 @@ pub struct Trial<'a, const D: usize> {
 pub struct Reaction<const D: usize> {
     pub force: [f64; D],
     pub twist: [f64; 3],
-}
-
-impl<const D: usize> Reaction<D> {
-    /// That of an open contact.
-    pub const NONE: Self = Self { force: [0.0; D], twist: [0.0; 3] };
 }
 
 /// The state of two ends that overlap.
@@ -208,14 +204,13 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     near: &Near<D>,
     displacement: &[[f64; D]],
     trial: Trial<D>,
-    ends: &[End],
     (bond, reduced): (&Bond<L>, f64),
     memory: &mut L::Memory,
     stretch: &mut [f64; D],
     account: &mut Account,
     share: f64,
 ) -> Option<Reaction<D>> {
-    let Trial { velocity, spin, step, .. } = trial;
+    let Trial { velocity, turn, step, .. } = trial;
     let Near { ends: [a, b], offset, gap, reach, .. } = *near;
     let (a, b) = (a as usize, b as usize);
     let (from, to) = (&displacement[a], &displacement[b]);
@@ -235,15 +230,14 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     for k in 0..D {
         approach[k] = velocity[a][k] - velocity[b][k];
     }
-    let mut turn = [0.0; 3];
+    let mut turns = [0.0; 3];
     if TURNING {
-        let (ra, rb) = (ends[a].radius, ends[b].radius);
-        let (first, second) = (spin.get(a), spin.get(b));
+        let (first, second) = (turn.get(a), turn.get(b));
         for k in 0..3 {
-            turn[k] = ra * first[k] + rb * second[k];
+            turns[k] = first[k] + second[k];
         }
     }
-    let meeting = meet::<f64, D>((&between, excess), reach, &approach, &turn);
+    let meeting = meet::<f64, D>((&between, excess), reach, &approach, &turns);
     Some(react::<D, L, TURNING>(&meeting, (bond, reduced), memory, stretch, account, step, share))
 }
 

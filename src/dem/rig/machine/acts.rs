@@ -8,7 +8,7 @@ use crate::dem::rig::{Body, LoadKind, Rig};
 
 /// What loads do to a body during a step.
 pub struct Act<const D: usize> {
-    body: Body,
+    pub body: Body,
     /// Mean force (N).
     force: [f64; D],
     /// Displacement during the step and velocity at its end, where they are prescribed.

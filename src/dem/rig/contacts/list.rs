@@ -1,0 +1,214 @@
+//! How the list of contacts changes: who is near whom now, under which law, and what of the old list stays.
+
+use std::any::Any;
+
+use super::Contacts;
+use super::account::Account;
+use super::faces::{Facing, NearFace, near_faces};
+use super::lanes::Lines;
+use super::sections::Sections;
+use super::{FaceKey, Kept};
+use crate::dem::rig::Rig;
+use crate::dem::rig::bodies::Bodies;
+use crate::dem::rig::law::{Binder, Bonding, End, SpringDashpot, reduced_mass};
+use crate::dem::rig::pairs::{Finder, Near};
+use crate::dem::rig::share::{parts, rows};
+
+impl<const D: usize, L: Bonding> Contacts<D, L> {
+    /// Looks anew who is near whom; memories go with their contact.
+    pub fn renew(&mut self, rig: &Rig<D>, finder: &Finder<D>, bodies: &Bodies<D>, binder: &impl Binder<L>) {
+        let near = finder.find(rig, &bodies.displacement);
+        let faces = near_faces(rig, finder, bodies);
+        self.replace(rig, near, faces, bodies, binder);
+    }
+
+    /// Puts another list in the place of the present one; memories go with their contact.
+    pub fn replace(
+        &mut self,
+        rig: &Rig<D>,
+        near: Vec<Near<D>>,
+        faces: Vec<NearFace>,
+        bodies: &Bodies<D>,
+        binder: &impl Binder<L>,
+    ) {
+        let key = |face: &NearFace| -> FaceKey { (face.sphere, face.facing) };
+        let old_pairs = self.near.len();
+        let Heritage { mut from, mut gone } = Heritage::of(&self.near, &near, Near::key);
+        let of_faces = Heritage::of(&self.faces, &faces, key);
+        from.extend(of_faces.from.iter().map(|&f| if f == NEW { NEW } else { f + old_pairs as u32 }));
+        gone.extend(of_faces.gone.iter().map(|f| old_pairs + f));
+
+        let mut memory = inherited(&self.memory, &from);
+        let mut account = self.account.inherited(&from);
+        let stretch = self.stretch.each_ref().map(|axis| match self.turning {
+            true => inherited(axis, &from),
+            false => Vec::new(),
+        });
+        if !self.kept_pairs.is_empty() || !self.kept_faces.is_empty() {
+            for c in (0..from.len()).filter(|&c| from[c] == NEW) {
+                let kept = match near.get(c) {
+                    Some(pair) => self.kept_pairs.remove(&pair.key()),
+                    None => self.kept_faces.remove(&key(&faces[c - near.len()])),
+                };
+                if let Some(kept) = kept {
+                    memory[c] = kept.memory;
+                    account.put(c, Account { work: kept.work, slid: kept.slid, ..Account::default() });
+                }
+            }
+        }
+        for c in gone {
+            self.drop_contact(c, bodies);
+        }
+        self.near = near;
+        self.faces = faces;
+        (self.memory, self.account, self.stretch) = (memory, account, stretch);
+        self.bind(rig, binder);
+        self.share = match rig.mirrors.is_empty() {
+            true => Vec::new(),
+            false => self.near.iter().map(|pair| share_in_mirrors(rig, pair)).collect(),
+        };
+        if let Some(disks) = (self as &mut dyn Any).downcast_mut::<Contacts<2, SpringDashpot>>() {
+            disks.lines = Lines::of(&disks.near);
+        }
+        self.sections = Sections::of(&self.near, self.class.len());
+    }
+
+    /// Keeps what a contact remembers that is no longer near.
+    fn drop_contact(&mut self, c: usize, bodies: &Bodies<D>) {
+        let Account { work, slid, .. } = self.account.at(c);
+        let memory = self.memory[c];
+        if memory == L::Memory::default() && work == 0.0 && slid == 0.0 {
+            return;
+        }
+        self.dropped.extend(self.strain(c));
+        if L::NUMBERS == 0 {
+            self.lost[0] += self.weight(c) * work;
+            self.lost[1] += self.share(c) * slid;
+            for (sphere, part) in self.spheres(c) {
+                let energy = part * (self.weight(c) * work + self.share(c) * slid);
+                self.lost_by_sphere[sphere] += energy / bodies.weight[sphere];
+            }
+            return;
+        }
+        let kept = Kept { memory, work, slid, weight: self.weight(c), share: self.share(c) };
+        match self.near.get(c) {
+            Some(pair) => {
+                self.kept_pairs.insert(pair.key(), kept);
+            }
+            None => {
+                let face = &self.faces[c - self.near.len()];
+                self.kept_faces.insert((face.sphere, face.facing), kept);
+            }
+        }
+    }
+
+    fn bind<B: Binder<L>>(&mut self, rig: &Rig<D>, binder: &B) {
+        let count = self.near.len() + self.faces.len();
+        let (near, faces, ends, face_factor) = (&self.near, &self.faces, &self.ends, self.face_factor);
+        let met = |c: usize| match near.get(c) {
+            Some(pair) => (pair.ends.map(|i| ends[i as usize]), 1.0),
+            None => {
+                let face = &faces[c - near.len()];
+                let end = ends[face.sphere as usize];
+                // Where a flat stands for an equal sphere the closing speed counts double, and the mass that is slowed half.
+                let (mass, counted) = match face.facing {
+                    Facing::Flat(f) => (rig.flats[f as usize].mass, face_factor),
+                    Facing::Mirror(_) => (end.mass, 1.0),
+                };
+                ([end, End { mass, ..end }], counted)
+            }
+        };
+        self.reduced = rows(count, |c| {
+            let (ends, counted) = met(c);
+            reduced_mass(ends) / counted
+        });
+        let class = |i: u32| if B::BY_SIZE { self.class[i as usize] } else { ends[i as usize].material as u32 };
+        let mut last = None;
+        self.bond.clear();
+        for c in 0..count {
+            // A face counts as a sphere like the one that it meets.
+            let key = near.get(c).map_or_else(|| [faces[c - near.len()].sphere; 2], |pair| pair.ends).map(class);
+            // Most contacts have the law of the one before.
+            let place = match last {
+                Some((known, place)) if known == key => place,
+                _ => {
+                    let next = self.bonds.len() as u32;
+                    let place = *self.known_bonds.entry(key).or_insert(next);
+                    if place == next {
+                        self.bonds.push(binder.bond(met(c).0));
+                    }
+                    place
+                }
+            };
+            last = Some((key, place));
+            self.bond.push(place);
+        }
+    }
+}
+
+/// Where the entries of a new list stood in the old one, and what of the old one is gone.
+struct Heritage {
+    /// Places in the old list, or [`NEW`].
+    from: Vec<u32>,
+    gone: Vec<usize>,
+}
+
+/// No place in an old list.
+const NEW: u32 = u32::MAX;
+
+impl Heritage {
+    /// Of lists in order of their keys, which are walked through side by side.
+    fn of<T: Sync, K: Ord>(old: &[T], new: &[T], key: impl Fn(&T) -> K + Sync + Send) -> Self {
+        // Each part of the new list has that of the old one up to where the next begins.
+        let begin = |n: usize| match n {
+            0 => 0,
+            n if n == new.len() => old.len(),
+            n => old.partition_point(|entry| key(entry) < key(&new[n])),
+        };
+        let walks = parts(new.len(), |range| {
+            let mut walk = Self { from: Vec::with_capacity(range.len()), gone: Vec::new() };
+            let (mut c, end) = (begin(range.start), if range.end == new.len() { old.len() } else { begin(range.end) });
+            for entry in &new[range] {
+                let entry = key(entry);
+                while c < end && key(&old[c]) < entry {
+                    walk.gone.push(c);
+                    c += 1;
+                }
+                if c < end && key(&old[c]) == entry {
+                    walk.from.push(c as u32);
+                    c += 1;
+                } else {
+                    walk.from.push(NEW);
+                }
+            }
+            walk.gone.extend(c..end);
+            walk
+        });
+        let mut all = Self { from: Vec::with_capacity(new.len()), gone: Vec::new() };
+        for walk in walks {
+            all.from.extend(walk.from);
+            all.gone.extend(walk.gone);
+        }
+        all
+    }
+}
+
+/// The rows that stood in these places; of new ones nothing.
+pub fn inherited<T: Copy + Default + Send + Sync>(old: &[T], from: &[u32]) -> Vec<T> {
+    rows(from.len(), |c| old.get(from[c] as usize).copied().unwrap_or_default())
+}
+
+/// 1/2 for a pair that lies in a mirror, on which both its spheres lie.
+fn share_in_mirrors<const D: usize>(rig: &Rig<D>, pair: &Near<D>) -> f64 {
+    let mut share = 1.0;
+    for mirror in &rig.mirrors {
+        let on = |i: u32| {
+            let sphere = &rig.sample.spheres[i as usize];
+            mirror.carries(&sphere.centre, sphere.radius)
+        };
+        if pair.ends.into_iter().all(on) {
+            share *= 0.5;
+        }
+    }
+    share
+}

@@ -1,0 +1,100 @@
+use super::sections::Sections;
+use super::{Contacts, Sums, Trial};
+use crate::dem::rig::bodies::Bodies;
+use crate::dem::rig::law::{ByDashpot, SpringDashpot};
+use crate::dem::rig::pairs::Finder;
+use crate::dem::rig::{Friction, LawBook, Rig, Spring};
+use crate::real::Width;
+use crate::sample::{Sample, Sphere};
+
+/// What a few sweeps over jostling disks of two materials come to, in so many sections: all forces and torques, and what contacts
+/// remember; one contact at a time where there is no width.
+fn jostled(width: Option<Width>, grip: [Spring; 2], sections: usize) -> [Vec<f64>; 2] {
+    let mut state = 7_u64;
+    let mut draw = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let spheres: Vec<Sphere<2>> = (0..400)
+        .map(|i| Sphere {
+            centre: [f64::from(i % 20) + 0.1 * draw(), f64::from(i / 20) + 0.1 * draw()],
+            radius: 0.45 + 0.1 * draw(),
+            material: usize::from(i % 20 == 3),
+        })
+        .collect();
+    let friction = |spring| Some(Friction { coefficient: 0.3, spring, damping: 0.7 });
+    let materials = vec![(1.4, friction(grip[0])), (4.6, friction(grip[1]))];
+    let binder = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut: false };
+    let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut: false };
+    let material = crate::material::find("440c", &[]).unwrap();
+    let mut rig = Rig::new(Sample { materials: vec![material; 2], spheres }, laws);
+    rig.periods = [Some(20.0), None];
+    let (finder, mut bodies) = (Finder::new(&rig), Bodies::new(&rig));
+    let mut contacts = Contacts::<2, SpringDashpot>::new(&rig, 1.0);
+    contacts.renew(&rig, &finder, &bodies, &binder);
+    contacts.sections = Sections::so_many(&contacts.near, 400, sections);
+    contacts.width = width.unwrap_or(Width::Scalar);
+    if width.is_none() {
+        // With shares, even of one, contacts are taken one at a time.
+        contacts.share = vec![1.0; contacts.near.len()];
+    }
+    let mut sums = Sums::new(400, 0);
+    let mut felt = Vec::new();
+    for _ in 0..10 {
+        for i in 0..400 {
+            bodies.velocity[i] = [draw() - 0.5, draw() - 0.5];
+            bodies.spin.set(i, &[0.0, 0.0, draw() - 0.5]);
+            for k in 0..2 {
+                bodies.displacement[i][k] += 0.1 * bodies.velocity[i][k];
+            }
+        }
+        let trial = Trial {
+            velocity: &bodies.velocity.clone(),
+            turn: &bodies.spin.times(&contacts.lever),
+            flat_velocity: &[],
+            step: 0.1,
+        };
+        contacts.sweep(&rig, &bodies, trial, &mut sums);
+        felt.extend(sums.force.iter().flatten().chain(sums.torque.numbers()));
+    }
+    let closed = contacts.account.overlap.iter().filter(|&&overlap| overlap > 0.0).count();
+    assert!(closed > 100 && closed < contacts.len() - 100, "{closed} of {}", contacts.len());
+    let accounts = (0..contacts.len()).flat_map(|c| contacts.account.at(c).numbers());
+    [felt, accounts.chain((0..contacts.len()).map(|c| contacts.wound(c))).collect()]
+}
+
+fn bits(numbers: &[f64]) -> Vec<u64> {
+    numbers.iter().map(|number| number.to_bits()).collect()
+}
+
+const GRIPS: [[Spring; 2]; 3] = [[Spring::None; 2], [Spring::Constant(3.9); 2], [Spring::Constant(3.9), Spring::None]];
+
+/// Contacts side by side do what they do one at a time, to the bit: with springs, without, and with both kinds together.
+#[test]
+fn every_width_gives_the_same_forces() {
+    for grip in GRIPS {
+        let one_at_a_time = jostled(None, grip, 1).map(|numbers| bits(&numbers));
+        for width in Width::available() {
+            assert!(jostled(Some(width), grip, 1).map(|numbers| bits(&numbers)) == one_at_a_time, "{width:?} {grip:?}");
+        }
+    }
+}
+
+/// In sections contacts do the same, and forces are the same sums in another order: of some eight terms, each rounded to a part of
+/// the greatest force.
+#[test]
+fn sections_give_the_same_sums() {
+    for (grip, width) in GRIPS.into_iter().zip([None, Some(Width::widest()), None]) {
+        let [felt, remembered] = jostled(width, grip, 1);
+        for sections in [2, 3, 8, 600] {
+            let [felt_in_sections, remembered_in_sections] = jostled(width, grip, sections);
+            assert!(bits(&remembered) == bits(&remembered_in_sections), "{sections}");
+            let apart = felt.iter().zip(&felt_in_sections).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let greatest = felt.iter().fold(0.0_f64, |greatest, force| greatest.max(force.abs()));
+            assert!(
+                apart < 8.0 * f64::EPSILON * greatest && felt.len() == felt_in_sections.len(),
+                "{sections}: {apart:e}"
+            );
+        }
+    }
+}
