@@ -151,6 +151,26 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// The crystal that a wave-speed bound is asked of.
+#[derive(Args)]
+struct Crystal {
+    /// 1 chain, 2 hexagonal sheet, 3 close packing
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3))]
+    dimension: u8,
+    /// Sphere diameter: stiffness and forces are meant at it; the speed does not depend on it
+    #[arg(long, default_value = "6.35 mm", allow_hyphen_values = true, value_parser = length)]
+    diameter: f64,
+    /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
+    #[arg(long, default_value_t = granulens::contact::Constants::Code)]
+    constants: granulens::contact::Constants,
+}
+
+impl Crystal {
+    fn dimension(&self) -> granulens::wave::Dimension {
+        granulens::wave::Dimension::from_number(self.dimension).expect("the parser lets pass 1 to 3")
+    }
+}
+
 /// How the motion is followed, where it differs from the design file.
 #[derive(Args)]
 struct Motion {

@@ -1,14 +1,14 @@
 //! `granulens speed`: the closed-form bound of the wave speed.
 
-use granulens::contact::{Constants, Pair};
+use granulens::contact::Pair;
 use granulens::material::find;
-use granulens::wave::{Dimension, REACHED_ERROR, bound, speed_reached};
+use granulens::wave::{REACHED_ERROR, bound, speed_reached};
 use serde_json::json;
 
 use super::console::{emit, emit_json};
 use super::failure::Failure;
 use super::folder::write_json;
-use super::{Common, length};
+use super::{Common, Crystal};
 
 /// The closed-form bound of the wave speed (Burgoyne 2016, eqs 4.7 and 5.3)
 ///
@@ -18,15 +18,8 @@ pub struct Speed {
     /// Material; give two for a dimer with mixed contacts
     #[arg(long = "material", value_name = "NAME", required = true)]
     materials: Vec<String>,
-    /// 1 chain, 2 hexagonal sheet, 3 close packing
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3))]
-    dimension: u8,
-    /// Sphere diameter; the speed does not depend on it
-    #[arg(long, default_value = "6.35 mm", allow_hyphen_values = true, value_parser = length)]
-    diameter: f64,
-    /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
-    #[arg(long, default_value_t = Constants::Code)]
-    constants: Constants,
+    #[command(flatten)]
+    crystal: Crystal,
     /// Contact force in F_p, from 0.35: the speed to be expected there, beside the bound
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     amplitude: Option<f64>,
@@ -45,12 +38,8 @@ impl Speed {
                 ));
             }
         };
-        let dimension = match self.dimension {
-            1 => Dimension::One,
-            2 => Dimension::Two,
-            _ => Dimension::Three,
-        };
-        let contact = Pair::new(pair, [0.5 * self.diameter; 2], self.constants);
+        let Crystal { dimension, diameter, constants } = self.crystal;
+        let contact = Pair::new(pair, [0.5 * diameter; 2], constants);
         let density = 0.5 * (pair[0].density + pair[1].density);
         let reached = match self.amplitude {
             Some(amplitude) => Some((
@@ -64,14 +53,14 @@ impl Speed {
             )),
             None => None,
         };
-        let bound = bound(dimension, pair, self.diameter, self.constants);
+        let bound = bound(self.crystal.dimension(), pair, diameter, constants);
         let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
         let numbers = json!({
             "format": granulens::outcome::FORMAT,
             "materials": names,
-            "dimension": self.dimension,
-            "diameter_m": self.diameter,
-            "constants": self.constants.name(),
+            "dimension": dimension,
+            "diameter_m": diameter,
+            "constants": constants.name(),
             "speed_m_s": bound.speed,
             "stiffness_N_m": bound.stiffness,
             "fully_plastic_force_N": bound.plastic_force,
@@ -87,10 +76,10 @@ impl Speed {
                  (constants {})",
                 names.join(" + "),
                 bound.speed,
-                self.dimension,
+                dimension,
                 bound.stiffness,
                 bound.plastic_force,
-                self.constants
+                constants
             ));
             if let Some((amplitude, part)) = reached {
                 emit(&format!(

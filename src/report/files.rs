@@ -133,19 +133,29 @@ const COLUMNS: [(&str, Pick); 14] = [
     ("exit_force_N", |s| Some(s.exit_force)),
 ];
 
-/// The scores as CSV, one line per arrangement; a ratio without a denominator is an empty cell.
+/// The scores as CSV, one line per arrangement; a ratio without a denominator is an empty cell. With several foci a column each follows for
+/// F at it, and one for how evenly they are served.
 ///
 /// # Errors
 /// [`ReportError::Csv`].
 pub fn numbers_csv(outcome: &Outcome) -> Result<String, ReportError> {
     let fail = |error: &dyn std::fmt::Display| ReportError::Csv(error.to_string());
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let head = ["name", "kind", "seed", "spheres"].into_iter().chain(COLUMNS.map(|c| c.0));
-    writer.write_record(head).map_err(|e| fail(&e))?;
+    let foci = outcome.arrangements.iter().map(|a| a.scores.foci.len()).max().unwrap_or(0);
+    let mut head: Vec<String> =
+        ["name", "kind", "seed", "spheres"].into_iter().chain(COLUMNS.map(|c| c.0)).map(str::to_owned).collect();
+    head.extend((1..=foci).map(|k| format!("focus_{k}_mean_J")));
+    if foci > 0 {
+        head.push("balance".to_owned());
+    }
+    writer.write_record(&head).map_err(|e| fail(&e))?;
     for arrangement in &outcome.arrangements {
         let seed = arrangement.seed.map_or(String::new(), |seed| seed.to_string());
         let mut cells = vec![arrangement.name.clone(), arrangement.kind.clone(), seed, arrangement.spheres.to_string()];
-        let values = COLUMNS.iter().map(|(_, of)| of(&arrangement.scores).filter(|v| v.is_finite()));
+        let scores = &arrangement.scores;
+        let by_focus = (0..foci).map(|k| scores.foci.get(k).copied()).chain((foci > 0).then_some(scores.balance));
+        let values =
+            COLUMNS.iter().map(|(_, of)| of(scores)).chain(by_focus).map(|value| value.filter(|v| v.is_finite()));
         cells.extend(values.map(|value| value.map_or(String::new(), |v| v.to_string())));
         writer.write_record(&cells).map_err(|e| fail(&e))?;
     }

@@ -261,6 +261,9 @@ fn several_foci_are_all_reported() {
     let page = &files["report.html"];
     assert!(page.contains("F of focus 1 [J] (wanted 25.0 %)") && page.contains("F of focus 2 [J] (wanted 75.0 %)"));
     assert!(page.contains("<td>3.00 (75.0 %)</td><td>1.00 (25.0 %)</td><td>0.11</td>"));
+    let mut table = files["numbers.csv"].lines();
+    assert!(table.next().unwrap().ends_with(",exit_force_N,focus_1_mean_J,focus_2_mean_J,balance"));
+    assert!(table.all(|line| line.ends_with(&format!(",3,1,{}", 1.0 / 9.0))));
     let profiles = &files["profiles.svg"];
     for heading in ["row 32, in focal region 1", "row 21, in focal region 2"] {
         assert!(profiles.contains(heading), "{heading}");

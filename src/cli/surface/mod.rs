@@ -6,17 +6,16 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
-use granulens::contact::Constants;
 use granulens::design::Design;
 use granulens::material::{Material, MaterialError, find, library};
 use granulens::report;
 use granulens::units::Dimension as Unit;
-use granulens::wave::{self, Axis, Dimension, Kind, Medium, Point, Setting, Surface as Grid, Value};
+use granulens::wave::{self, Axis, Kind, Medium, Point, Setting, Surface as Grid, Value};
 
 use super::console::{emit_json, note};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
-use super::{Common, length};
+use super::{Common, Crystal};
 use tables::{grid_json, list};
 
 const AXES: [&str; 7] = ["stiffness", "density", "yield-stress", "modulus", "radius", "amplitude", "dimension"];
@@ -70,15 +69,8 @@ pub struct Surface {
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["ratios", "find_speed", "find_ratio"])]
     amplitude: Option<f64>,
-    /// 1 chain, 2 hexagonal sheet, 3 close packing
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3))]
-    dimension: u8,
-    /// Sphere diameter: stiffness and forces are meant at it; the speed does not depend on it
-    #[arg(long, default_value = "6.35 mm", allow_hyphen_values = true, value_parser = length)]
-    diameter: f64,
-    /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
-    #[arg(long, default_value_t = Constants::Code)]
-    constants: Constants,
+    #[command(flatten)]
+    crystal: Crystal,
     /// Coated spheres, such as al:5:wc: aluminium on tungsten carbide, five times the density of aluminium; "wc" in place of
     /// the 5 is the limit of a thin shell
     #[arg(long, value_name = "SHELL:FACTOR:CORE")]
@@ -294,10 +286,10 @@ impl Surface {
             against: Some(Medium::uniform(&find(against, &shelf.own)?)),
             material,
             stiffness,
-            dimension: Dimension::from_number(self.dimension).unwrap_or(Dimension::One),
+            dimension: self.crystal.dimension(),
             amplitude: self.amplitude,
-            diameter: self.diameter,
-            constants: self.constants,
+            diameter: self.crystal.diameter,
+            constants: self.crystal.constants,
         })
     }
 
