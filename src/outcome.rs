@@ -11,6 +11,7 @@ pub use traced::{Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay
 
 use crate::dem::Stop;
 use crate::lattice::Site;
+use crate::lens::Prescription;
 pub use crate::score::Scores;
 use crate::target::Target;
 
@@ -105,23 +106,9 @@ pub struct Proposal {
     pub validity: String,
     /// Family of the lens.
     pub family: String,
-    /// First row of the lens.
-    pub apex_row: u32,
-    /// Last row of the lens.
-    pub back_row: u32,
-    /// Radius of the curved face (m); of aspheric lenses the distance at which they gather, of graded slabs the focal length
-    /// aimed at; none of prisms.
-    #[serde(rename = "radius_m")]
-    pub radius: Option<f64>,
-    /// Distance of the lens's own axis from that of the crystal (m).
-    #[serde(rename = "axis_m")]
-    pub axis: f64,
-    /// Greatest angle of the curved face against the rows (rad).
-    #[serde(rename = "rim_angle_rad")]
-    pub rim_angle: f64,
-    /// Half aperture (m)
-    #[serde(rename = "aperture_m")]
-    pub aperture: f64,
+    /// Where the lens lies and how it is shaped.
+    #[serde(flatten)]
+    pub prescription: Prescription,
     /// Number of spheres in the simulated half that are not of the host.
     pub spheres: usize,
     /// Fraction of the struck width that rays send through the focal region at its mid depth.
@@ -133,12 +120,6 @@ pub struct Proposal {
     pub crossing: [Option<f64>; 2],
     /// Fraction of the struck width whose rays pass the protected region, with the lens and without.
     pub protected: [f64; 2],
-    /// Focal length (m) of rays close to the lens's axis, negative if they spread; none if they stay parallel.
-    #[serde(rename = "focal_length_m")]
-    pub focal_length: Option<f64>,
-    /// Greatest extent of the lens along the wave (m).
-    #[serde(rename = "thickness_m")]
-    pub thickness: f64,
     /// Number of spheres of each material in the whole piece: host, lens, then others.
     pub counts: Vec<usize>,
     /// Mass of everything but the host in the whole piece (kg).
@@ -180,28 +161,9 @@ pub struct PartProposal {
     /// The strip of the struck width that it takes (m).
     #[serde(rename = "window_m")]
     pub window: [f64; 2],
-    /// First row.
-    pub apex_row: u32,
-    /// Last row.
-    pub back_row: u32,
-    /// Radius of its curved face (m), or what the family has in its place.
-    #[serde(rename = "radius_m")]
-    pub radius: Option<f64>,
-    /// Where its own axis lies (m).
-    #[serde(rename = "axis_m")]
-    pub axis: f64,
-    /// Greatest angle of a face against the rows (rad).
-    #[serde(rename = "rim_angle_rad")]
-    pub rim_angle: f64,
-    /// How much of its strip it covers (m).
-    #[serde(rename = "aperture_m")]
-    pub aperture: f64,
-    /// Greatest extent along the wave (m).
-    #[serde(rename = "thickness_m")]
-    pub thickness: f64,
-    /// Focal length (m) of rays close to its axis, where that lies in its strip.
-    #[serde(rename = "focal_length_m")]
-    pub focal_length: Option<f64>,
+    /// Where it lies and how it is shaped.
+    #[serde(flatten)]
+    pub prescription: Prescription,
     /// Fraction of its strip's rays that come to its focus, and the same without a lens.
     pub fraction: [f64; 2],
 }

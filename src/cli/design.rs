@@ -67,14 +67,14 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         several => format!("one of the {} foci", several.len()),
     };
     let of = |material: &Material| format!("{}: {}", material.name, validity(design, material).words());
-    let radius = match (lens.family.radius(), lens.radius) {
+    let radius = match (lens.family.radius(), lens.prescription.radius) {
         (Some(name), Some(radius)) => format!(", {name} {} ({})", in_diameters(radius), Length.show(radius)),
         _ => String::new(),
     };
     let names = lens.palette.iter().zip(&lens.first_order.counts).skip(1);
     let counts: Vec<String> = names.map(|(material, count)| format!("{count} {}", material.name)).collect();
     let first = &lens.first_order;
-    let focal = first.focal_length.map_or("none".to_owned(), in_diameters);
+    let focal = lens.prescription.focal_length.map_or("none".to_owned(), in_diameters);
     let arrival = first.arrival.map_or("never".to_owned(), |[a, b]| format!("{} to {}", Time.show(a), Time.show(b)));
     // Of several parts there is no innermost ray, nor one focal length.
     let crossings = match lens.foci.len() {
@@ -82,7 +82,7 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         _ => String::new(),
     };
     let whole = match lens.foci.len() {
-        1 => format!(", axis at {}, focal length {focal}", in_diameters(lens.axis)),
+        1 => format!(", axis at {}, focal length {focal}", in_diameters(lens.prescription.axis)),
         _ => format!(", {} parts", lens.parts.len()),
     };
     let mut words = format!(
@@ -100,15 +100,15 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         Force.show(design.impact.force),
         Force.show(granulens::wave::contact_force(design.impact.force)),
         lens.palette.iter().map(of).collect::<Vec<_>>().join("; "),
-        lens.apex_row,
-        lens.back_row,
+        lens.prescription.apex_row,
+        lens.prescription.back_row,
         lens.family.name(),
-        lens.rim_angle.to_degrees(),
-        in_diameters(lens.aperture),
+        lens.prescription.rim_angle.to_degrees(),
+        in_diameters(lens.prescription.aperture),
         lens.spheres,
         counts.join(", "),
         Mass.show(first.mass),
-        in_diameters(first.thickness),
+        in_diameters(lens.prescription.thickness),
         percent(lens.fraction),
         percent(lens.fraction_without),
         percent(lens.protected[0]),
@@ -137,21 +137,22 @@ fn words_of_parts(design: &Design, lens: &Lens) -> String {
     let mut words = String::new();
     for part in &lens.parts {
         let foci: Vec<String> = part.foci.iter().map(|focus| (focus + 1).to_string()).collect();
-        let radius = match (lens.family.radius(), part.radius) {
+        let radius = match (lens.family.radius(), part.prescription.radius) {
             (Some(name), Some(radius)) => format!(", {name} {}", in_diameters(radius)),
             _ => String::new(),
         };
-        let focal = part.focal_length.map_or(String::new(), |f| format!(", focal length {}", in_diameters(f)));
+        let focal =
+            part.prescription.focal_length.map_or(String::new(), |f| format!(", focal length {}", in_diameters(f)));
         words.push_str(&format!(
             "\npart for focus {}: x {} to {}, rows {} to {}{radius}, axis at {}{focal}, steepest {:.1} deg; {} of its strip's \
              rays come to it, {} without",
             foci.join(" and "),
             in_diameters(part.window[0]),
             in_diameters(part.window[1]),
-            part.apex_row,
-            part.back_row,
-            in_diameters(part.axis),
-            part.rim_angle.to_degrees(),
+            part.prescription.apex_row,
+            part.prescription.back_row,
+            in_diameters(part.prescription.axis),
+            part.prescription.rim_angle.to_degrees(),
             percent(part.fraction),
             percent(part.fraction_without),
         ));

@@ -45,7 +45,7 @@ pub fn trace_lens(
     }
     // Several foci have each their own.
     let spots = match &traced.foci[..] {
-        [focus] => [focus.rays.spot, least_spot(&fine, [behind, end], edge(lens, lens.axis)).map(told)],
+        [focus] => [focus.rays.spot, least_spot(&fine, [behind, end], edge(lens, lens.prescription.axis)).map(told)],
         _ => [None, None],
     };
     Traced {
@@ -72,7 +72,8 @@ pub(super) fn spot_diagrams(design: &Design, lens: &Lens) -> Vec<SpotDiagram> {
 fn spot_diagram(design: &Design, lens: &Lens, rays: &[Trace], k: usize) -> SpotDiagram {
     let (lattice, region) = (&lens.lattice, &design.target.foci[k].region);
     let part = lens.parts.iter().find(|part| part.foci.contains(&k));
-    let (strip, axis) = part.map_or(([0.0, lattice.half_width()], lens.axis), |part| (part.window, part.axis));
+    let (strip, axis) = part
+        .map_or(([0.0, lattice.half_width()], lens.prescription.axis), |part| (part.window, part.prescription.axis));
     let depth = lattice.depth(region.mid_row());
     // A ray on the line between two strips belongs to neither.
     let slack = 1e-9 * lattice.half_width();

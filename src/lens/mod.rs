@@ -9,7 +9,7 @@
 //! - `parts`: one lens for several foci, cut into strips
 //! - `fraction`: how much of the struck width rays send through a region
 //! - `problem`: what is sought, within which limits; `solve`: the search for the form that sends most
-//! - `proposed`: the lens that was found, and its first-order data
+//! - `proposed`: the lens that was found; `first_order`: what to know of it before anything is simulated
 //! - `symmetry`: a sheet's lens or a body of revolution: what is struck, areas and volumes; `body`: the latter, proposed without sites
 //! - `unreachable`: why no lens serves a target, and which target near it could be served
 //! - `check`: whether a request makes sense
@@ -18,6 +18,7 @@ mod body;
 mod check;
 mod equal_time;
 mod family;
+mod first_order;
 mod form;
 mod fraction;
 mod graded;
@@ -34,11 +35,12 @@ pub use body::{Body, propose_body};
 pub use check::LensError;
 pub use equal_time::EqualTime;
 pub use family::Family;
+pub use first_order::{FirstOrder, Prescription};
 pub use form::{Element, Face, Form};
 pub use graded::Profile;
 pub use parts::{FocusRays, Part};
 pub use plano_convex::Shape;
-pub use proposed::{FirstOrder, Lens};
+pub use proposed::Lens;
 pub use raster::Raster;
 pub use symmetry::Symmetry;
 pub use unreachable::{Limit, Nearest, Unreachable};

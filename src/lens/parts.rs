@@ -1,5 +1,6 @@
 //! One lens for several foci: the struck width is cut into strips, one for each focus, and each strip takes a part of its own.
 
+use super::first_order::Prescription;
 use super::problem::aim;
 use crate::lattice::HexagonalSheet;
 use crate::target::Focus;
@@ -20,22 +21,8 @@ pub struct Part {
     pub foci: Vec<usize>,
     /// The strip of the struck width that it takes (m).
     pub window: [f64; 2],
-    /// First row.
-    pub apex_row: u32,
-    /// Last row.
-    pub back_row: u32,
-    /// Radius of its curved face (m), or what the family has in its place; none of prisms.
-    pub radius: Option<f64>,
-    /// Where its own axis lies (m); it may be outside the strip.
-    pub axis: f64,
-    /// Greatest angle of a face against the rows (rad).
-    pub rim_angle: f64,
-    /// How much of its strip it covers (m).
-    pub aperture: f64,
-    /// Greatest extent along the wave (m).
-    pub thickness: f64,
-    /// Focal length (m) of rays close to its axis, where that lies in the strip; none if they stay parallel.
-    pub focal_length: Option<f64>,
+    /// Where it lies and how it is shaped.
+    pub prescription: Prescription,
     /// Fraction of its own strip's rays that come to its focus.
     pub fraction: f64,
     /// The same without a lens.

@@ -1,7 +1,8 @@
 //! The lens that was found: its data of first order, its sites, its rays.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
+use super::first_order::{FirstOrder, Prescription};
 use super::form::{Form, Surrounds};
 use super::fraction::{Fan, passing, passing_of, without};
 use super::graded::fractions;
@@ -32,19 +33,8 @@ pub struct Lens {
     pub family: Family,
     /// Its shape.
     pub form: Form,
-    /// First row.
-    pub apex_row: u32,
-    /// Last row.
-    pub back_row: u32,
-    /// Radius of the curved face (m); of aspheric lenses the distance at which they gather, of graded slabs the focal length
-    /// aimed at; none of prisms, and where several parts have each their own.
-    pub radius: Option<f64>,
-    /// Distance of its own axis from that of the crystal (m), of several parts that of the first.
-    pub axis: f64,
-    /// Greatest angle of a curved face against the rows (rad).
-    pub rim_angle: f64,
-    /// Half aperture (m): how far it reaches from its axis.
-    pub aperture: f64,
+    /// Where it lies and how it is shaped.
+    pub prescription: Prescription,
     /// Wave-speed bound of the host (m/s).
     pub host_speed: f64,
     /// Wave-speed bound of the lens material (m/s).
@@ -75,34 +65,6 @@ pub struct Lens {
     speeds: Vec<f64>,
 }
 
-/// What is known of a lens from its shape and its rays.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FirstOrder {
-    /// Focal length (m) of rays close to its own axis: their distance from it over their slope behind the lens; negative if they
-    /// spread. None if they stay parallel, and where several parts have each their own.
-    pub focal_length: Option<f64>,
-    /// Greatest extent along the wave (m).
-    pub thickness: f64,
-    /// Number of spheres of each material of the palette in the whole piece, both halves.
-    pub counts: Vec<usize>,
-    /// Mass of everything but the host in the whole piece (kg).
-    pub mass: f64,
-    /// Earliest and latest time (s) at which rays come to the middle row of a focal region within it.
-    pub arrival: Option<[f64; 2]>,
-    /// How many times more rays pass the focal region than without a lens, less what faces reflect: the fraction's gain times
-    /// 4 Z Z′/(Z + Z′)² for each of two faces, Z = ρ V. It knows nothing of decay, which in metals outweighs it.
-    pub gain: Option<f64>,
-}
-
-impl FirstOrder {
-    /// What the spheres of the whole piece cost, host included, at `prices` of one sphere by the name of its material; none where the
-    /// price of a material that occurs is missing.
-    pub fn cost(&self, palette: &[Material], prices: &BTreeMap<String, f64>) -> Option<f64> {
-        let used = palette.iter().zip(&self.counts).filter(|(_, count)| **count > 0);
-        used.map(|(material, &count)| Some(count as f64 * prices.get(&material.name)?)).sum()
-    }
-}
-
 /// A part that was found: where it was sought, and what it is.
 pub(super) struct Found<'a> {
     pub problem: Problem<'a>,
@@ -129,14 +91,16 @@ impl Found<'_> {
         Part {
             foci: foci.clone(),
             window: problem.window,
-            apex_row: shape.apex_row,
-            back_row: shape.back_row,
-            radius: problem.family.radius().map(|_| shape.radius),
-            axis: problem.axis,
-            rim_angle: form.steepest(),
-            aperture: form.covered(problem.window),
-            thickness,
-            focal_length: if aimed { focal_length(optics, problem.axis) } else { None },
+            prescription: Prescription {
+                apex_row: shape.apex_row,
+                back_row: shape.back_row,
+                radius: problem.family.radius().map(|_| shape.radius),
+                axis: problem.axis,
+                rim_angle: form.steepest(),
+                aperture: form.covered(problem.window),
+                thickness,
+                focal_length: if aimed { focal_length(optics, problem.axis) } else { None },
+            },
             fraction: passing_of(
                 own,
                 &[(problem.depth, problem.region)],
@@ -203,8 +167,6 @@ impl Lens {
             .collect();
         let arrivals = foci.iter().filter_map(|focus| focus.arrival);
         let first_order = FirstOrder {
-            focal_length: if family == Family::Prism || !one { None } else { focal_length(&*optics, problem.axis) },
-            thickness,
             counts: counts(lattice, &palette, &materials),
             mass: 0.0,
             arrival: arrivals.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]),
@@ -235,15 +197,20 @@ impl Lens {
             true => warnings.extend(beside(problem.axis, aperture, half_width)),
             false => warnings.extend(doubts(found, &parts, half_width)),
         }
+        let rows = parts.iter().map(|part: &Part| &part.prescription);
         Self {
             lattice: *lattice,
             family,
-            apex_row: parts.iter().map(|part| part.apex_row).min().unwrap_or(shape.apex_row),
-            back_row: parts.iter().map(|part| part.back_row).max().unwrap_or(shape.back_row),
-            radius: family.radius().filter(|_| one).map(|_| shape.radius),
-            axis: problem.axis,
-            rim_angle: if by_fan { shape.rim_angle(lattice) } else { form.steepest() },
-            aperture,
+            prescription: Prescription {
+                apex_row: rows.clone().map(|of| of.apex_row).min().unwrap_or(shape.apex_row),
+                back_row: rows.map(|of| of.back_row).max().unwrap_or(shape.back_row),
+                radius: family.radius().filter(|_| one).map(|_| shape.radius),
+                axis: problem.axis,
+                rim_angle: if by_fan { shape.rim_angle(lattice) } else { form.steepest() },
+                aperture,
+                thickness,
+                focal_length: if family == Family::Prism || !one { None } else { focal_length(&*optics, problem.axis) },
+            },
             host_speed: problem.speeds[0],
             lens_speed: problem.speeds[1],
             spheres: materials.iter().filter(|&&m| m != 0).count(),
@@ -264,7 +231,8 @@ impl Lens {
 
     /// First row, last row and radius (of families without one, 1 m).
     pub fn shape(&self) -> Shape {
-        Shape { apex_row: self.apex_row, back_row: self.back_row, radius: self.radius.unwrap_or(1.0) }
+        let Prescription { apex_row, back_row, radius, .. } = self.prescription;
+        Shape { apex_row, back_row, radius: radius.unwrap_or(1.0) }
     }
 
     /// The lens laid on the lattice: index 0 of the palette is the host, 1 the lens material.
@@ -277,7 +245,8 @@ impl Lens {
     pub fn rows(&self) -> [u32; 2] {
         let held: Vec<u32> =
             self.lattice.sites().iter().zip(&self.materials).filter(|(_, m)| **m != 0).map(|(s, _)| s.row).collect();
-        [held.first().copied().unwrap_or(self.apex_row), held.last().copied().unwrap_or(self.back_row)]
+        let Prescription { apex_row, back_row, .. } = self.prescription;
+        [held.first().copied().unwrap_or(apex_row), held.last().copied().unwrap_or(back_row)]
     }
 
     /// What rays run through.
@@ -434,11 +403,11 @@ fn doubts(found: &[Found], parts: &[Part], half_width: f64) -> Vec<String> {
     let of = |(found, part): (&Found, &Part)| -> Vec<String> {
         let name = format!("the part for focus {}", found.foci[0] + 1);
         let width = part.window[1] - part.window[0];
-        let beside = (part.aperture < 0.999 * width).then(|| {
-            let percent = 100.0 * (width - part.aperture) / half_width;
+        let beside = (part.prescription.aperture < 0.999 * width).then(|| {
+            let percent = 100.0 * (width - part.prescription.aperture) / half_width;
             format!(
                 "{name} covers {} of its strip of {}; {percent:.0} % of the struck width passes beside it",
-                Length.show(part.aperture),
+                Length.show(part.prescription.aperture),
                 Length.show(width)
             )
         });

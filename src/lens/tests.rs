@@ -52,8 +52,8 @@ fn the_published_lens_is_laid_and_focuses_where_it_was_found_to() {
     assert_eq!(lens.rows(), [5, 16]);
     let layout = lens.layout();
     assert_eq!((layout.count(1), layout.palette[1].name.as_str()), (139, "brass-260"));
-    assert!((lens.rim_angle.to_degrees() - 60.0).abs() < 1e-6);
-    assert!((lens.aperture / DIAMETER - 16.5).abs() < 1e-9);
+    assert!((lens.prescription.rim_angle.to_degrees() - 60.0).abs() < 1e-6);
+    assert!((lens.prescription.aperture / DIAMETER - 16.5).abs() < 1e-9);
     let [paraxial, rim] = lens.crossing.map(|depth| depth.unwrap() / crystal().row_spacing() + 1.0);
     assert_eq!((paraxial.round(), rim.round()), (41.0, 29.0));
     // The same from a separate calculation, with the speeds to five digits.
@@ -107,13 +107,22 @@ fn no_lens_of_a_fine_grid_beats_the_solution() {
                 }
             }
         }
-        println!("{} {} {} grid {best:?}", solved.apex_row, solved.back_row, solved.radius.unwrap() / DIAMETER);
+        println!(
+            "{} {} {} grid {best:?}",
+            solved.prescription.apex_row,
+            solved.prescription.back_row,
+            solved.prescription.radius.unwrap() / DIAMETER
+        );
         println!("{} spheres, {}", solved.spheres, solved.fraction);
         assert!(solved.fraction > best.0 - 1e-5, "{} {best:?} {rows:?}", solved.fraction);
         let denser = dense.fraction(&solved.shape().bench(&crystal, problem.speeds), problem.depth, problem.region);
         assert!((solved.fraction - denser).abs() < 1e-4, "{} {denser}", solved.fraction);
-        assert!(solved.back_row < rows[0] && solved.apex_row >= lens_rows[0] && solved.back_row <= lens_rows[1]);
-        assert!(solved.rim_angle < request.max_interface_angle + 1e-6);
+        assert!(
+            solved.prescription.back_row < rows[0]
+                && solved.prescription.apex_row >= lens_rows[0]
+                && solved.prescription.back_row <= lens_rows[1]
+        );
+        assert!(solved.prescription.rim_angle < request.max_interface_angle + 1e-6);
     }
     let solved = solve(&request(), &thesis_target()).unwrap();
     assert!(solved.fraction >= solve(&thesis_request(), &thesis_target()).unwrap().fraction);
@@ -123,9 +132,9 @@ fn no_lens_of_a_fine_grid_beats_the_solution() {
 fn what_is_fixed_stays_fixed() {
     let radius = 25.0 * DIAMETER;
     let lens = solve(&LensRequest { radius: Some(radius), apex_row: Some(6), ..request() }, &thesis_target()).unwrap();
-    assert_eq!((lens.radius, lens.apex_row), (Some(radius), 6));
+    assert_eq!((lens.prescription.radius, lens.prescription.apex_row), (Some(radius), 6));
     let lens = solve(&LensRequest { back_row: Some(20), ..request() }, &thesis_target()).unwrap();
-    assert_eq!(lens.back_row, 20);
+    assert_eq!(lens.prescription.back_row, 20);
 }
 
 /// A deep crystal is searched at every k-th row first; where both searches are possible they agree to the resolution of
@@ -241,7 +250,7 @@ fn every_family_serves_a_target() {
         let [first, last] = lens.rows();
         assert!(first >= 5 && last <= 25, "{}", family.name());
         assert_eq!(layout.materials.iter().filter(|&&m| m != 0).count(), lens.spheres);
-        assert!(lens.spheres > 20 && lens.rim_angle < request().max_interface_angle + 1e-6);
+        assert!(lens.spheres > 20 && lens.prescription.rim_angle < request().max_interface_angle + 1e-6);
         // Both halves: odd rows have a sphere on the axis, even ones one on the far mirror line.
         let whole: usize = lens.first_order.counts.iter().sum();
         assert_eq!(whole, 2 * 850 - 50);
@@ -256,16 +265,21 @@ fn aspheric_lenses_have_no_spot() {
     for (family, off) in [(Family::AsphericFront, 1e-6), (Family::AsphericBack, 1e-9)] {
         for (x, axis) in [([0.0, 2.5], 0.0), ([6.0, 10.0], 8.0), ([14.0, 16.5], 16.5)] {
             let lens = solve(&of(family), &target([30, 34], x)).unwrap();
-            assert!((lens.axis / DIAMETER - axis).abs() < 1e-9);
+            assert!((lens.prescription.axis / DIAMETER - axis).abs() < 1e-9);
             let optics = lens.optics();
-            let inside = |x: f64| (x - lens.axis).abs() < lens.aperture * 0.9999;
+            let inside = |x: f64| (x - lens.prescription.axis).abs() < lens.prescription.aperture * 0.9999;
             let places = (1..200).map(|k| f64::from(k) * 16.5 / 200.0 * DIAMETER).filter(|&x| inside(x));
             let traces: Vec<_> = places.map(|x| optics.trace(x)).collect();
             let passages: Vec<_> = traces.iter().filter_map(|t| t.path.at_depth(crystal().depth(32.0))).collect();
             assert!(passages.len() == traces.len() && traces.len() > 60, "{}", traces.len());
             let time = lens.first_order.arrival.unwrap()[0];
             for (x, at) in passages {
-                assert!((x - lens.axis).abs() < off * DIAMETER, "{} {}", family.name(), (x - lens.axis) / DIAMETER);
+                assert!(
+                    (x - lens.prescription.axis).abs() < off * DIAMETER,
+                    "{} {}",
+                    family.name(),
+                    (x - lens.prescription.axis) / DIAMETER
+                );
                 assert!((at / time - 1.0).abs() < off, "{at} {time}");
             }
         }
@@ -294,7 +308,7 @@ fn zones_turn_rays_as_the_whole_lens_does() {
     let zoned =
         LensRequest { apex_row: Some(5), back_row: Some(8), radius: Some(25.0 * DIAMETER), ..of(Family::Fresnel) };
     let zoned = solve(&zoned, &thesis_target()).unwrap();
-    assert!(zoned.first_order.thickness < 3.0 * DIAMETER);
+    assert!(zoned.prescription.thickness < 3.0 * DIAMETER);
     let (optics, mut same) = (zoned.optics(), 0);
     for k in 1..160 {
         let x = f64::from(k) * 0.1 * DIAMETER;
@@ -318,7 +332,7 @@ fn zones_turn_rays_as_the_whole_lens_does() {
 fn a_prism_of_given_rows_is_not_sought() {
     let given = LensRequest { apex_row: Some(5), back_row: Some(6), ..of(Family::Prism) };
     let lens = solve(&given, &target([8, 8], [6.0, 7.0])).unwrap();
-    assert_eq!((lens.apex_row, lens.back_row, lens.radius), (5, 6, None));
+    assert_eq!((lens.prescription.apex_row, lens.prescription.back_row, lens.prescription.radius), (5, 6, None));
 }
 
 /// What gathers does not if it is not slower, and says so; what spreads does.
@@ -379,7 +393,11 @@ fn equal_foci_have_the_lens_of_one() {
     for family in splitting() {
         let request = LensRequest { family, ..request() };
         let (one, lens) = (solve(&request, &single).unwrap(), solve(&request, &both).unwrap());
-        assert_eq!((&one.form, &one.materials, one.radius), (&lens.form, &lens.materials, lens.radius), "{family:?}");
+        assert_eq!(
+            (&one.form, &one.materials, one.prescription.radius),
+            (&lens.form, &lens.materials, lens.prescription.radius),
+            "{family:?}"
+        );
         assert_eq!((one.fraction, one.fraction_without), (lens.fraction, lens.fraction_without));
         assert_eq!((lens.parts.len(), lens.foci.len(), &lens.parts[0].foci[..]), (1, 2, &[0, 1][..]));
         assert_eq!(lens.foci[0], lens.foci[1]);
@@ -414,7 +432,10 @@ fn foci_on_both_mirror_lines_have_the_lens_of_half_the_width_twice() {
                 assert_eq!(half.materials[k], *material, "{family:?} {site:?}");
             }
         }
-        assert_eq!((lens.parts[0].apex_row, lens.parts[0].back_row), (half.apex_row, half.back_row));
+        assert_eq!(
+            (lens.parts[0].prescription.apex_row, lens.parts[0].prescription.back_row),
+            (half.prescription.apex_row, half.prescription.back_row)
+        );
         let [near, far] = [0, 1].map(|k| (lens.foci[k].fraction, lens.parts[k].fraction));
         // 513 rays over the whole width: two edges, each cut by one of 512 ways.
         assert!(
@@ -443,11 +464,12 @@ fn every_ray_of_a_part_comes_to_its_own_focus() {
             let mut came = 0;
             for k in 0..200 {
                 let x = low + (high - low) * (f64::from(k) + 0.5) / 200.0;
-                let covered = (x - part.axis).abs() < part.aperture - 1e-6 || part.aperture > 0.999 * (high - low);
+                let covered = (x - part.prescription.axis).abs() < part.prescription.aperture - 1e-6
+                    || part.prescription.aperture > 0.999 * (high - low);
                 let trace = optics.trace(x);
                 if covered && trace.fate == crate::ray::Fate::Arrived {
                     let (end, _) = trace.path.at_depth(depth).unwrap();
-                    assert!((end - part.axis).abs() < 1e-6 * DIAMETER, "{family:?} {x} {end} {part:?}");
+                    assert!((end - part.prescription.axis).abs() < 1e-6 * DIAMETER, "{family:?} {x} {end} {part:?}");
                     assert!((region.x[0]..=region.x[1]).contains(&(end + 1e-9)));
                     came += 1;
                 }

@@ -61,15 +61,15 @@ impl Study {
         let free = self.free.clone();
         let sites = design.lattice.sites();
         let [first, last] = [sites[*free.first()?].row, sites[*free.last()?].row];
-        let curvature = lens.radius.map_or(1.0, |radius| 0.1 / radius);
+        let curvature = lens.prescription.radius.map_or(1.0, |radius| 0.1 / radius);
         let diameter = design.lattice.diameter();
         let start = vec![
-            f64::from(lens.apex_row) / ROWS,
-            f64::from(lens.back_row) / ROWS,
-            lens.radius.map_or(0.0, |radius| 1.0 / (radius * curvature)),
-            lens.axis / (AXIS * diameter),
+            f64::from(lens.prescription.apex_row) / ROWS,
+            f64::from(lens.prescription.back_row) / ROWS,
+            lens.prescription.radius.map_or(0.0, |radius| 1.0 / (radius * curvature)),
+            lens.prescription.axis / (AXIS * diameter),
         ];
-        let has_radius = lens.radius.is_some();
+        let has_radius = lens.prescription.radius.is_some();
         // Of the rows and the axis what there is; a quarter of the design's curvature to four times as much.
         let rows = [f64::from(first) / ROWS, f64::from(last) / ROWS];
         let bent = if has_radius { [start[2] / 4.0, start[2] * 4.0] } else { [-1.0, 1.0] };

@@ -2,6 +2,7 @@
 //! alone (tests/data), and smooth or scattered stand-ins for what was not recorded there.
 
 use granulens::lattice::{HexagonalSheet, Site};
+use granulens::lens::Prescription;
 use granulens::outcome::{ArrangementOutcome, FORMAT, Manifest, Outcome, Proposal, Scores, SphereRecord};
 use granulens::target::{Region, Target};
 
@@ -210,19 +211,21 @@ fn proposal(spheres: usize) -> Proposal {
         amplitude_lens: 24.0,
         validity: "The impact is 4.9 F_p of the host: the bound overestimates speeds by some 5 % there.".to_owned(),
         family: "plano-convex".to_owned(),
-        apex_row: 5,
-        back_row: 16,
-        radius: Some(radius * D),
-        axis: 0.0,
-        rim_angle: 60_f64.to_radians(),
-        aperture: 16.5 * D,
+        prescription: Prescription {
+            apex_row: 5,
+            back_row: 16,
+            radius: Some(radius * D),
+            axis: 0.0,
+            rim_angle: 60_f64.to_radians(),
+            aperture: 16.5 * D,
+            thickness: 11.0 * SPACING * D,
+            focal_length: Some(0.17),
+        },
         spheres,
         fraction: 0.41,
         fraction_without: 0.152,
         crossing: [Some(0.262), Some(0.148)],
         protected: [0.02, 0.27],
-        focal_length: Some(0.17),
-        thickness: 11.0 * SPACING * D,
         counts: vec![1405, 261],
         mass: 0.298,
         cost: None,
