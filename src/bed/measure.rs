@@ -1,5 +1,7 @@
 //! What a bed is like: volume fraction, coordination, pair correlation, and where its surface lies.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Bed, Disk};
@@ -80,15 +82,14 @@ fn volume_fraction(bed: &Bed, sides: [f64; 2], heights: [f64; 2]) -> f64 {
 /// Pairs of disks nearer than `reach` between centres, each once; over periodic sides by the nearest images.
 fn pairs(disks: &[Disk], period: Option<f64>, reach: f64, mut visit: impl FnMut(usize, usize, f64)) {
     let low = disks.iter().map(|d| d.centre[1]).fold(f64::INFINITY, f64::min);
-    // Rows as high as the reach, each in order of x.
-    let mut rows: Vec<Vec<(f64, usize)>> = Vec::new();
+    // Rows as high as the reach, each in order of x; a disk far away makes no empty ones.
+    let mut rows: BTreeMap<usize, Vec<(f64, usize)>> = BTreeMap::new();
     for (i, Disk { centre: [x, y], .. }) in disks.iter().enumerate() {
         let row = ((y - low) / reach).floor() as usize;
-        rows.resize_with(rows.len().max(row + 1), Vec::new);
-        rows[row].push((period.map_or(*x, |period| x.rem_euclid(period)), i));
+        rows.entry(row).or_default().push((period.map_or(*x, |period| x.rem_euclid(period)), i));
     }
-    rows.iter_mut().for_each(|row| row.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))));
-    for (k, row) in rows.iter().enumerate() {
+    rows.values_mut().for_each(|row| row.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))));
+    for (&k, row) in &rows {
         for (n, &(x, i)) in row.iter().enumerate() {
             let mut meet = |others: &[(f64, usize)]| {
                 for &(other, j) in others {
@@ -106,7 +107,11 @@ fn pairs(disks: &[Disk], period: Option<f64>, reach: f64, mut visit: impl FnMut(
             for others in near(&row[n + 1..], x, period, reach) {
                 meet(others);
             }
-            for others in rows.get(k + 1).map_or([&[][..]; 3], |above| near(above, x, period, reach)) {
+            for others in rows
+                .get(&k.saturating_add(1))
+                .filter(|_| k < usize::MAX)
+                .map_or([&[][..]; 3], |above| near(above, x, period, reach))
+            {
                 meet(others);
             }
         }

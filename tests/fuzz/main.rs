@@ -372,6 +372,9 @@ fn bed_files_and_beds() {
     let bed = b"# width 9.0 d, sides walls\nkind,x_d,y_d,diameter_d\ngrain,1.5,0.5,1.0\nwall,0.25,-0.25,0.5\n".to_vec();
     withstands("settled bed", vec![bed], 400, |bytes| {
         fs::write(&path, bytes).unwrap();
-        let _ = granulens::bed::read(&path).map_err(|error| error.to_string());
+        match granulens::bed::read(&path) {
+            Ok(bed) => drop(granulens::bed::measure(&bed)),
+            Err(error) => drop(error.to_string()),
+        }
     });
 }

@@ -7,7 +7,7 @@ use super::contacts::{Account, Facing, Kept, NearFace, Strain, Sums};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
 use super::machine::Machine;
-use super::pairs::pair;
+use super::pairs::{Near, pair};
 use super::view::Touching;
 use super::{Body, Rig};
 use crate::dem::ContactRecord;
@@ -93,10 +93,8 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         let contacts = &self.contacts;
         let mut pressed = vec![0.0; self.bodies.velocity.len()];
         for (c, force) in contacts.account.force.iter().enumerate().filter(|(_, force)| **force != 0.0) {
-            for body in contacts.bodies(c) {
-                if let Body::Sphere(i) = body {
-                    pressed[i] += force.abs();
-                }
+            for (sphere, _) in contacts.spheres(c) {
+                pressed[sphere] += force.abs();
             }
         }
         pressed
@@ -225,14 +223,18 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             known(sphere) && (place as usize) < if mirror { rig.mirrors.len() } else { rig.flats.len() }
         };
         if state.images.len() != D * state.near.len()
-            || !state.near.iter().all(|ends| ends.iter().all(|&i| known(i)))
+            || !state.near.iter().all(|ends| ends[0] < ends[1] && ends.iter().all(|&i| known(i)))
             || !state.faces.iter().all(face_known)
         {
             return false;
         }
-        let near: Vec<_> = (state.near.iter().zip(state.images.chunks(D.max(1))))
+        let near: Vec<Near<D>> = (state.near.iter().zip(state.images.chunks(D.max(1))))
             .map(|(ends, shift)| pair(rig, ends.map(|i| i as usize), image(shift)))
             .collect();
+        // Sections and renewals rely on their order.
+        if !near.is_sorted_by(|a, b| a.key() < b.key()) {
+            return false;
+        }
         let faces: Vec<NearFace> = (state.faces.iter())
             .map(|&(sphere, mirror, place)| NearFace::of(rig, &self.bodies, sphere as usize, facing(mirror, place)))
             .collect();

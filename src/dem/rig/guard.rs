@@ -5,6 +5,7 @@ use std::fmt;
 use super::contacts::Strain;
 use super::engine::Engine;
 use super::ledger::EnergyLedger;
+use super::share::parts;
 use super::{Body, Rig};
 use crate::dem::stable_step;
 
@@ -115,18 +116,21 @@ pub(super) fn guard<const D: usize>(
     ledger: &EnergyLedger,
 ) -> Result<(), RigStop> {
     let (time, bodies) = (engine.count() as f64 * step, engine.bodies());
-    for i in 0..bodies.velocity.len() {
+    let lost = |i: usize| {
+        let body = Body::Sphere(i);
         if !bodies.speed_squared(i).is_finite() {
-            return Err(RigStop::NotFinite { body: Body::Sphere(i), time });
+            return Some(RigStop::NotFinite { body, time });
         }
-        let Some([low, high]) = rig.domain else { continue };
+        let [low, high] = rig.domain?;
         let centre = rig.sample.spheres[i].centre;
-        for k in 0..D {
-            let at = centre[k] + bodies.displacement[i][k];
-            if rig.periods[k].is_none() && !(low[k]..=high[k]).contains(&at) {
-                return Err(RigStop::Escaped { body: Body::Sphere(i), time });
-            }
-        }
+        let outside = |k: usize| {
+            rig.periods[k].is_none() && !(low[k]..=high[k]).contains(&(centre[k] + bodies.displacement[i][k]))
+        };
+        (0..D).any(outside).then_some(RigStop::Escaped { body, time })
+    };
+    let first_lost = parts(bodies.velocity.len(), |mut some| some.find_map(lost));
+    if let Some(stop) = first_lost.into_iter().flatten().next() {
+        return Err(stop);
     }
     for f in 0..bodies.flat_velocity.len() {
         if bodies.flat_velocity[f].iter().any(|v| !v.is_finite()) {

@@ -156,7 +156,9 @@ impl<const D: usize> Finder<D> {
             std::array::from_fn(|k| whole(at[k], k) as i32)
         });
         let grid = self.grid(&wrapped);
-        parts(spheres.len(), |these| self.near(rig, &grid, &wrapped, &turns, these)).concat()
+        let mut lists = parts(spheres.len(), |these| self.near(rig, &grid, &wrapped, &turns, these));
+        // One needs no copy.
+        if lists.len() == 1 { lists.swap_remove(0) } else { lists.concat() }
     }
 
     /// The near pairs of which one of `these` spheres is the first.

@@ -1,6 +1,6 @@
 //! Loops over many rows, shared out among threads.
 //!
-//! How a loop is cut depends on its length alone, so that sums over its parts are the same for any number of threads.
+//! Parts over which anything is summed depend on a loop's length alone, so that sums are the same for any number of threads.
 
 use std::ops::Range;
 

@@ -77,7 +77,7 @@ impl<const D: usize> Simulation<D> {
         self.follow(steps, interrupt, |_| ())
     }
 
-    /// As [`advance`](Self::advance), showing the state after every step.
+    /// As [`advance`](Self::advance), showing the state after every step; of large rigs on one of the threads that share their loops.
     ///
     /// # Errors
     /// See [`RigStop`].
@@ -87,7 +87,7 @@ impl<const D: usize> Simulation<D> {
         interrupt: &AtomicBool,
         each: impl FnMut(&View<'_, D>) + Send,
     ) -> Result<(), RigStop> {
-        if self.engine.bodies().velocity.len() < MANY {
+        if self.engine.bodies().velocity.len().max(self.engine.contacts()) < MANY {
             return self.steps_on(steps, interrupt, each);
         }
         // Among the threads that share a step's loops, so that none has to be woken for each.

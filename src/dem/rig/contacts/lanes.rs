@@ -37,7 +37,7 @@ pub struct Disks<'a> {
     /// Displacement (m) and velocity (m/s).
     pub at: &'a [[f64; 2]],
     pub velocity: &'a [[f64; 2]],
-    /// r ω (m/s); empty where nothing turns.
+    /// r ω (m/s); not asked for without friction.
     pub turn: &'a [f64],
 }
 

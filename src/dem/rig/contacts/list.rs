@@ -65,7 +65,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         self.bind(rig, binder);
         self.share = match rig.mirrors.is_empty() {
             true => Vec::new(),
-            false => self.near.iter().map(|pair| share_in_mirrors(rig, pair)).collect(),
+            false => rows(self.near.len(), |c| share_in_mirrors(rig, &self.near[c])),
         };
         if let Some(disks) = (self as &mut dyn Any).downcast_mut::<Contacts<2, SpringDashpot>>() {
             disks.lines = Lines::of(&disks.near);
@@ -160,11 +160,7 @@ impl Heritage {
     /// Of lists in order of their keys, which are walked through side by side.
     fn of<T: Sync, K: Ord>(old: &[T], new: &[T], key: impl Fn(&T) -> K + Sync + Send) -> Self {
         // Each part of the new list has that of the old one up to where the next begins.
-        let begin = |n: usize| match n {
-            0 => 0,
-            n if n == new.len() => old.len(),
-            n => old.partition_point(|entry| key(entry) < key(&new[n])),
-        };
+        let begin = |n: usize| if n == 0 { 0 } else { old.partition_point(|entry| key(entry) < key(&new[n])) };
         let walks = parts(new.len(), |range| {
             let mut walk = Self { from: Vec::with_capacity(range.len()), gone: Vec::new() };
             let (mut c, end) = (begin(range.start), if range.end == new.len() { old.len() } else { begin(range.end) });
@@ -211,4 +207,36 @@ fn share_in_mirrors<const D: usize>(rig: &Rig<D>, pair: &Near<D>) -> f64 {
         }
     }
     share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What stays, what is new and what is gone, of lists so long that they are walked through in parts: as two sets say.
+    #[test]
+    fn what_stays_is_found_where_it_was() {
+        let thinned = |of: std::ops::Range<u32>, part: u32| -> Vec<u32> {
+            of.filter(|n| n.wrapping_mul(2_654_435_761) >> 16 & 7 != part).collect()
+        };
+        let cases = [
+            (thinned(0..60_000, 1), thinned(0..60_000, 2)),
+            (thinned(0..60_000, 1), thinned(20_000..90_000, 2)),
+            (thinned(20_000..90_000, 1), thinned(0..60_000, 2)),
+            // Gaps over whole parts.
+            ([thinned(0..9000, 1), thinned(50_000..80_000, 1)].concat(), thinned(0..80_000, 2)),
+            (thinned(0..80_000, 1), [thinned(0..9000, 2), thinned(50_000..80_000, 2)].concat()),
+            (Vec::new(), thinned(0..60_000, 2)),
+            (thinned(0..60_000, 1), Vec::new()),
+            (thinned(0..90, 1), thinned(30..120, 2)),
+        ];
+        for (old, new) in cases {
+            let heritage = Heritage::of(&old, &new, |&entry| entry);
+            let place = |entry: &u32| old.binary_search(entry).map_or(NEW, |c| c as u32);
+            assert_eq!(heritage.from, new.iter().map(place).collect::<Vec<_>>());
+            let gone = (0..old.len()).filter(|&c| new.binary_search(&old[c]).is_err());
+            assert_eq!(heritage.gone, gone.collect::<Vec<_>>());
+        }
+        assert_eq!(inherited(&[5, 6, 7], &[2, NEW, 0]), [7, 0, 5]);
+    }
 }

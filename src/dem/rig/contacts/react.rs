@@ -14,7 +14,7 @@ use super::account::Account;
 #[derive(Clone, Copy)]
 pub struct Trial<'a, const D: usize> {
     pub velocity: &'a [[f64; D]],
-    /// r ω of each sphere (m/s).
+    /// r ω of each sphere (m/s); not asked for without friction.
     pub turn: &'a Turns<D>,
     pub flat_velocity: &'a [[f64; D]],
     /// (s)

@@ -95,7 +95,7 @@ impl<const D: usize> Sections<D> {
         let mut stretch = stretch.each_mut().map(|axis| axis.as_mut_slice());
         let (mut force, mut twist) = (&mut sums.force[..], sums.torque.numbers_mut());
         let (mut first, mut first_sphere) = (0, 0);
-        let mut pieces = self.sections.iter().zip(&mut self.spills).map(|(section, spill)| {
+        let pieces = self.sections.iter().zip(&mut self.spills).map(|(section, spill)| {
             spill.clear();
             let (pairs, spheres) = (section.pairs - first, section.spheres - first_sphere);
             let piece = Piece {
@@ -113,7 +113,7 @@ impl<const D: usize> Sections<D> {
             piece
         });
         if self.sections.len() == 1 {
-            pieces.by_ref().for_each(work);
+            pieces.for_each(work);
             return;
         }
         pieces.collect::<Vec<_>>().into_par_iter().with_max_len(1).for_each(work);

@@ -184,7 +184,8 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             }
         }
         let contacts = &self.contacts;
-        for part in parts(contacts.len(), |some| self.held(some)) {
+        let winds = contacts.winds();
+        for part in parts(contacts.len(), |some| self.held(some, winds)) {
             ledger.stored += part.stored;
             ledger.dissipated += part.dissipated;
             ledger.wound += part.wound;
@@ -220,10 +221,9 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         [kinetic, potential]
     }
 
-    /// What some contacts hold and have taken.
-    fn held(&self, some: Range<usize>) -> EnergyLedger {
-        let contacts = &self.contacts;
-        let (winds, mut held) = (contacts.winds(), EnergyLedger::default());
+    /// What some contacts hold and have taken, tangential springs only where there are any.
+    fn held(&self, some: Range<usize>, winds: bool) -> EnergyLedger {
+        let (contacts, mut held) = (&self.contacts, EnergyLedger::default());
         for c in some {
             let account = &contacts.account;
             let (work, slid, overlap) = (account.work[c], account.slid[c], account.overlap[c]);
