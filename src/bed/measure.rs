@@ -90,29 +90,19 @@ fn pairs(disks: &[Disk], period: Option<f64>, reach: f64, mut visit: impl FnMut(
     }
     rows.values_mut().for_each(|row| row.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))));
     for (&k, row) in &rows {
+        let above = k.checked_add(1).and_then(|k| rows.get(&k)).map_or(&[][..], Vec::as_slice);
         for (n, &(x, i)) in row.iter().enumerate() {
-            let mut meet = |others: &[(f64, usize)]| {
-                for &(other, j) in others {
-                    let (mut dx, dy) = (x - other, disks[i].centre[1] - disks[j].centre[1]);
-                    if let Some(period) = period.filter(|period| dx.abs() > 0.5 * period) {
-                        dx -= period.copysign(dx);
-                    }
-                    // Most are too far: they cost no root.
-                    let squared = dx * dx + dy * dy;
-                    if squared < reach * reach {
-                        visit(i.min(j), i.max(j), squared.sqrt());
-                    }
+            let beside = near(&row[n + 1..], x, period, reach);
+            for &(other, j) in beside.into_iter().chain(near(above, x, period, reach)).flatten() {
+                let (mut dx, dy) = (x - other, disks[i].centre[1] - disks[j].centre[1]);
+                if let Some(period) = period.filter(|period| dx.abs() > 0.5 * period) {
+                    dx -= period.copysign(dx);
                 }
-            };
-            for others in near(&row[n + 1..], x, period, reach) {
-                meet(others);
-            }
-            for others in rows
-                .get(&k.saturating_add(1))
-                .filter(|_| k < usize::MAX)
-                .map_or([&[][..]; 3], |above| near(above, x, period, reach))
-            {
-                meet(others);
+                // Most are too far: they cost no root.
+                let squared = dx * dx + dy * dy;
+                if squared < reach * reach {
+                    visit(i.min(j), i.max(j), squared.sqrt());
+                }
             }
         }
     }
@@ -175,8 +165,12 @@ fn pair_correlation(bed: &Bed, sides: [f64; 2], heights: [f64; 2]) -> Vec<[f64; 
 mod tests {
     use std::f64::consts::PI;
 
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::SeedableRng;
+
     use super::*;
     use crate::bed::{Packing, Pile, Sides};
+    use crate::chance::fraction;
 
     /// Touching disks on a hexagonal lattice cover π/(2√3) of the plane; in a periodic bed of R rows by C columns, squeezed by a
     /// thousandth, there are 3RC − 2C contacts among grains, and the lowest row touches walls.
@@ -212,11 +206,8 @@ mod tests {
     /// Pairs found by rows are those found by comparing all with all: over sides that repeat far apart and close by, and without.
     #[test]
     fn pairs_are_all_pairs_in_reach() {
-        let mut state = 3_u64;
-        let mut draw = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut chance = Xoshiro256PlusPlus::seed_from_u64(3);
+        let mut draw = || fraction(&mut chance);
         for width in [3.0, 11.0, 40.0] {
             let disks: Vec<Disk> = (0..300)
                 .map(|_| Disk { centre: [width * (3.0 * draw() - 1.0), 20.0 * draw()], diameter: 1.0 })

@@ -35,7 +35,7 @@ pub struct Prescription {
     pub focal_length: Option<f64>,
 }
 
-/// What is known of a lens besides from its sites and its rays.
+/// What is known of a lens besides, from its sites and its rays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirstOrder {
     /// Number of spheres of each material of the palette in the whole piece, both halves.

@@ -56,7 +56,7 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
         asked => asked(outcome),
         proposed => outcome.proposal.as_ref().map(|p| proposed(outcome, p)).unwrap_or_default(),
         validity => outcome.proposal.as_ref().map(|p| &p.validity),
-        headings => COLUMNS.map(heading).to_vec(),
+        headings => std::iter::once("spheres not host".to_owned()).chain(COLUMNS.map(heading)).collect::<Vec<_>>(),
         comparison => all.iter().map(compared).collect::<Vec<_>>(),
         foci => foci(outcome),
         by_focus => all.iter().map(by_focus).collect::<Vec<_>>(),

@@ -29,8 +29,9 @@ impl<const D: usize> Turns<D> {
 
     /// Each times a factor of its sphere.
     pub fn times(&self, factors: &[f64]) -> Self {
-        let rows = self.0.chunks_exact(Self::ROW).zip(factors);
-        Self(rows.flat_map(|(row, factor)| row.iter().map(move |number| factor * number)).collect())
+        let mut product = self.clone();
+        multiply::<D>(&mut product.0, factors);
+        product
     }
 
     /// That of a sphere.
@@ -54,9 +55,7 @@ impl<const D: usize> Turns<D> {
     /// Adds a multiple to that of a sphere.
     #[inline(always)]
     pub fn add(&mut self, sphere: usize, factor: f64, row: &[f64; 3]) {
-        for (n, k) in axes_of_spin::<D>().enumerate() {
-            self.0[Self::AXES * sphere + n] += factor * row[k];
-        }
+        add::<D>(&mut self.0, sphere, factor, row);
     }
 
     /// All numbers.
@@ -72,10 +71,26 @@ impl<const D: usize> Turns<D> {
 
 /// The components of a spin that there are in `D` dimensions.
 #[inline(always)]
-pub(super) fn axes_of_spin<const D: usize>() -> Range<usize> {
+fn axes_of_spin<const D: usize>() -> Range<usize> {
     match D {
         2 => 2..3,
         3 => 0..3,
         _ => 0..0,
+    }
+}
+
+/// Adds a multiple to that of a sphere, in the numbers of some spheres.
+#[inline(always)]
+pub(super) fn add<const D: usize>(numbers: &mut [f64], sphere: usize, factor: f64, row: &[f64; 3]) {
+    for (n, k) in axes_of_spin::<D>().enumerate() {
+        numbers[Turns::<D>::AXES * sphere + n] += factor * row[k];
+    }
+}
+
+/// Multiplies each by a factor of its sphere, in the numbers of some spheres.
+#[inline(always)]
+pub(super) fn multiply<const D: usize>(numbers: &mut [f64], factors: &[f64]) {
+    for (row, factor) in numbers.chunks_exact_mut(Turns::<D>::ROW).zip(factors) {
+        row.iter_mut().for_each(|number| *number *= factor);
     }
 }

@@ -6,10 +6,11 @@
 use crate::dem::rig::law::{Bond, SpringDashpot};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::share::rows;
+use crate::dem::rig::turns;
 use crate::real::{Kernel, Real};
 
 use super::react::{CLOSED, Grip, between, meet};
-use super::sections::{Piece, Spill, to_torques};
+use super::sections::{Piece, Spill};
 
 /// Near pairs as parallel arrays: row c of each is pair c, as in [`Near`].
 #[derive(Default)]
@@ -89,7 +90,7 @@ impl<const TURNING: bool, const SPRING: bool> Kernel for Sweep<'_, TURNING, SPRI
             begin += size;
         }
         if TURNING {
-            to_torques::<2>(self.piece.twist, self.piece.lever);
+            turns::multiply::<2>(self.piece.twist, self.piece.lever);
         }
     }
 }

@@ -128,11 +128,3 @@ impl<const D: usize> Sections<D> {
         }
     }
 }
-
-/// Couples per lever arm times the lever arms of their spheres.
-#[inline(always)]
-pub fn to_torques<const D: usize>(couples: &mut [f64], lever: &[f64]) {
-    for (couple, lever) in couples.chunks_exact_mut(Turns::<D>::ROW).zip(lever) {
-        couple.iter_mut().for_each(|number| *number *= lever);
-    }
-}

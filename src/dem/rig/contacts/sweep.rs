@@ -6,11 +6,11 @@ use super::Contacts;
 use super::faces::{Facing, NearFace};
 use super::lanes::{Disks, Sweep};
 use super::react::{Meeting, Reaction, Trial, react, react_pair};
-use super::sections::{Piece, Spill, to_torques};
+use super::sections::{Piece, Spill};
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::{Bodies, dot};
 use crate::dem::rig::law::{Bonding, SpringDashpot};
-use crate::dem::rig::turns::{Turns, axes_of_spin};
+use crate::dem::rig::turns::{self, Turns};
 
 /// Force sums on all bodies.
 #[derive(Clone, Debug)]
@@ -83,19 +83,19 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 let [a, b] = near[c].ends.map(|end| end as usize - first_sphere);
                 add(&mut sum[a], -1.0, &force);
                 if TURNING {
-                    add_turn::<D>(couple, a, &twist);
+                    turns::add::<D>(couple, a, 1.0, &twist);
                 }
                 if b < sum.len() {
                     add(&mut sum[b], 1.0, &force);
                     if TURNING {
-                        add_turn::<D>(couple, b, &twist);
+                        turns::add::<D>(couple, b, 1.0, &twist);
                     }
                 } else {
                     spill.push(Spill { sphere: near[c].ends[1], force, twist });
                 }
             }
             if TURNING {
-                to_torques::<D>(couple, lever);
+                turns::multiply::<D>(couple, lever);
             }
         });
     }
@@ -203,13 +203,5 @@ impl Contacts<2, SpringDashpot> {
 fn add<const D: usize>(sum: &mut [f64; D], factor: f64, force: &[f64; D]) {
     for k in 0..D {
         sum[k] += factor * force[k];
-    }
-}
-
-/// Adds a couple to that of a sphere in the numbers of [`Turns`].
-#[inline(always)]
-fn add_turn<const D: usize>(couples: &mut [f64], sphere: usize, twist: &[f64; 3]) {
-    for (n, k) in axes_of_spin::<D>().enumerate() {
-        couples[Turns::<D>::AXES * sphere + n] += twist[k];
     }
 }
