@@ -2,10 +2,10 @@
 //!
 //! `cargo bench --bench lens`. What the figures mean and what bounds them: `benches/README.md`.
 
-#[path = "../tests/physics/problem.rs"]
+#[path = "../crates/core/tests/physics/problem.rs"]
 #[expect(dead_code, reason = "shared with the physics tests, which use all of it")]
 mod problem;
-#[path = "../tests/physics/reference.rs"]
+#[path = "../crates/core/tests/physics/reference.rs"]
 #[expect(dead_code, reason = "shared with the physics tests, which use all of it")]
 mod reference;
 

@@ -7,24 +7,13 @@
 //!
 //! Each module uses only those above it:
 
-pub mod units;
-pub mod chance;
-pub mod search;
-pub mod real;
-pub mod material;
+pub use granulens_core::{
+    chance, contact, dem, lattice, lens, material, pattern, ray, real, sample, score, search, target, units, wave,
+};
+
 pub mod document;
-pub mod lattice;
-pub mod target;
-pub mod contact;
-pub mod sample;
 pub mod layout;
-pub mod pattern;
-pub mod wave;
-pub mod ray;
-pub mod lens;
-pub mod dem;
 pub mod bed;
-pub mod score;
 pub mod outcome;
 pub mod design;
 pub mod evaluate;

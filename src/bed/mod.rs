@@ -1,55 +1,11 @@
-//! Granular beds: settled packings of disks under gravity, and intruders that strike them (Kondic et al. 2012).
-//!
-//! Lengths are in mean diameters d, times in binary collision times τ_c = π √(d/(2 g k_n)), masses in that of a disk of
-//! diameter d. Then k = π²/2 and g = π²/(2 k_n), whatever the grains are made of.
+//! Granular beds (from the core), as files.
 //!
 //! - `file`: the bed file, as written and as checked
-//! - `grains`: what grains are like: stiffness, restitution, friction; and their laws
-//! - `packing`: how they are laid out at first; `settle`: how they come to rest; `store`: prepared beds as files
-//! - `measure`: volume fraction, coordination, pair correlation, surface
-//! - `intruder`: what strikes them; `impact`: what follows; `sound`: how fast a push travels through a bed
-//! - `ensemble`: many impacts, and what they come to on average
+//! - `store`: prepared beds as files
 
-mod ensemble;
 mod file;
-mod grains;
-mod impact;
-mod intruder;
-mod measure;
-mod packing;
-mod settle;
-mod sound;
 mod store;
 
-pub use ensemble::{Case, Cell, Ensemble, Outcome, Rubbing, summarise};
 pub use file::{BedFile, Origin};
-pub use grains::{Damping, Grains, Surface};
-pub use impact::{BedImpact, Course, Moment, Snapshot, stop_words, strike};
-pub use intruder::{Body, Intruder, Outline};
-pub use measure::{Measures, measure};
-pub use packing::{Packing, Pile, Sides};
-pub use settle::{SettleError, Settled, settle};
-pub use sound::{Sound, SoundError, listen};
+pub use granulens_core::bed::*;
 pub use store::{StoreError, read, write};
-
-/// One disk of a bed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Disk {
-    /// Centre (d); the second axis points up.
-    pub centre: [f64; 2],
-    /// Diameter (d).
-    pub diameter: f64,
-}
-
-/// A bed at rest: grains between walls.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bed {
-    /// The grains that move.
-    pub grains: Vec<Disk>,
-    /// The immobile disks of which walls are made.
-    pub walls: Vec<Disk>,
-    /// Width (d).
-    pub width: f64,
-    /// Whether the bed repeats itself sideways.
-    pub periodic: bool,
-}

@@ -1,0 +1,104 @@
+//! The state of a rig as bytes, and back: a run that is taken up goes on to the same bits.
+//!
+//! A header with format and version, a checksum of all that follows, then the state as `postcard` writes it. The rig itself
+//! is not in it, only a digest: the file that describes the rig is read again, and must describe the same.
+
+use std::fmt::Write as _;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::Rig;
+
+const MAGIC: &[u8; 20] = b"granulens checkpoint";
+const VERSION: u32 = 3;
+
+/// The whole state of a run, flattened to numbers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct State {
+    pub digest: u32,
+    pub step: f64,
+    pub count: u64,
+    /// Arrays of spheres and flats, in the order of `engine`.
+    pub bodies: Vec<Vec<f64>>,
+    pub work_in: f64,
+    pub absorbed: f64,
+    pub at_hand: f64,
+    pub near: Vec<[u32; 2]>,
+    pub images: Vec<i8>,
+    pub faces: Vec<(u32, bool, u32)>,
+    pub memory: Vec<f64>,
+    pub stretch: Vec<f64>,
+    pub account: Vec<f64>,
+    pub kept_pairs: Vec<([u32; 2], Vec<i8>, Vec<f64>)>,
+    pub kept_faces: Vec<((u32, bool, u32), Vec<f64>)>,
+    pub lost: [f64; 2],
+    pub lost_by_sphere: Vec<f64>,
+    pub felt: Option<Vec<Vec<f64>>>,
+}
+
+/// Why a checkpoint cannot be taken up.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CheckpointError {
+    /// It is something else.
+    #[error("this is no checkpoint of granulens")]
+    Foreign,
+    /// It was written by another version.
+    #[error("the checkpoint has version {0}; this program reads version {VERSION}")]
+    Version(u32),
+    /// It ends early or was changed.
+    #[error("the checkpoint is damaged: its checksum does not fit")]
+    Damaged,
+    /// It is of another rig, or of another step.
+    #[error("the checkpoint was written for another {0}")]
+    Other(&'static str),
+}
+
+impl State {
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(sealed(self));
+        bytes
+    }
+
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        let rest = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::Foreign)?;
+        let (version, rest) = rest.split_first_chunk::<4>().ok_or(CheckpointError::Damaged)?;
+        let version = u32::from_le_bytes(*version);
+        if version != VERSION {
+            return Err(CheckpointError::Version(version));
+        }
+        unsealed(rest).ok_or(CheckpointError::Damaged)
+    }
+}
+
+/// A value as `postcard` writes it, behind a checksum of that.
+pub fn sealed(value: &impl Serialize) -> Vec<u8> {
+    let body = postcard::to_stdvec(value).expect("numbers, texts and lists of them can always be written");
+    let mut bytes = crc32fast::hash(&body).to_le_bytes().to_vec();
+    bytes.extend(body);
+    bytes
+}
+
+/// The value of sealed bytes; none if they are damaged.
+pub fn unsealed<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    let (checksum, body) = bytes.split_first_chunk::<4>()?;
+    let whole = crc32fast::hash(body) == u32::from_le_bytes(*checksum);
+    whole.then(|| postcard::from_bytes(body).ok())?
+}
+
+/// A checksum over everything that a rig is.
+pub(super) fn digest<const D: usize>(rig: &Rig<D>) -> u32 {
+    struct Hashing(crc32fast::Hasher);
+    impl std::fmt::Write for Hashing {
+        fn write_str(&mut self, text: &str) -> std::fmt::Result {
+            self.0.update(text.as_bytes());
+            Ok(())
+        }
+    }
+    let mut hashing = Hashing(crc32fast::Hasher::new());
+    // Numbers print with all their digits, so that two rigs that differ in a bit differ here.
+    let _ = write!(hashing, "{rig:?}");
+    hashing.0.finalize()
+}
