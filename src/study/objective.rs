@@ -6,7 +6,7 @@ use toml::Table;
 use super::measure::{Fabric, Measure, Over, Side, value};
 use super::source::Source;
 use super::{Entry, StudyError};
-use crate::real::Real;
+use crate::real::Number;
 use crate::search::Loss;
 
 /// What is wanted of a measure.
@@ -105,7 +105,7 @@ impl Objective {
             let value = |side: Side| value(wish.measure, entry, fabric, self.over, side);
             let ln = |value: f64| {
                 let value = if wish.measure.is_count() { 1.0 + value } else { value };
-                if value.is_normal() && value > 0.0 { Real::ln(value) } else { f64::NAN }
+                if value.is_normal() && value > 0.0 { Number::ln(value) } else { f64::NAN }
             };
             if let Some(aim) = wish.aim {
                 let part = match aim {

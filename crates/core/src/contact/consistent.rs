@@ -4,7 +4,7 @@
 
 use super::elastoplastic::PlasticLine;
 use super::{ElastoPlastic, ForceLaw, History, LaneLaw, NormalLaw, Pair};
-use crate::real::Real;
+use crate::real::{Lanes, Number};
 
 /// The energy-consistent elastic-plastic law. With U the elastic curve of the contact as it is now, and Y the force at which
 /// it yields,
@@ -29,7 +29,7 @@ pub struct Consistent<V = f64> {
 }
 
 /// The state of a contact, and what became of it.
-struct Response<V: Real> {
+struct Response<V: Number> {
     force: V,
     /// δ_max − δ_r, before the step.
     recovered: V,
@@ -51,7 +51,7 @@ impl Consistent {
     }
 }
 
-impl<V: Real> Consistent<V> {
+impl<V: Number> Consistent<V> {
     /// Whether the contact has stayed below F_y at rest, and so is Hertz, δ_r = 0. Told apart because the first forces of a wave's
     /// foot are so small (10⁻³⁰⁰ N) that the curve through the last of them would be rounded beyond recognition.
     #[inline(always)]
@@ -121,7 +121,7 @@ impl<V: Real> Consistent<V> {
 }
 
 impl LaneLaw for Consistent {
-    type Lanes<V: Real> = Consistent<V>;
+    type Lanes<V: Number> = Consistent<V>;
     const PARAMETERS: usize = ElastoPlastic::PARAMETERS;
 
     fn parameters(&self) -> Vec<f64> {
@@ -129,12 +129,12 @@ impl LaneLaw for Consistent {
     }
 
     #[inline(always)]
-    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> Consistent<V> {
+    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> Consistent<V> {
         Consistent { published: ElastoPlastic::look_up(tables, place) }
     }
 }
 
-impl<V: Real> ForceLaw<V> for Consistent<V> {
+impl<V: Number> ForceLaw<V> for Consistent<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
         self.response(overlap, closing_speed, history).force

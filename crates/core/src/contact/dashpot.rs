@@ -1,7 +1,7 @@
 //! The linear spring and dashpot of granular beds.
 
 use super::{ForceLaw, History, NormalLaw};
-use crate::real::Real;
+use crate::real::Number;
 
 /// F = k δ + c v with overlap δ and closing speed v: a spring and a dashpot side by side (Kondic et al. 2012, eq. 2).
 ///
@@ -34,7 +34,7 @@ impl Dashpot {
 
     /// Force of closed contacts, one or several side by side, each with its own c in place of `damping`.
     #[inline(always)]
-    pub fn push<V: Real>(&self, overlap: V, closing_speed: V, damping: V) -> V {
+    pub fn push<V: Number>(&self, overlap: V, closing_speed: V, damping: V) -> V {
         let force = V::splat(self.stiffness) * overlap + damping * closing_speed;
         if self.cut { force.max(V::splat(0.0)) } else { force }
     }

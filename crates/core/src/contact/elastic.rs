@@ -1,7 +1,7 @@
 //! Contacts that do not yield.
 
 use super::{ForceLaw, History, LaneLaw, NormalLaw, Pair};
-use crate::real::Real;
+use crate::real::{Lanes, Number};
 
 /// Frictionless elastic contact of two spheres.
 ///
@@ -23,7 +23,7 @@ impl Hertz {
 }
 
 impl LaneLaw for Hertz {
-    type Lanes<V: Real> = Hertz<V>;
+    type Lanes<V: Number> = Hertz<V>;
     const PARAMETERS: usize = 1;
 
     fn parameters(&self) -> Vec<f64> {
@@ -31,12 +31,12 @@ impl LaneLaw for Hertz {
     }
 
     #[inline(always)]
-    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> Hertz<V> {
+    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> Hertz<V> {
         Hertz { coefficient: V::lookup(&tables[0], place) }
     }
 }
 
-impl<V: Real> ForceLaw<V> for Hertz<V> {
+impl<V: Number> ForceLaw<V> for Hertz<V> {
     #[inline(always)]
     fn force(&self, overlap: V, _: V, _: &History<V>) -> V {
         let overlap = overlap.max(V::splat(0.0));
@@ -65,7 +65,7 @@ impl NormalLaw for Hertz {
 /// smooth, and on 0 ≤ w ≤ 1/16 (overlaps to 3 % of S) the polynomial through it at nine Chebyshev points is off by less than
 /// 2⁻⁵³. Beyond that P is computed as written. Not positive w gives 0.
 #[inline(always)]
-pub(crate) fn hertz_over_distance<V: Real>(w: V) -> V {
+pub(crate) fn hertz_over_distance<V: Number>(w: V) -> V {
     let c = V::splat;
     let w = w.max(c(0.0));
     let square = w * w;
@@ -105,7 +105,7 @@ const P: [f64; 9] = [
 pub struct HertzThesis<V = f64>(pub Hertz<V>);
 
 impl LaneLaw for HertzThesis {
-    type Lanes<V: Real> = HertzThesis<V>;
+    type Lanes<V: Number> = HertzThesis<V>;
     const PARAMETERS: usize = 1;
 
     fn parameters(&self) -> Vec<f64> {
@@ -113,12 +113,12 @@ impl LaneLaw for HertzThesis {
     }
 
     #[inline(always)]
-    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> HertzThesis<V> {
+    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> HertzThesis<V> {
         HertzThesis(Hertz::look_up(tables, place))
     }
 }
 
-impl<V: Real> ForceLaw<V> for HertzThesis<V> {
+impl<V: Number> ForceLaw<V> for HertzThesis<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
         let force = self.0.force(overlap, closing_speed, history);

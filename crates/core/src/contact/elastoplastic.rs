@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{ForceLaw, History, LaneLaw, NormalLaw, Pair};
-use crate::real::Real;
+use crate::real::{Lanes, Number};
 
 /// Rate hardening of the yield stress: σ = s σ_y with
 ///
@@ -17,7 +17,7 @@ pub(super) struct RateFactor<V> {
     per_speed: V,
 }
 
-impl<V: Real> RateFactor<V> {
+impl<V: Number> RateFactor<V> {
     #[inline(always)]
     pub(super) fn at(&self, closing_speed: V) -> V {
         // Strain rates below ε̇₀ do not harden, so the logarithm is only ever taken of numbers from 1 up.
@@ -46,7 +46,7 @@ pub(super) struct Unloading<V> {
     modulus: V,
 }
 
-impl<V: Real> Unloading<V> {
+impl<V: Number> Unloading<V> {
     /// a (m)
     #[inline(always)]
     fn contact_radius(&self, force_max: V, yield_force: V) -> V {
@@ -177,7 +177,7 @@ pub(super) struct PlasticLine<V> {
     pub ln_s: V,
 }
 
-impl<V: Real> ElastoPlastic<V> {
+impl<V: Number> ElastoPlastic<V> {
     #[inline(always)]
     pub(super) fn plastic_line(&self, s: V) -> PlasticLine<V> {
         let [offset, slope, exponent] = self.pressure_ratio;
@@ -222,7 +222,7 @@ impl<V: Real> ElastoPlastic<V> {
 }
 
 impl LaneLaw for ElastoPlastic {
-    type Lanes<V: Real> = ElastoPlastic<V>;
+    type Lanes<V: Number> = ElastoPlastic<V>;
     const PARAMETERS: usize = 18;
 
     fn parameters(&self) -> Vec<f64> {
@@ -237,7 +237,7 @@ impl LaneLaw for ElastoPlastic {
     }
 
     #[inline(always)]
-    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> ElastoPlastic<V> {
+    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> ElastoPlastic<V> {
         ElastoPlastic {
             rate: RateFactor { constant: V::lookup(&tables[0], place), per_speed: V::lookup(&tables[1], place) },
             unloading: Unloading {
@@ -262,7 +262,7 @@ impl LaneLaw for ElastoPlastic {
     }
 }
 
-impl<V: Real> ForceLaw<V> for ElastoPlastic<V> {
+impl<V: Number> ForceLaw<V> for ElastoPlastic<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
         let overlap = overlap.max(V::splat(0.0));
@@ -319,7 +319,7 @@ impl LinearPlastic {
 }
 
 impl LaneLaw for LinearPlastic {
-    type Lanes<V: Real> = LinearPlastic<V>;
+    type Lanes<V: Number> = LinearPlastic<V>;
     const PARAMETERS: usize = 9;
 
     fn parameters(&self) -> Vec<f64> {
@@ -331,7 +331,7 @@ impl LaneLaw for LinearPlastic {
     }
 
     #[inline(always)]
-    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> LinearPlastic<V> {
+    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> LinearPlastic<V> {
         LinearPlastic {
             rate: RateFactor { constant: V::lookup(&tables[0], place), per_speed: V::lookup(&tables[1], place) },
             unloading: Unloading {
@@ -345,7 +345,7 @@ impl LaneLaw for LinearPlastic {
     }
 }
 
-impl<V: Real> ForceLaw<V> for LinearPlastic<V> {
+impl<V: Number> ForceLaw<V> for LinearPlastic<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
         let overlap = overlap.max(V::splat(0.0));

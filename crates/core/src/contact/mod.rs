@@ -38,7 +38,7 @@ pub use law::{AnyLaw, Constants, LawKind, UnknownName};
 pub use pair::{Pair, Regions};
 pub use tabulated::{TableError, Tabulated};
 
-use crate::real::Real;
+use crate::real::{Lanes, Number};
 
 /// What a contact remembers of its past.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ pub struct History<V = f64> {
     pub elastic_excess: V,
 }
 
-impl<V: Real> History<V> {
+impl<V: Number> History<V> {
     /// A contact that has never been closed.
     pub fn new() -> Self {
         Self::yielded_at(V::splat(0.0), V::splat(0.0))
@@ -72,14 +72,14 @@ impl<V: Real> History<V> {
     }
 }
 
-impl<V: Real> Default for History<V> {
+impl<V: Number> Default for History<V> {
     fn default() -> Self {
         Self::new()
     }
 }
 
 /// The force of a normal contact law between two given spheres, for one design or several side by side.
-pub trait ForceLaw<V: Real> {
+pub trait ForceLaw<V: Number> {
     /// Repulsive force (N) at an overlap (m) and closing speed (m/s) (positive while the spheres approach). Zero where the
     /// overlap is not positive.
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V;
@@ -106,11 +106,11 @@ pub trait NormalLaw: ForceLaw<f64> {
 /// A law whose parameters can be looked up for several designs side by side.
 pub trait LaneLaw: NormalLaw + Copy + Send + Sync {
     /// The law of a contact, with a parameter set for each design.
-    type Lanes<V: Real>: ForceLaw<V>;
+    type Lanes<V: Number>: ForceLaw<V>;
     /// How many parameters there are.
     const PARAMETERS: usize;
     /// The parameters in the order of `look_up`'s tables.
     fn parameters(&self) -> Vec<f64>;
     /// The law with parameter k of each design from its place in table k.
-    fn look_up<V: Real>(tables: &[[f64; 16]], place: V::Index) -> Self::Lanes<V>;
+    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> Self::Lanes<V>;
 }

@@ -17,7 +17,7 @@ use super::record::{Fastest, Observer};
 use super::step::{Drive, Stepper};
 use super::table::LaneTable;
 use crate::contact::{Consistent, ElastoPlastic, Hertz, HertzThesis, LaneLaw, LawKind, LinearPlastic, Pair};
-use crate::real::{Kernel, Real, Width};
+use crate::real::{Kernel, Lanes, Width};
 use crate::sample::Sample;
 
 /// What is kept of one design of a batch.
@@ -166,7 +166,7 @@ impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L> Kernel for Under<'_, '_, D, 
     type Output = Result<(Vec<Brief>, Phases), BatchError>;
 
     #[inline(always)]
-    fn run<V: Real>(self) -> Self::Output {
+    fn run<V: Lanes>(self) -> Self::Output {
         let Group { samples, touching, impact, interrupt, timed } = *self.group;
         let clock = Clock::new(timed);
         let laws = LaneTable::<L, V>::new(samples, touching, impact.constants, self.law).ok_or(BatchError::Kinds)?;

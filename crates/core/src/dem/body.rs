@@ -1,7 +1,7 @@
 //! The spheres in motion: displacement from where they lay, velocity and force, as parallel arrays.
 
 use super::boundary::Mirror;
-use crate::real::Real;
+use crate::real::Lanes;
 use crate::sample::Sample;
 
 /// State of all spheres. Row i of each array is sphere i, in the sample's order.
@@ -24,7 +24,7 @@ pub(super) struct Grains<V, const D: usize> {
     pub reached: usize,
 }
 
-impl<V: Real, const D: usize> Grains<V, D> {
+impl<V: Lanes, const D: usize> Grains<V, D> {
     /// Spheres at rest; the samples stand side by side and differ in materials only.
     pub fn at_rest(samples: &[&Sample<D>], mirrors: &[Mirror]) -> Self {
         let sample = samples[0];
@@ -87,7 +87,7 @@ impl<V: Real, const D: usize> Grains<V, D> {
 
 /// |a|²
 #[inline(always)]
-pub(super) fn square<V: Real, const D: usize>(a: &[V; D]) -> V {
+pub(super) fn square<V: Lanes, const D: usize>(a: &[V; D]) -> V {
     let mut sum = a[0] * a[0];
     for k in 1..D {
         sum = sum + a[k] * a[k];

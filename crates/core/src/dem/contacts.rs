@@ -3,10 +3,10 @@
 use super::body::{Grains, square};
 use super::neighbour::{SelfTouch, Touch, Touching};
 use crate::contact::{ForceLaw, History, NormalLaw};
-use crate::real::Real;
+use crate::real::Lanes;
 
 /// The law of every contact.
-pub(super) trait Laws<V: Real>: Sync {
+pub(super) trait Laws<V: Lanes>: Sync {
     /// The law's type, the same for all contacts.
     type Law: ForceLaw<V>;
     /// The law of one design.
@@ -27,7 +27,7 @@ pub(super) struct Account<V> {
     pub work: V,
 }
 
-impl<V: Real> Account<V> {
+impl<V: Lanes> Account<V> {
     fn new() -> Self {
         let zero = V::splat(0.0);
         Self { overlap: zero, force: zero, work: zero }
@@ -72,7 +72,7 @@ pub(super) struct Contacts<V, const D: usize, L> {
 /// numerical fore-runner of a wave would cross a row per step, with denormal numbers in it, and nothing be left to skip.
 pub(super) const CLOSED: f64 = 1e-15;
 
-impl<V: Real, const D: usize, L: Laws<V>> Contacts<V, D, L> {
+impl<V: Lanes, const D: usize, L: Laws<V>> Contacts<V, D, L> {
     /// With `accounts` false no energy ledger is kept.
     pub fn new(touching: Touching<D>, grains: &Grains<V, D>, laws: L, accounts: bool) -> Self {
         let Touching { pairs, images } = touching;

@@ -6,7 +6,7 @@ use super::body::Grains;
 use super::contacts::{Contacts, Laws};
 use super::step::Stepper;
 use crate::contact::NormalLaw as _;
-use crate::real::Real;
+use crate::real::Lanes;
 
 /// Overlap over the sum of radii beyond which a run is stopped: with a² = 2 r* δ the contact's radius is then 0.7 R, and
 /// nothing is left of small contacts on spheres.
@@ -88,7 +88,7 @@ pub fn stable_step<const D: usize>(stiffness: f64, mass: f64) -> f64 {
 }
 
 /// Checks one design of a run in progress.
-pub(super) fn check<V: Real, const D: usize, L: Laws<V>>(
+pub(super) fn check<V: Lanes, const D: usize, L: Laws<V>>(
     stepper: &Stepper<V, D>,
     grains: &Grains<V, D>,
     contacts: &Contacts<V, D, L>,

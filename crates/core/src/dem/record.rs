@@ -1,7 +1,7 @@
 //! What each sphere felt, and when.
 
 use super::body::{Grains, square};
-use crate::real::Real;
+use crate::real::Lanes;
 
 /// Looks at the spheres after every accepted step.
 pub(super) trait Observer<V, const D: usize> {
@@ -113,7 +113,7 @@ impl<const D: usize> Observer<f64, D> for Felt<D> {
 /// Maxima of v² only, of every design side by side.
 pub(super) struct Fastest<V>(pub Vec<V>);
 
-impl<V: Real, const D: usize> Observer<V, D> for Fastest<V> {
+impl<V: Lanes, const D: usize> Observer<V, D> for Fastest<V> {
     #[inline(always)]
     fn accepted(&mut self, _: f64, grains: &Grains<V, D>) {
         for i in 0..grains.reached {

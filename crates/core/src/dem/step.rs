@@ -16,7 +16,7 @@ use super::body::Grains;
 use super::clock::{Clock, Phase};
 use super::contacts::{Contacts, Laws, Sweep};
 use super::load::ForcePulse;
-use crate::real::Real;
+use crate::real::Lanes;
 
 /// The load on the struck spheres, and the work it has done.
 pub(super) struct Drive<V> {
@@ -30,7 +30,7 @@ pub(super) struct Drive<V> {
     pub work: V,
 }
 
-impl<V: Real> Drive<V> {
+impl<V: Lanes> Drive<V> {
     pub fn new(pulse: ForcePulse, slope: f64, struck: &[usize]) -> Self {
         let reach = struck.iter().max().map_or(0, |last| last + 1);
         Self { pulse, slope, struck: struck.to_vec(), reach, work: V::splat(0.0) }
@@ -64,7 +64,7 @@ struct Stages<V, const D: usize> {
     acceleration_sum: Vec<[V; D]>,
 }
 
-impl<V: Real, const D: usize> Stepper<V, D> {
+impl<V: Lanes, const D: usize> Stepper<V, D> {
     pub fn new(integrator: Integrator, accept: Sweep, step: f64, spheres: usize) -> Self {
         let zeros = || vec![[V::splat(0.0); D]; spheres];
         let stages = (integrator == Integrator::Rk4).then(|| Stages {

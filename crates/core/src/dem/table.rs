@@ -6,7 +6,7 @@ use super::contacts::Laws;
 use super::neighbour::Touching;
 use crate::contact::{Constants, LaneLaw, NormalLaw, Pair};
 use crate::material::Material;
-use crate::real::Real;
+use crate::real::Lanes;
 use crate::sample::Sample;
 
 /// The laws of the kinds of pairs that occur, found by materials and radii.
@@ -87,7 +87,7 @@ pub(super) struct LaneTable<L, V> {
     width: PhantomData<V>,
 }
 
-impl<L: LaneLaw, V: Real> Laws<V> for LaneTable<L, V> {
+impl<L: LaneLaw, V: Lanes> Laws<V> for LaneTable<L, V> {
     type Law = L::Lanes<V>;
     type One = L;
     #[inline(always)]
@@ -100,7 +100,7 @@ impl<L: LaneLaw, V: Real> Laws<V> for LaneTable<L, V> {
     }
 }
 
-impl<L: LaneLaw, V: Real> LaneTable<L, V> {
+impl<L: LaneLaw, V: Lanes> LaneTable<L, V> {
     /// Makes a law for every kind of pair that touches in any of the samples, one sample per lane; none if there are more
     /// than 16 kinds.
     pub fn new<const D: usize>(

@@ -20,7 +20,7 @@ pub trait Kernel {
     type Output;
     /// Computes it. Must be `#[inline(always)]`, as must be all it calls in its hot part: only then is it compiled for the
     /// width's instructions.
-    fn run<V: super::Real>(self) -> Self::Output;
+    fn run<V: super::Lanes>(self) -> Self::Output;
 }
 
 impl Width {
@@ -78,7 +78,7 @@ mod x86 {
     use std::ops::{Add, Div, Mul, Neg, Sub};
 
     use super::{Kernel, Width};
-    use crate::real::Real;
+    use crate::real::{Lanes, Number, functions_of_lanes};
 
     /// The caller has asked the processor for this width.
     pub fn run<K: Kernel>(width: Width, kernel: K) -> K::Output {
@@ -169,39 +169,12 @@ mod x86 {
     const TWO_52_BITS: i64 = 0x4330_0000_0000_0000;
 
     // Safety of every block below: see the module's page. Slices are checked to be long enough.
-    impl Real for F64x4 {
+    impl Number for F64x4 {
         type Mask = __m256d;
-        type Index = __m128i;
-        const LANES: usize = 4;
 
         #[inline(always)]
         fn splat(value: f64) -> Self {
             Self(unsafe { _mm256_set1_pd(value) })
-        }
-        fn lane(self, lane: usize) -> f64 {
-            self.array()[lane]
-        }
-        fn set_lane(&mut self, lane: usize, value: f64) {
-            let mut array = self.array();
-            array[lane] = value;
-            *self = Self::from_array(array);
-        }
-        #[inline(always)]
-        fn load(from: &[f64]) -> Self {
-            let from = &from[..4];
-            Self(unsafe { _mm256_loadu_pd(from.as_ptr()) })
-        }
-        #[inline(always)]
-        fn store(self, to: &mut [f64]) {
-            let to = &mut to[..4];
-            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
-        }
-        #[inline(always)]
-        fn after(self, before: Self) -> Self {
-            unsafe {
-                let middle = _mm256_permute2f128_pd::<0x21>(before.0, self.0);
-                Self(_mm256_shuffle_pd::<0b0101>(middle, self.0))
-            }
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
@@ -228,12 +201,48 @@ mod x86 {
             unsafe { _mm256_or_pd(a, b) }
         }
         #[inline(always)]
+        fn and(a: __m256d, b: __m256d) -> __m256d {
+            unsafe { _mm256_and_pd(a, b) }
+        }
+        #[inline(always)]
         fn any(mask: __m256d) -> bool {
             unsafe { _mm256_movemask_pd(mask) != 0 }
         }
         #[inline(always)]
         fn all(mask: __m256d) -> bool {
             unsafe { _mm256_movemask_pd(mask) == 15 }
+        }
+        functions_of_lanes!();
+    }
+
+    impl Lanes for F64x4 {
+        type Index = __m128i;
+        const LANES: usize = 4;
+
+        fn lane(self, lane: usize) -> f64 {
+            self.array()[lane]
+        }
+        fn set_lane(&mut self, lane: usize, value: f64) {
+            let mut array = self.array();
+            array[lane] = value;
+            *self = Self::from_array(array);
+        }
+        #[inline(always)]
+        fn load(from: &[f64]) -> Self {
+            let from = &from[..4];
+            Self(unsafe { _mm256_loadu_pd(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64]) {
+            let to = &mut to[..4];
+            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn after(self, before: Self) -> Self {
+            unsafe {
+                let middle = _mm256_permute2f128_pd::<0x21>(before.0, self.0);
+                Self(_mm256_shuffle_pd::<0b0101>(middle, self.0))
+            }
         }
         #[inline(always)]
         fn index(places: &[u8]) -> __m128i {
@@ -259,41 +268,22 @@ mod x86 {
                 (Self(exponent), Self(_mm256_castsi256_pd(mantissa)), _mm256_castsi256_si128(even))
             }
         }
+        #[inline(always)]
+        fn power_of_two(self) -> Self {
+            unsafe {
+                // The exponent's bits come to lie lowest, and are moved to their place.
+                let bits = _mm256_castpd_si256(_mm256_add_pd(self.0, _mm256_set1_pd(TWO_52 + 1023.0)));
+                Self(_mm256_castsi256_pd(_mm256_slli_epi64::<52>(bits)))
+            }
+        }
     }
 
-    impl Real for F64x8 {
+    impl Number for F64x8 {
         type Mask = __mmask8;
-        type Index = __m512i;
-        const LANES: usize = 8;
 
         #[inline(always)]
         fn splat(value: f64) -> Self {
             Self(unsafe { _mm512_set1_pd(value) })
-        }
-        fn lane(self, lane: usize) -> f64 {
-            self.array()[lane]
-        }
-        fn set_lane(&mut self, lane: usize, value: f64) {
-            let mut array = self.array();
-            array[lane] = value;
-            *self = Self::from_array(array);
-        }
-        #[inline(always)]
-        fn load(from: &[f64]) -> Self {
-            let from = &from[..8];
-            Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
-        }
-        #[inline(always)]
-        fn store(self, to: &mut [f64]) {
-            let to = &mut to[..8];
-            unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
-        }
-        #[inline(always)]
-        fn after(self, before: Self) -> Self {
-            unsafe {
-                let (before, own) = (_mm512_castpd_si512(before.0), _mm512_castpd_si512(self.0));
-                Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<7>(own, before)))
-            }
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
@@ -320,12 +310,48 @@ mod x86 {
             a | b
         }
         #[inline(always)]
+        fn and(a: __mmask8, b: __mmask8) -> __mmask8 {
+            a & b
+        }
+        #[inline(always)]
         fn any(mask: __mmask8) -> bool {
             mask != 0
         }
         #[inline(always)]
         fn all(mask: __mmask8) -> bool {
             mask == 255
+        }
+        functions_of_lanes!();
+    }
+
+    impl Lanes for F64x8 {
+        type Index = __m512i;
+        const LANES: usize = 8;
+
+        fn lane(self, lane: usize) -> f64 {
+            self.array()[lane]
+        }
+        fn set_lane(&mut self, lane: usize, value: f64) {
+            let mut array = self.array();
+            array[lane] = value;
+            *self = Self::from_array(array);
+        }
+        #[inline(always)]
+        fn load(from: &[f64]) -> Self {
+            let from = &from[..8];
+            Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64]) {
+            let to = &mut to[..8];
+            unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn after(self, before: Self) -> Self {
+            unsafe {
+                let (before, own) = (_mm512_castpd_si512(before.0), _mm512_castpd_si512(self.0));
+                Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<7>(own, before)))
+            }
         }
         #[inline(always)]
         fn index(places: &[u8]) -> __m512i {
@@ -353,13 +379,21 @@ mod x86 {
                 (Self(_mm512_cvtepi64_pd(exponent)), Self(_mm512_castsi512_pd(mantissa)), place)
             }
         }
+        #[inline(always)]
+        fn power_of_two(self) -> Self {
+            unsafe {
+                // The exponent's bits come to lie lowest, and are moved to their place.
+                let bits = _mm512_castpd_si512(_mm512_add_pd(self.0, _mm512_set1_pd(TWO_52 + 1023.0)));
+                Self(_mm512_castsi512_pd(_mm512_slli_epi64::<52>(bits)))
+            }
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Kernel, Width};
-    use crate::real::Real;
+    use crate::real::Lanes;
 
     /// Many operations on many numbers; lane k of a group holds number k.
     struct Everything<'a>(&'a [f64]);
@@ -367,7 +401,7 @@ mod tests {
     impl Kernel for Everything<'_> {
         type Output = Vec<u64>;
         #[inline(always)]
-        fn run<V: Real>(self) -> Vec<u64> {
+        fn run<V: Lanes>(self) -> Vec<u64> {
             let table: [f64; 16] = std::array::from_fn(|k| k as f64);
             let mut out = Vec::new();
             for group in self.0.chunks(V::LANES) {
@@ -381,6 +415,9 @@ mod tests {
                 let parts = x.exponent_mantissa();
                 let results = [
                     x.ln(),
+                    (x.min(V::splat(700.0)) * V::splat(-1.0)).exp(),
+                    x.min(V::splat(12.0)).exp(),
+                    (V::splat(1.0) - x).acos(),
                     (x.min(V::splat(0.5))).exp_small(),
                     x.sqrt() / (x + V::splat(3.0)),
                     -(x * x - x),
@@ -405,7 +442,7 @@ mod tests {
     impl Kernel for Moved<'_> {
         type Output = Vec<f64>;
         #[inline(always)]
-        fn run<V: Real>(self) -> Vec<f64> {
+        fn run<V: Lanes>(self) -> Vec<f64> {
             let mut out = vec![0.0; self.0.len()];
             let mut before = V::splat(-1.0);
             for start in (0..self.0.len()).step_by(V::LANES) {

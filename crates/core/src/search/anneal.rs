@@ -1,7 +1,7 @@
 //! Simulated annealing in batches.
 
 use super::{Choice, Dice, Search, Space, sane, shifted};
-use crate::real::Real;
+use crate::real::Number;
 
 /// Moves by which the scale of losses is found, before anything is accepted.
 const PROBES: usize = 48;
@@ -92,7 +92,7 @@ impl Annealing {
     /// T = scale · HOT (COLD/HOT)^(tried/length)
     fn temperature(&self) -> f64 {
         let part = self.tried as f64 / self.length.max(1) as f64;
-        self.scale.unwrap_or(0.0) * HOT * super::exp(part * Real::ln(COLD / HOT))
+        self.scale.unwrap_or(0.0) * HOT * super::exp(part * Number::ln(COLD / HOT))
     }
 }
 
@@ -140,7 +140,7 @@ impl Search for Annealing {
             self.tried += 1;
             let rise = loss - self.current.1;
             // u < exp(-rise/T), without the exponential; what is not finite is never taken in place of what is.
-            let taken = rise <= 0.0 || rise < -self.temperature() * Real::ln(self.dice.unit().max(1e-300));
+            let taken = rise <= 0.0 || rise < -self.temperature() * Number::ln(self.dice.unit().max(1e-300));
             if taken && (loss.is_finite() || !self.current.1.is_finite()) {
                 self.current = (choice, loss);
                 break;

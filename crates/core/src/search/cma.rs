@@ -1,7 +1,7 @@
 //! CMA-ES: evolution of a normal distribution over real parameters.
 
 use super::{Dice, exp, sane};
-use crate::real::Real;
+use crate::real::Number;
 
 /// Covariance matrix adaptation evolution strategy, (μ/μ_w, λ), with rank-one and rank-μ updates and cumulative step-size
 /// control, by the tutorial of N. Hansen (arXiv:1604.00772, figure 6; positive weights only).
@@ -37,9 +37,9 @@ impl Cma {
     /// less, as many as the tutorial recommends, 4 + 3 ln n.
     pub fn new(mean: Vec<f64>, sigma: f64, lambda: usize, seed: u64) -> Self {
         let n = mean.len();
-        let lambda = lambda.max(4 + (3.0 * Real::ln(n.max(1) as f64)) as usize);
+        let lambda = lambda.max(4 + (3.0 * Number::ln(n.max(1) as f64)) as usize);
         let raw: Vec<f64> =
-            (1..=lambda / 2).map(|k| Real::ln((lambda as f64 + 1.0) / 2.0) - Real::ln(k as f64)).collect();
+            (1..=lambda / 2).map(|k| Number::ln((lambda as f64 + 1.0) / 2.0) - Number::ln(k as f64)).collect();
         let sum: f64 = raw.iter().sum();
         Self {
             dice: Dice::new(seed),

@@ -46,7 +46,7 @@ pub use rounds::{Method, MethodError, ORDER, Rounds};
 pub use simplices::Simplices;
 pub use swarm::Swarm;
 
-use crate::real::Real;
+use crate::real::Number;
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -222,7 +222,7 @@ fn sane(loss: f64) -> f64 {
 /// exp(x) for |x| up to 700, from sums, products and one quotient.
 fn exp(x: f64) -> f64 {
     let halvings = (0..11).find(|&k| x.abs() <= 0.5 * f64::from(1 << k)).unwrap_or(11);
-    let mut power = Real::exp_small(x.abs() / f64::from(1 << halvings));
+    let mut power = Number::exp_small(x.abs() / f64::from(1 << halvings));
     (0..halvings).for_each(|_| power *= power);
     if x < 0.0 { 1.0 / power } else { power }
 }

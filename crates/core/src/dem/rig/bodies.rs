@@ -3,7 +3,7 @@
 use super::cluster::ClusterState;
 use super::turns::Turns;
 use super::{Body, Rig};
-use crate::real::Real;
+use crate::real::Lanes;
 
 /// State of all spheres and flats. Row i of each array is sphere (or flat) i.
 #[derive(Clone, Debug)]
@@ -103,7 +103,7 @@ fn free<const D: usize>(velocity: &[f64; D], inverse_mass: &[f64; D]) -> [f64; D
 
 /// ω × n in `D` dimensions; in the plane ω points out of it.
 #[inline(always)]
-pub(super) fn spin_cross<V: Real, const D: usize>(spin: &[V; 3], n: &[V; D]) -> [V; D] {
+pub(super) fn spin_cross<V: Lanes, const D: usize>(spin: &[V; 3], n: &[V; D]) -> [V; D] {
     let mut out = [V::splat(0.0); D];
     if D == 2 {
         out[0] = -spin[2] * n[1];
@@ -118,7 +118,7 @@ pub(super) fn spin_cross<V: Real, const D: usize>(spin: &[V; 3], n: &[V; D]) -> 
 
 /// n × f in `D` dimensions; in the plane it points out of it.
 #[inline(always)]
-pub(super) fn cross<V: Real, const D: usize>(n: &[V; D], f: &[V; D]) -> [V; 3] {
+pub(super) fn cross<V: Lanes, const D: usize>(n: &[V; D], f: &[V; D]) -> [V; 3] {
     let zero = V::splat(0.0);
     if D == 2 {
         [zero, zero, n[0] * f[1] - n[1] * f[0]]
@@ -130,7 +130,7 @@ pub(super) fn cross<V: Real, const D: usize>(n: &[V; D], f: &[V; D]) -> [V; 3] {
 }
 
 #[inline(always)]
-pub(super) fn dot<V: Real, const D: usize>(a: &[V; D], b: &[V; D]) -> V {
+pub(super) fn dot<V: Lanes, const D: usize>(a: &[V; D], b: &[V; D]) -> V {
     let mut sum = a[0] * b[0];
     for k in 1..D {
         sum = sum + a[k] * b[k];

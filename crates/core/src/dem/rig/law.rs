@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::contact::{AnyLaw, Constants, Dashpot, ForceLaw as _, History, LawKind, NormalLaw, Pair, Tabulated};
 use crate::material::Material;
-use crate::real::Real;
+use crate::real::Lanes;
 
 /// The laws of a rig.
 #[derive(Clone, Debug)]
@@ -56,7 +56,7 @@ pub struct SpringDashpot {
 impl SpringDashpot {
     /// Force (N) of closed contacts, one or several side by side, with dashpots c = γ m̄ (kg/s).
     #[inline(always)]
-    pub(super) fn push<V: Real>(&self, overlap: V, closing_speed: V, damping: V) -> V {
+    pub(super) fn push<V: Lanes>(&self, overlap: V, closing_speed: V, damping: V) -> V {
         self.of(0.0).push(overlap, closing_speed, damping)
     }
 

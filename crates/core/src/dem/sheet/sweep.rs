@@ -11,7 +11,7 @@
 use super::grid::{Ghost, Store};
 use super::kinds::Kinds;
 use crate::contact::hertz_over_distance;
-use crate::real::{Kernel, Real};
+use crate::real::{Kernel, Lanes};
 
 /// What does not change from step to step.
 #[derive(Clone, Debug)]
@@ -95,7 +95,7 @@ struct Constants<V> {
     closed: V,
 }
 
-impl<V: Real> Constants<V> {
+impl<V: Lanes> Constants<V> {
     #[inline(always)]
     fn new(fixed: &Fixed) -> Self {
         let a = fixed.spacing;
@@ -140,7 +140,7 @@ struct RowBonds<'a, V> {
     slanted: &'a [u8],
 }
 
-impl<'a, V: Real> RowBonds<'a, V> {
+impl<'a, V: Lanes> RowBonds<'a, V> {
     #[inline(always)]
     fn new(constants: &'a Constants<V>, fixed: &'a Fixed, row: usize) -> Self {
         let here = row * fixed.store.stride..(row + 1) * fixed.store.stride;
@@ -191,7 +191,7 @@ impl<'a, V: Real> RowBonds<'a, V> {
 
 /// What belongs to the next place: the numbers moved one place on along a row, or those of the place before.
 #[inline(always)]
-fn one_on<V: Real, const ALONG: bool>(own: V, before: V) -> V {
+fn one_on<V: Lanes, const ALONG: bool>(own: V, before: V) -> V {
     if ALONG { own.after(before) } else { before }
 }
 
@@ -210,7 +210,7 @@ impl Kernel for Seam<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Real>(self) {
+    fn run<V: Lanes>(self) {
         match (self.row % 2 == 1, self.fixed.store.site == 1) {
             (false, false) => self.compute::<V, false, false>(),
             (false, true) => self.compute::<V, false, true>(),
@@ -222,7 +222,7 @@ impl Kernel for Seam<'_> {
 
 impl Seam<'_> {
     #[inline(always)]
-    fn compute<V: Real, const SHIFTED: bool, const ALONG: bool>(self) {
+    fn compute<V: Lanes, const SHIFTED: bool, const ALONG: bool>(self) {
         let constants = Constants::new(self.fixed);
         let bonds = RowBonds::<V>::new(&constants, self.fixed, self.row);
         let beside = if ALONG { 1 } else { V::LANES };
@@ -244,14 +244,14 @@ impl Kernel for Band<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn run<V: Real>(self) -> f64 {
+    fn run<V: Lanes>(self) -> f64 {
         if self.fixed.store.site == 1 { self.sweep::<V, true>() } else { self.sweep::<V, false>() }
     }
 }
 
 impl Band<'_> {
     #[inline(always)]
-    fn sweep<V: Real, const ALONG: bool>(self) -> f64 {
+    fn sweep<V: Lanes, const ALONG: bool>(self) -> f64 {
         let Self { fixed, first, rows, above, below, buffers: [above_next, spare], part } = self;
         let (mut above_next, mut spare) = (above_next, spare);
         let Store { stride, site, ref ghosts, .. } = fixed.store;
@@ -311,7 +311,7 @@ struct Row<'a, V> {
     above: &'a RowForce,
 }
 
-impl<V: Real> Row<'_, V> {
+impl<V: Lanes> Row<'_, V> {
     /// `LAST` in the band's last row, whose forces by the row below are in `below`.
     #[inline(always)]
     fn sweep<const SHIFTED: bool, const LAST: bool, const ALONG: bool>(

@@ -17,7 +17,7 @@ use super::{Drive, Stepper};
 use crate::dem::body::Grains;
 use crate::dem::clock::Phase;
 use crate::dem::contacts::{Contacts, Laws};
-use crate::real::Real;
+use crate::real::Lanes;
 
 /// Accelerations of all spheres one and two steps ago.
 pub(super) struct Past<V, const D: usize> {
@@ -25,14 +25,14 @@ pub(super) struct Past<V, const D: usize> {
     two: Vec<[V; D]>,
 }
 
-impl<V: Real, const D: usize> Past<V, D> {
+impl<V: Lanes, const D: usize> Past<V, D> {
     pub fn new(spheres: usize) -> Self {
         let zeros = || vec![[V::splat(0.0); D]; spheres];
         Self { one: zeros(), two: zeros() }
     }
 }
 
-impl<V: Real, const D: usize> Stepper<V, D> {
+impl<V: Lanes, const D: usize> Stepper<V, D> {
     #[inline(always)]
     pub(super) fn adams<L: Laws<V>>(
         &mut self,

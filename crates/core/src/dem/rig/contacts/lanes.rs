@@ -7,7 +7,7 @@ use crate::dem::rig::law::{Bond, SpringDashpot};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::share::rows;
 use crate::dem::rig::turns;
-use crate::real::{Kernel, Real};
+use crate::real::{Kernel, Lanes};
 
 use super::react::{CLOSED, Grip, between, meet};
 use super::sections::{Piece, Spill};
@@ -69,7 +69,7 @@ impl<const TURNING: bool, const SPRING: bool> Kernel for Sweep<'_, TURNING, SPRI
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Real>(mut self) {
+    fn run<V: Lanes>(mut self) {
         let zero = [0.0; BLOCK];
         let mut block = Block { shift: [zero; 2], approach: [zero; 2], turn: zero, force: [zero; 2], twist: zero };
         let count = self.piece.account.overlap.len();
@@ -116,7 +116,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
 
     /// γ, μ, k_t and γ_t of contacts from c on.
     #[inline(always)]
-    fn constants<V: Real>(&self, c: usize) -> [V; 4] {
+    fn constants<V: Lanes>(&self, c: usize) -> [V; 4] {
         let places = &self.bond[c..][..V::LANES];
         let of = &self.bonds[places[0] as usize];
         let mut constants = [
@@ -147,7 +147,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
 
     /// Contacts of the rows from c on, which stand from place n on in their block.
     #[inline(always)]
-    fn react<V: Real>(&mut self, c: usize, n: usize, block: &mut Block) {
+    fn react<V: Lanes>(&mut self, c: usize, n: usize, block: &mut Block) {
         let (line, zero, half) = (self.piece.first + c, V::splat(0.0), V::splat(0.5));
         let lines = self.lines;
         let offset = [V::load(&lines.offset[0][line..]), V::load(&lines.offset[1][line..])];

@@ -1,12 +1,12 @@
 //! What contacts do: the normal and the tangential force of two overlapping ends.
 //!
-//! Geometry and friction are written for any [`Real`]: one contact at a time, or in lanes (`lanes`).
+//! Geometry and friction are written for any [`Lanes`]: one contact at a time, or in lanes (`lanes`).
 
 use crate::dem::rig::bodies::{cross, dot, spin_cross};
 use crate::dem::rig::law::{Bond, Bonding, Slip};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::turns::Turns;
-use crate::real::Real;
+use crate::real::Lanes;
 
 use super::account::Account;
 
@@ -63,7 +63,7 @@ impl Slip {
 /// From the centre of the first sphere to that of the second, Δ = offset + shift, and S² − |Δ|² with S² − |offset|² = −gap:
 /// without the cancellation of two nearly equal squares. Positive where they overlap.
 #[inline(always)]
-pub fn between<V: Real, const D: usize>(offset: &[V; D], shift: &[V; D], gap: V) -> ([V; D], V) {
+pub fn between<V: Lanes, const D: usize>(offset: &[V; D], shift: &[V; D], gap: V) -> ([V; D], V) {
     let mut between = *offset;
     let mut excess = -gap;
     for k in 0..D {
@@ -76,7 +76,7 @@ pub fn between<V: Real, const D: usize>(offset: &[V; D], shift: &[V; D], gap: V)
 /// Two overlapping spheres of radii's sum `reach`, with the velocity of the first relative to the second and
 /// `turn` = r₁ ω₁ + r₂ ω₂.
 #[inline(always)]
-pub fn meet<V: Real, const D: usize>(
+pub fn meet<V: Lanes, const D: usize>(
     (between, excess): (&[V; D], V),
     reach: V,
     approach: &[V; D],
@@ -106,7 +106,7 @@ pub struct Grip<V> {
     pub damping: V,
 }
 
-impl<V: Real> Grip<V> {
+impl<V: Lanes> Grip<V> {
     /// The force that the first end's sliding meets, F_t = k_t ξ + γ_t m̄ u, at most μ |F_n|; ξ advances by one step. Without
     /// `SPRING` k_t is zero, and ξ is left alone.
     #[inline(always)]
