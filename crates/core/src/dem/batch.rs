@@ -7,6 +7,7 @@
 use std::any::Any;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::Integrator;
 use super::body::Grains;
 use super::clock::{Clock, Phase, Phases};
 use super::contacts::{Contacts, Sweep};
@@ -106,6 +107,7 @@ fn dispatch<const D: usize>(samples: &[Sample<D>], terms: &Terms) -> Result<(Vec
 
 fn side_by_side<const D: usize>(samples: &[Sample<D>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
     let &Terms { impact, width, interrupt, timed } = terms;
+    let width = if impact.integrator == Integrator::Rk4 { Width::Scalar } else { width };
     let Some(first) = samples.first() else { return Ok((Vec::new(), Phases::default())) };
     let mut clock = Clock::new(timed);
     let alike = |sample: &Sample<D>| {

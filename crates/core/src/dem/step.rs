@@ -1,15 +1,13 @@
 //! One step forward in time.
 //!
-//! - here: velocity Verlet and Runge-Kutta; `adams`: a multistep scheme of fourth order
-//!
-//! Velocity Verlet with the predicted velocity v + h a in the force: one force sweep per step, second order although the
-//! force depends on velocity. (With the velocity at half step in the force it would be of first order.) Runge-Kutta of
-//! fourth order takes four sweeps and a fifth, at the accepted state, that advances the contacts' memories, as
-//! Burgoyne 2016, appendix A.2.3, does; it is the reference to compare with.
+//! - `multistep`: a predictor and a corrector around one force sweep, by a table of coefficients: velocity Verlet, and Adams's
+//!   scheme of fourth order
+//! - here: Runge-Kutta of fourth order, the reference to compare with. It takes four sweeps and a fifth, at the accepted state,
+//!   that advances the contacts' memories, as Burgoyne 2016, appendix A.2.3, does
 
-mod adams;
+mod multistep;
 
-use adams::Past;
+use multistep::{Coefficients, Past};
 
 use super::Integrator;
 use super::body::Grains;
@@ -52,12 +50,14 @@ pub(super) struct Stepper<V, const D: usize> {
     pub count: u64,
     pub clock: Clock,
     force: Vec<[V; D]>,
-    trial: Vec<[V; D]>,
+    /// The velocities that the force is evaluated with.
+    predicted: Vec<[V; D]>,
     stages: Option<Stages<V, D>>,
-    past: Option<Past<V, D>>,
+    coefficients: Coefficients,
+    past: Past<V, D>,
 }
 
-/// Work space of Runge-Kutta: the trial displacement, and the weighted sums of the stages' slopes.
+/// Work space of Runge-Kutta: the displacement that is tried, and the weighted sums of the stages' slopes.
 struct Stages<V, const D: usize> {
     displacement: Vec<[V; D]>,
     velocity_sum: Vec<[V; D]>,
@@ -72,9 +72,9 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
             velocity_sum: zeros(),
             acceleration_sum: zeros(),
         });
-        let past = (integrator == Integrator::Adams).then(|| Past::new(spheres));
-        let (force, trial, clock) = (zeros(), zeros(), Clock::new(false));
-        Self { integrator, accept, step, count: 0, clock, force, trial, stages, past }
+        let (force, predicted, clock) = (zeros(), zeros(), Clock::new(false));
+        let (coefficients, past) = (Coefficients::of(integrator, step), Past::new(spheres));
+        Self { integrator, accept, step, count: 0, clock, force, predicted, stages, coefficients, past }
     }
 
     /// Time (s) at the last accepted step.
@@ -91,70 +91,14 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         drive: &mut Drive<V>,
     ) {
         grains.reached = grains.reached.max(drive.reach);
-        match self.integrator {
-            Integrator::Verlet => self.verlet(grains, contacts, drive),
-            Integrator::Adams => self.adams(grains, contacts, drive),
-            Integrator::Rk4 => self.runge_kutta(grains, contacts, drive),
+        // Batches of Runge-Kutta run in scalars, so that its sweeps are not compiled for registers.
+        if V::LANES == 1 && self.integrator == Integrator::Rk4 {
+            self.runge_kutta(grains, contacts, drive);
+        } else {
+            self.multistep(grains, contacts, drive);
         }
         self.count += 1;
         self.clock.lap(Phase::Motion);
-    }
-
-    #[inline(always)]
-    fn verlet<L: Laws<V>>(
-        &mut self,
-        grains: &mut Grains<V, D>,
-        contacts: &mut Contacts<V, D, L>,
-        drive: &mut Drive<V>,
-    ) {
-        let h = V::splat(self.step);
-        let half = V::splat(0.5 * self.step);
-        let load = drive.pulse.during(self.count, self.step);
-
-        for i in 0..grains.reached {
-            for k in 0..D {
-                let (velocity, acceleration) = (grains.velocity[i][k], grains.acceleration[i][k]);
-                grains.displacement[i][k] = grains.displacement[i][k] + h * (velocity + half * acceleration);
-                self.trial[i][k] = velocity + h * acceleration;
-            }
-        }
-        if load > 0.0 {
-            for &i in &drive.struck {
-                for (k, load) in drive.components::<D>(load) {
-                    // What lies on a mirror does not move across it.
-                    if load == 0.0 || grains.mobility[i][k] == 0.0 {
-                        continue;
-                    }
-                    let push = V::splat(load) * grains.inverse_mass[i];
-                    let (velocity, acceleration) = (grains.velocity[i][k], grains.acceleration[i][k]);
-                    let moved = h * (velocity + half * (acceleration + push));
-                    drive.work = drive.work + V::splat(load * grains.weight[i]) * moved;
-                    grains.displacement[i][k] = grains.displacement[i][k] + h * half * push;
-                    self.trial[i][k] = self.trial[i][k] + h * push;
-                }
-            }
-        }
-        self.clock.lap(Phase::Motion);
-        contacts.sweep(&grains.displacement, &self.trial, &mut self.force, &mut grains.reached, self.accept);
-        self.clock.lap(Phase::Contacts);
-        for i in 0..grains.reached {
-            let new = grains.acceleration_of(i, &self.force[i]);
-            for k in 0..D {
-                grains.velocity[i][k] = grains.velocity[i][k] + half * (grains.acceleration[i][k] + new[k]);
-            }
-            grains.acceleration[i] = new;
-        }
-        if load > 0.0 {
-            for &i in &drive.struck {
-                for (k, load) in drive.components::<D>(load) {
-                    if load == 0.0 || grains.mobility[i][k] == 0.0 {
-                        continue;
-                    }
-                    let push = V::splat(load) * grains.inverse_mass[i];
-                    grains.velocity[i][k] = grains.velocity[i][k] + h * push;
-                }
-            }
-        }
     }
 
     fn runge_kutta<L: Laws<V>>(
@@ -167,7 +111,7 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         let load = drive.pulse.during(self.count, self.step);
         let zero = [V::splat(0.0); D];
         stages.displacement.copy_from_slice(&grains.displacement);
-        self.trial.copy_from_slice(&grains.velocity);
+        self.predicted.copy_from_slice(&grains.velocity);
         stages.velocity_sum.fill(zero);
         stages.acceleration_sum.fill(zero);
 
@@ -175,7 +119,7 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         for (share, ahead) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
             let share = V::splat(share);
             let ahead = V::splat(ahead * self.step);
-            contacts.sweep(&stages.displacement, &self.trial, &mut self.force, &mut grains.reached, Sweep::Try);
+            contacts.sweep(&stages.displacement, &self.predicted, &mut self.force, &mut grains.reached, Sweep::Try);
             for i in 0..grains.reached {
                 let mut acceleration = grains.acceleration_of(i, &self.force[i]);
                 if load > 0.0 && drive.struck.contains(&i) {
@@ -186,11 +130,11 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
                     }
                 }
                 for k in 0..D {
-                    let velocity = self.trial[i][k];
+                    let velocity = self.predicted[i][k];
                     stages.velocity_sum[i][k] = stages.velocity_sum[i][k] + share * velocity;
                     stages.acceleration_sum[i][k] = stages.acceleration_sum[i][k] + share * acceleration[k];
                     stages.displacement[i][k] = grains.displacement[i][k] + ahead * velocity;
-                    self.trial[i][k] = grains.velocity[i][k] + ahead * acceleration[k];
+                    self.predicted[i][k] = grains.velocity[i][k] + ahead * acceleration[k];
                 }
             }
         }

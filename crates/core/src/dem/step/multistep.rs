@@ -1,0 +1,136 @@
+//! Predictor and corrector around one force sweep a step: velocity Verlet, and Störmer's and Adams's multistep scheme.
+//!
+//! With a the contacts' acceleration, ∇a = aₙ − aₙ₋₁, ∇² the difference of such differences and so on,
+//!
+//!   x(n+1) = x + h v + h² (1/2 + s₁ ∇ + s₂ ∇²) aₙ
+//!   velocity in the force = v + h (1 + b₁ ∇ + b₂ ∇²) aₙ
+//!   v(n+1) = v + h (1 − 1/2 ∇ − m₂ ∇² − m₃ ∇³) a(n+1)
+//!
+//! | | s₁ | s₂ | b₁ | b₂ | m₂ | m₃ |
+//! |---|---|---|---|---|---|---|
+//! | Verlet | 0 | 0 | 0 | 0 | 0 | 0 |
+//! | Störmer; Adams and Bashforth; Adams and Moulton | 1/6 | 1/8 | 1/2 | 5/12 | 1/12 | 1/24 |
+//!
+//! (Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, sections III.1 and III.10.) Verlet with the predicted
+//! velocity v + h a in the force is of second order although the force depends on velocity; with the velocity at half step it would
+//! be of first. Adams's is of fourth order where the motion is smooth. A load is constant over a step and adds its exact motion. The
+//! accelerations before the start are zero, as those of a crystal at rest are. Where contacts open, yield or begin to unload,
+//! accelerations have kinks and the order is lost for that step, as in every scheme; what is gained on the lens problem all the same
+//! is in `benches/README.md`. Adams's is stable up to ωh = 1.41, Verlet up to 2; it damps the fastest motion by (ωh)⁵/160 a step or
+//! so, which the energy ledger shows.
+
+use super::{Drive, Stepper};
+use crate::dem::Integrator;
+use crate::dem::body::Grains;
+use crate::dem::clock::Phase;
+use crate::dem::contacts::{Contacts, Laws};
+use crate::real::Lanes;
+
+/// The table of a scheme, each entry times the step.
+#[derive(Clone, Copy)]
+pub(super) struct Coefficients {
+    /// s₁ h, s₂ h
+    displacement: [f64; 2],
+    /// b₁ h, b₂ h
+    velocity: [f64; 2],
+    /// m₂ h, m₃ h
+    corrector: [f64; 2],
+}
+
+impl Coefficients {
+    pub fn of(integrator: Integrator, step: f64) -> Self {
+        let [displacement, velocity, corrector] = match integrator {
+            Integrator::Adams => [[1.0 / 6.0, 1.0 / 8.0], [0.5, 5.0 / 12.0], [1.0 / 12.0, 1.0 / 24.0]],
+            Integrator::Verlet | Integrator::Rk4 => [[0.0; 2]; 3],
+        };
+        let times_step = |row: [f64; 2]| row.map(|share| share * step);
+        Self {
+            displacement: times_step(displacement),
+            velocity: times_step(velocity),
+            corrector: times_step(corrector),
+        }
+    }
+}
+
+/// Accelerations of all spheres one and two steps ago.
+pub(super) struct Past<V, const D: usize> {
+    one: Vec<[V; D]>,
+    two: Vec<[V; D]>,
+}
+
+impl<V: Lanes, const D: usize> Past<V, D> {
+    pub fn new(spheres: usize) -> Self {
+        let zeros = || vec![[V::splat(0.0); D]; spheres];
+        Self { one: zeros(), two: zeros() }
+    }
+}
+
+impl<V: Lanes, const D: usize> Stepper<V, D> {
+    #[inline(always)]
+    pub(super) fn multistep<L: Laws<V>>(
+        &mut self,
+        grains: &mut Grains<V, D>,
+        contacts: &mut Contacts<V, D, L>,
+        drive: &mut Drive<V>,
+    ) {
+        let past = &mut self.past;
+        let (h, half) = (V::splat(self.step), V::splat(0.5 * self.step));
+        let [s1, s2] = self.coefficients.displacement.map(V::splat);
+        let [b1, b2] = self.coefficients.velocity.map(V::splat);
+        let load = drive.pulse.during(self.count, self.step);
+
+        // The load's work is found from where the spheres were before.
+        if load > 0.0 {
+            for &i in &drive.struck {
+                for (k, load) in drive.components::<D>(load) {
+                    if load != 0.0 && grains.mobility[i][k] != 0.0 {
+                        drive.work = drive.work - V::splat(load * grains.weight[i]) * grains.displacement[i][k];
+                    }
+                }
+            }
+        }
+        for i in 0..grains.reached {
+            for k in 0..D {
+                let (velocity, now, one) = (grains.velocity[i][k], grains.acceleration[i][k], past.one[i][k]);
+                let first = now - one;
+                let second = first - (one - past.two[i][k]);
+                let mean = half * now + (s1 * first + s2 * second);
+                grains.displacement[i][k] = grains.displacement[i][k] + h * (velocity + mean);
+                self.predicted[i][k] = velocity + (h * now + (b1 * first + b2 * second));
+            }
+        }
+        if load > 0.0 {
+            for &i in &drive.struck {
+                for (k, load) in drive.components::<D>(load) {
+                    // What lies on a mirror does not move across it.
+                    if load == 0.0 || grains.mobility[i][k] == 0.0 {
+                        continue;
+                    }
+                    let push = V::splat(load) * grains.inverse_mass[i];
+                    grains.displacement[i][k] = grains.displacement[i][k] + h * half * push;
+                    self.predicted[i][k] = self.predicted[i][k] + h * push;
+                    grains.velocity[i][k] = grains.velocity[i][k] + h * push;
+                    drive.work = drive.work + V::splat(load * grains.weight[i]) * grains.displacement[i][k];
+                }
+            }
+        }
+        self.clock.lap(Phase::Motion);
+        contacts.sweep(&grains.displacement, &self.predicted, &mut self.force, &mut grains.reached, self.accept);
+        self.clock.lap(Phase::Contacts);
+        let [m2, m3] = self.coefficients.corrector.map(V::splat);
+        for i in 0..grains.reached {
+            let new = grains.acceleration_of(i, &self.force[i]);
+            for k in 0..D {
+                let (now, one, two) = (grains.acceleration[i][k], past.one[i][k], past.two[i][k]);
+                let (first, before, earlier) = (new[k] - now, now - one, one - two);
+                let second = first - before;
+                let third = second - (before - earlier);
+                let mean = half * (now + new[k]) - (m2 * second + m3 * third);
+                grains.velocity[i][k] = grains.velocity[i][k] + mean;
+            }
+            past.two[i] = past.one[i];
+            past.one[i] = grains.acceleration[i];
+            grains.acceleration[i] = new;
+        }
+    }
+}
