@@ -247,6 +247,9 @@ pub struct Checked {
     pub seconds: f64,
     /// What a reader should know before trusting the numbers.
     pub warnings: Vec<String>,
+    /// The scores under other laws, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laws: Option<crate::evaluate::OverLaws>,
     /// Which guard stopped the run, if one did.
     pub stop: Option<Stop>,
 }

@@ -16,6 +16,7 @@ use super::console::{emit, emit_json, interrupt, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file, write_json};
+use super::over_laws::UnderLaws;
 use super::{Common, Motion};
 
 /// Simulate a layout file, proposed or edited by hand, under a design's impact
@@ -30,6 +31,8 @@ pub struct Check {
     design: PathBuf,
     #[command(flatten)]
     motion: Motion,
+    #[command(flatten)]
+    under: UnderLaws,
     /// Write what each sphere felt as CSV
     #[arg(long, value_name = "FILE")]
     spheres: Option<PathBuf>,
@@ -49,6 +52,7 @@ impl Check {
             let seconds = arrangement(&layout.sample(), &impact(&design, &plan))?;
             return tell(common, &[Part::new("the layout, with full records", 1, Some(seconds))]);
         }
+        self.under.chosen(&design)?;
         probe(self.spheres.as_ref())?;
         probe(common.out.as_ref())?;
         let begun = Instant::now();
@@ -79,6 +83,10 @@ impl Check {
         if let Some(path) = &self.spheres {
             write_file(path, &spheres(&layout, &record))?;
         }
+        let laws = match &record.stop {
+            None => self.under.scores(&design, &layout, overrides)?,
+            Some(_) => None,
+        };
         let checked = Checked {
             format: FORMAT,
             design: design.name.clone(),
@@ -92,6 +100,7 @@ impl Check {
             integrator: plan.integrator.to_string(),
             seconds,
             warnings: plan.warnings.iter().cloned().chain(warnings).collect(),
+            laws,
             stop: record.stop,
         };
         write_json(common, &checked)?;
@@ -99,6 +108,7 @@ impl Check {
             emit_json(&checked);
         } else {
             emit(&words(&checked));
+            checked.laws.iter().for_each(|laws| emit(&laws.table()));
             checked.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         }
         match &checked.stop {

@@ -12,6 +12,7 @@ use super::console::{Bar, emit, emit_json, interrupt};
 use super::cost::{Part, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
+use super::over_laws::UnderLaws;
 use super::{Common, Motion, propose};
 
 /// Simulate the lens, or a given layout, and all baselines; print the table
@@ -25,6 +26,8 @@ pub struct Compare {
     layout: Option<PathBuf>,
     #[command(flatten)]
     motion: Motion,
+    #[command(flatten)]
+    under: UnderLaws,
 }
 
 impl Compare {
@@ -43,6 +46,7 @@ impl Compare {
         if common.dry_run {
             return cost(common, &design, &comparison);
         }
+        self.under.chosen(&design)?;
         probe(common.out.as_ref())?;
         let bar = Bar::new(common, comparison.len());
         let outcome = compare(&comparison, interrupt(), &bar)?;
@@ -50,10 +54,17 @@ impl Compare {
         if let Some(path) = &common.out {
             write_file(path, &report::outcome_json(&outcome)?)?;
         }
+        let whole = outcome.arrangements.len() == comparison.len();
+        let laws = if whole { self.under.scores(&design, &comparison.subject, overrides)? } else { None };
         if common.json {
-            emit_json(&report::numbers(&outcome));
+            let mut numbers = serde_json::json!(report::numbers(&outcome));
+            if let Some(laws) = &laws {
+                numbers["laws"] = serde_json::json!(laws);
+            }
+            emit_json(&numbers);
         } else {
             emit(&report::table(&outcome));
+            laws.iter().for_each(|laws| emit(&laws.table()));
         }
         if outcome.arrangements.len() < comparison.len() {
             let (finished, all) = (outcome.arrangements.len(), comparison.len());

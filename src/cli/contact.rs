@@ -1,9 +1,11 @@
-//! `granulens contact`: a contact's curve, or its law at given states.
+//! `granulens contact`: a contact's curve, its law at given states or speeds, or fitted to what was measured.
 
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+mod fit;
+mod states;
 
-use granulens::contact::{AnyLaw, Constants, ForceLaw as _, History, LawKind, Pair};
+use std::path::PathBuf;
+
+use granulens::contact::{AnyLaw, Constants, LawKind, Pair, collide};
 use granulens::material::find;
 use granulens::report;
 use granulens::units::Dimension::{Force, Length};
@@ -11,19 +13,23 @@ use serde_json::json;
 
 use super::console::{emit, emit_json, note};
 use super::failure::Failure;
-use super::folder::write_file;
+use super::folder::{write_file, write_json};
+use super::tuning::Tuned;
 use super::{Common, length};
+use states::States;
 
-/// Draw a contact's force-displacement curve, or evaluate the law at given states
+/// Draw a contact's force-displacement curve, evaluate the law at given states or speeds, or fit it to what was measured
 ///
 /// The curve, with its regions and an unloading, goes to the file of --out as SVG. With --states, the forces and the histories
-/// after a step go to stdout as CSV, or to the file of --out.
+/// after a step go to stdout as CSV, or to the file of --out; so does, with --speeds, what head-on collisions come to. With --fit, the
+/// constants with their intervals.
 #[derive(clap::Args)]
 pub struct Contact {
     /// The two materials, such as 440c,brass
     #[arg(long, value_name = "A,B")]
     pair: String,
-    /// thesis, thesis-static, consistent, hertz, hertz-thesis, linear or linear-static
+    /// thesis, consistent, mdr, linear, each also without rate as NAME-static; thornton, walton-braun, tsuji, storakers; hertz,
+    /// hertz-thesis
     #[arg(long, default_value_t = LawKind::Thesis)]
     law: LawKind,
     /// Diameter of both spheres, or of each: "6.35 mm,9.5 mm"
@@ -32,39 +38,42 @@ pub struct Contact {
     /// Set of fitted constants: code, text, sixteenth-inch or eq-4.7
     #[arg(long, default_value_t = Constants::Code)]
     constants: Constants,
-    /// CSV with the columns d,v,dmax,Fmax in SI, v > 0 closing; forces and histories go to stdout, or to the file of --out
+    #[command(flatten)]
+    tuned: Tuned,
+    /// CSV with the columns d,v,dmax,Fmax in SI, v > 0 closing; dmax = Fmax = 0 is a fresh contact
     #[arg(long, value_name = "FILE")]
     states: Option<PathBuf>,
+    /// Closing speeds of head-on collisions in m/s, such as 0.1,1,10
+    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with = "states")]
+    speeds: Vec<f64>,
+    /// Fit the law to a measurement: CSV with the columns overlap_m,force_N (slow) or speed_m_s,restitution (of closing)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["states", "speeds"])]
+    fit: Option<PathBuf>,
 }
 
 impl Contact {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let pair = self.pair()?;
         let law = AnyLaw::new(self.law, &pair);
-        if let Some(path) = &self.states {
-            let rows = states(path, &law)?;
-            if let Some(out) = &common.out {
-                write_file(out, &csv(&rows))?;
+        if let Some(path) = &self.fit {
+            let fit = fit::of_file(path, self.law, &pair)?;
+            let json = fit::json(&fit, self.law);
+            if common.out.is_some() {
+                write_json(common, &json)?;
             }
-            match (common.json, &common.out) {
-                (true, _) => {
-                    let rows: Vec<_> = rows
-                        .iter()
-                        .map(|row| {
-                            COLUMNS
-                                .into_iter()
-                                .map(str::to_owned)
-                                .zip(row.map(serde_json::Value::from))
-                                .collect::<Row>()
-                        })
-                        .collect();
-                    let law = self.law.name();
-                    emit_json(&json!({ "format": granulens::outcome::FORMAT, "law": law, "states": rows }));
-                }
-                (false, None) => emit(&csv(&rows)),
-                (false, Some(out)) => note(common, &format!("states: {}", out.display())),
+            if common.json {
+                emit_json(&json);
+            } else {
+                emit(&fit::words(&fit, self.law));
             }
             return Ok(());
+        }
+        if let Some(path) = &self.states {
+            let states = States::read(path, &law)?;
+            return self.tell(common, "states", states.csv(), json!(states.json()));
+        }
+        if !self.speeds.is_empty() {
+            return self.collisions(common, &law, &pair);
         }
         if let Some(path) = &common.out {
             if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
@@ -116,6 +125,42 @@ impl Contact {
         Ok(())
     }
 
+    /// A table, as CSV or JSON, to stdout or to the file of --out.
+    fn tell(&self, common: &Common, what: &str, csv: String, rows: serde_json::Value) -> Result<(), Failure> {
+        if let Some(out) = &common.out {
+            write_file(out, &csv)?;
+        }
+        match (common.json, &common.out) {
+            (true, _) => {
+                emit_json(&json!({ "format": granulens::outcome::FORMAT, "law": self.law.name(), (what): rows }));
+            }
+            (false, None) => emit(&csv),
+            (false, Some(out)) => note(common, &format!("{what}: {}", out.display())),
+        }
+        Ok(())
+    }
+
+    /// Head-on collisions at the speeds asked for.
+    fn collisions(&self, common: &Common, law: &AnyLaw, pair: &Pair) -> Result<(), Failure> {
+        let mut csv = String::from("speed_m_s,restitution,force_max_N,overlap_max_m,duration_s\n");
+        let mut rows = Vec::new();
+        for &speed in &self.speeds {
+            if !(speed > 0.0 && speed.is_finite()) {
+                return Err(Failure::input(format!("--speeds: {speed} must be a positive speed in m/s")));
+            }
+            let found = collide(law, pair.reduced_mass, speed);
+            csv += &format!(
+                "{speed},{:.6},{:.6e},{:.6e},{:.6e}\n",
+                found.restitution, found.force_max, found.overlap_max, found.duration
+            );
+            rows.push(json!({
+                "speed_m_s": speed, "restitution": found.restitution, "force_max_N": found.force_max,
+                "overlap_max_m": found.overlap_max, "duration_s": found.duration,
+            }));
+        }
+        self.tell(common, "collisions", csv, json!(rows))
+    }
+
     fn pair(&self) -> Result<Pair, Failure> {
         let names: Vec<&str> = self.pair.split(',').map(str::trim).collect();
         let [a, b] = names.as_slice() else {
@@ -133,61 +178,7 @@ impl Contact {
                 return Err(Failure::input(format!("--diameter names {} spheres, expected one or two", more.len())));
             }
         };
-        Ok(Pair::new([&find(a, &[])?, &find(b, &[])?], radii, self.constants))
+        let constants = Constants { tuning: self.tuned.tuning()?, ..self.constants };
+        Ok(Pair::new([&find(a, &[])?, &find(b, &[])?], radii, constants))
     }
-}
-
-/// The columns written for states: the state, the force, and the history after a step accepted there.
-const COLUMNS: [&str; 7] = ["d", "v", "dmax", "Fmax", "F", "dmax_after", "Fmax_after"];
-
-/// One state as a JSON object.
-type Row = serde_json::Map<String, serde_json::Value>;
-
-fn csv(rows: &[[f64; 7]]) -> String {
-    let mut text = COLUMNS.join(",") + "\n";
-    for row in rows {
-        let _ = writeln!(text, "{}", row.map(|value| value.to_string()).join(","));
-    }
-    text
-}
-
-/// The law at every state of a CSV file.
-fn states(path: &Path, law: &AnyLaw) -> Result<Vec<[f64; 7]>, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::of_file(path, None, &format!("cannot be read: {error}")))?;
-    // Counted here: the reader takes the place behind the record before for a record's place, comments and all.
-    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
-    let Some((line, header)) = lines.next() else {
-        return Err(Failure::of_file(path, None, "holds no lines but comments; expected the columns d,v,dmax,Fmax"));
-    };
-    let columns: Vec<&str> = cells(header);
-    let mut places = [0; 4];
-    for (place, name) in places.iter_mut().zip(COLUMNS) {
-        *place = columns.iter().position(|&column| column == name).ok_or_else(|| {
-            Failure::of_file(path, Some(line), &format!("has no column \"{name}\"; expected d,v,dmax,Fmax"))
-        })?;
-    }
-    let mut rows = Vec::new();
-    for (line, text) in lines {
-        let cells = cells(text);
-        let mut values = [0.0; 4];
-        for (value, &place) in values.iter_mut().zip(&places) {
-            let fail = |message: String| Failure::of_file(path, Some(line), &format!("{}{message}", columns[place]));
-            let cell = cells.get(place).ok_or_else(|| fail(" is missing in this line".to_owned()))?;
-            *value = cell
-                .parse()
-                .ok()
-                .filter(|value: &f64| value.is_finite())
-                .ok_or_else(|| fail(format!(" = \"{cell}\" is not a finite number")))?;
-        }
-        let [d, v, dmax, fmax] = values;
-        let history = History::yielded_at(dmax, fmax);
-        let (force, after) = law.respond(d.max(0.0), v, &history);
-        rows.push([d, v, dmax, fmax, force, after.overlap_max, after.force_max]);
-    }
-    Ok(rows)
-}
-
-fn cells(line: &str) -> Vec<&str> {
-    line.split(',').map(|cell| cell.trim().trim_matches('"')).collect()
 }

@@ -17,6 +17,7 @@ mod failure;
 mod folder;
 mod impact;
 mod materials;
+mod over_laws;
 mod reproduce;
 mod run;
 mod simulate;
@@ -24,6 +25,7 @@ mod speed;
 mod surface;
 mod study;
 mod trace;
+mod tuning;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

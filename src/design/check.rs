@@ -160,6 +160,7 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
         }
         None => Constants::default(),
     };
+    let constants = Constants { tuning: super::tuning::tuning(scope, file)?, ..constants };
     let friction = match scope.optional("friction", &file.friction) {
         Some(entry) => match entry.number()? {
             0.0 => None,

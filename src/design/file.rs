@@ -23,7 +23,10 @@ pub(super) struct DesignFile {
     pub prices: Section<PricesFile>,
 }
 
-section!(CrystalFile: Written { packing, diameter, rows, half_width, sides, host, law, constants, friction });
+section!(CrystalFile: Written {
+    packing, diameter, rows, half_width, sides, host, law, constants, friction,
+    hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening
+});
 section!(ImpactFile: Written { kind, force, duration });
 
 #[derive(serde::Deserialize)]
@@ -58,6 +61,12 @@ pub(super) const EXAMPLES: &[&str] = &[
     "crystal.law = \"thesis\"",
     "crystal.constants = \"code\"",
     "crystal.friction = 0.2",
+    "crystal.hardness = 2.8",
+    "crystal.unlike_hardness = 1.2",
+    "crystal.spring_back = 5",
+    "crystal.spring_back_growth = 0",
+    "crystal.restitution = 0.9",
+    "crystal.hardening = 0.1",
     "impact.kind = \"force-pulse\"",
     "impact.force = \"26 kN\"",
     "impact.duration = \"20 us\"",

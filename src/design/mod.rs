@@ -4,7 +4,7 @@
 //! out. Whatever can be wrong with a file by itself is found here, in one step; after that nothing re-checks. What only
 //! physics can tell (a lens that cannot reach its focus, a step above the stability limit) is found by those who know it.
 //!
-//! - `file`: as written; `check`: as checked, with `region`, `lens`, `prices` and `threshold` for their sections
+//! - `file`: as written; `check`: as checked, with `region`, `lens`, `prices`, `threshold` and `tuning` for their parts
 
 mod check;
 mod file;
@@ -12,6 +12,7 @@ mod lens;
 mod prices;
 mod region;
 mod threshold;
+mod tuning;
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -117,7 +117,8 @@ pub fn common_plan(
 ) -> Result<Plan, PlanError> {
     let mut common: Option<Plan> = None;
     for blow in blows {
-        let plan = Plan::new(&Design { impact: blow.pulse, ..design.clone() }, overrides, palette)?;
+        let law = blow.law.unwrap_or(design.law);
+        let plan = Plan::new(&Design { impact: blow.pulse, law, ..design.clone() }, overrides, palette)?;
         let Some(common) = &mut common else {
             common = Some(plan);
             continue;

@@ -1,5 +1,6 @@
 //! What strikes a crystal and what is built of a drawing: the members of a set that a layout is judged by.
 
+use crate::contact::LawKind;
 use crate::dem::{ForcePulse, Impact, Mirror};
 use crate::design::Design;
 use crate::material::Material;
@@ -17,11 +18,13 @@ pub struct Blow {
     /// Which spheres of row 1 are struck: those between these two distances from the axis (m), negative to its left. All where
     /// there is none.
     pub place: Option<[f64; 2]>,
+    /// The contact law; the design's own where there is none.
+    pub law: Option<LawKind>,
 }
 
 impl From<ForcePulse> for Blow {
     fn from(pulse: ForcePulse) -> Self {
-        Self { pulse, angle: 0.0, place: None }
+        Self { pulse, angle: 0.0, place: None, law: None }
     }
 }
 
@@ -93,6 +96,7 @@ impl Field {
         let lattice = &design.lattice;
         let sites = lattice.sites();
         let mut impact = impact(design, plan);
+        impact.law = blow.law.unwrap_or(design.law);
         impact.pulse = ForcePulse { force: blow.pulse.force * blow.angle.cos(), ..blow.pulse };
         if blow.is_symmetric() {
             let spheres = sites.iter().enumerate().map(|(i, site)| ([site.x, site.z], i)).collect();

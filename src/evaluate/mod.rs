@@ -6,7 +6,7 @@
 //! - `traced`: what rays and first arrivals say, without a simulation
 //! - `batch`: many layouts at once, in vector lanes, for those who search; `blow`: what strikes them, straight or at an angle, and
 //!   what is built otherwise than drawn; `felt`: what is recorded beyond energies
-//! - `glance`: what is guessed without a simulation
+//! - `glance`: what is guessed without a simulation; `laws`: one layout under several contact laws
 
 mod batch;
 mod blow;
@@ -14,6 +14,7 @@ mod compare;
 mod decay;
 mod felt;
 mod glance;
+mod laws;
 mod plan;
 mod stiffest;
 mod traced;
@@ -24,6 +25,7 @@ pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use decay::{calibrate, decay};
 pub use felt::Felt;
 pub use glance::Glance;
+pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use plan::{Overrides, Plan, PlanError};
 pub use traced::{trace_arrivals, trace_lens};
 
@@ -31,7 +33,7 @@ pub(crate) use stiffest::{Stiffest, divisor, overshoot};
 
 use std::sync::atomic::AtomicBool;
 
-use crate::contact::{LawKind, Pair};
+use crate::contact::Pair;
 use crate::dem::rig::{Friction, RigError, simulate_as_rig};
 use crate::dem::{ContactRecord, Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, Record, simulate};
 use crate::design::Design;
@@ -156,8 +158,7 @@ impl Doubts {
             let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants);
             contact.overlap_max / pair.regions(1.0).plastic_overlap
         };
-        let plastic = !matches!(design.law, LawKind::Hertz | LawKind::HertzThesis);
-        let depth = if plastic { record.contacts.iter().map(depth).fold(0.0, f64::max) } else { 0.0 };
+        let depth = if design.law.is_plastic() { record.contacts.iter().map(depth).fold(0.0, f64::max) } else { 0.0 };
         let target = &design.target;
         let strongest = record.max_kinetic.iter().copied().fold(0.0, f64::max);
         let unreached = [target.focal_sites(&layout.lattice), target.protect.sites(&layout.lattice)]

@@ -33,10 +33,7 @@ pub(crate) fn divisor(accuracy: Accuracy, integrator: Integrator) -> f64 {
 /// measured on lens, host and lens material under 10.5 and 26 kN: 1.11 to 1.26 for plastic laws; up to 3.7 for elastic ones,
 /// whose stiffness grows with the cube root of the force only.
 pub(crate) fn overshoot(law: LawKind) -> f64 {
-    match law {
-        LawKind::Hertz | LawKind::HertzThesis => 3.75,
-        LawKind::Thesis | LawKind::ThesisStatic | LawKind::Consistent | LawKind::Linear | LawKind::LinearStatic => 1.2,
-    }
+    if law.is_plastic() { 1.2 } else { 3.75 }
 }
 
 /// The contact that limits the step.

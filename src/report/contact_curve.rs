@@ -28,7 +28,7 @@ pub fn contact_curve(law: &AnyLaw, pair: &Pair, title: &str) -> String {
         overlaps().map(|d| (d * um, law.force(d, speed, &fresh))).collect()
     };
     let (slow, fast) = (loading(0.0), loading(FAST));
-    let history = History::yielded_at(end, slow.last().map_or(0.0, |p| p.1));
+    let history = law.recalled(end, slow.last().map_or(0.0, |p| p.1));
     let unloading: Vec<(f64, f64)> = overlaps().map(|d| (d * um, law.force(d, -FAST, &history))).collect();
     let hardens = slow != fast;
     let top = 1.08 * slow.iter().chain(&fast).map(|p| p.1).fold(0.0, f64::max);

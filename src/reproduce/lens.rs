@@ -153,7 +153,7 @@ struct Felt {
 }
 
 /// The published lens: rows 5 to 16, a front face of radius 16.5 D/sin 60°, a flat back.
-fn lens() -> Result<Layout, RowError> {
+pub(super) fn lens() -> Result<Layout, RowError> {
     let radius = 16.5 / 60_f64.to_radians().sin();
     let inside = |site: &Site| {
         let x = site.x / DIAMETER;
@@ -175,22 +175,9 @@ const WINDOW: f64 = 250e-6;
 const LONG: f64 = 350e-6;
 
 fn felt(layout: Layout, law: LawKind, force: f64, window: f64, interrupt: &AtomicBool) -> Result<Felt, RowError> {
-    let sheet = layout.lattice;
     let impact = Impact {
-        mirrors: vec![
-            Mirror { axis: 0, position: 0.0, inward: 1.0 },
-            Mirror { axis: 0, position: sheet.half_width(), inward: -1.0 },
-        ],
-        law,
-        constants: Constants::Code,
         pulse: ForcePulse { force, duration: 20e-6 },
-        slope: 0.0,
-        struck: (0..sheet.columns(1) as usize).collect(),
-        moving: Vec::new(),
-        exit: Vec::new(),
-        integrator: Integrator::Verlet,
-        step: 1e-7,
-        window,
+        ..struck(&layout, law, Integrator::Verlet, 1e-7, window)
     };
     let record = simulate(&layout.sample(), &impact, interrupt)?;
     if let Some(stop) = record.stop {
@@ -198,6 +185,27 @@ fn felt(layout: Layout, law: LawKind, force: f64, window: f64, interrupt: &Atomi
     }
     let estimate = record.contacts.iter().map(|c| 0.5 * c.weight * c.overlap_max * c.force_max).sum();
     Ok(Felt { layout, energies: record.max_kinetic, dissipated: record.ledger.dissipated, estimate })
+}
+
+/// The published impact on a layout.
+pub(super) fn struck(layout: &Layout, law: LawKind, integrator: Integrator, step: f64, window: f64) -> Impact {
+    let sheet = layout.lattice;
+    Impact {
+        mirrors: vec![
+            Mirror { axis: 0, position: 0.0, inward: 1.0 },
+            Mirror { axis: 0, position: sheet.half_width(), inward: -1.0 },
+        ],
+        law,
+        constants: Constants::Code,
+        pulse: ForcePulse { force: FORCE, duration: 20e-6 },
+        slope: 0.0,
+        struck: (0..sheet.columns(1) as usize).collect(),
+        moving: Vec::new(),
+        exit: Vec::new(),
+        integrator,
+        step,
+        window,
+    }
 }
 
 /// The published case, 0 to 250 µs.

@@ -51,6 +51,8 @@ struct StudyFile {
     over: Over,
     #[serde(default)]
     impact: Vec<ImpactFile>,
+    #[serde(default)]
+    laws: Vec<String>,
     tolerance: Option<ToleranceFile>,
     prices: Option<toml::Table>,
     #[serde(default)]
@@ -148,6 +150,7 @@ impl Study {
         }
         let (stages, rungs) = read_stages(&source, &file)?;
         let impacts = set::read_impacts(&source, &file.impact, &design)?;
+        let impacts = set::under_laws(&source, &file.laws, impacts)?;
         let seed = seed.unwrap_or(file.seed);
         let tolerance = file.tolerance.as_ref().map(|file| Tolerance::read(&source, file, seed)).transpose()?;
 

@@ -25,6 +25,9 @@ impl Key {
                 format!("{k} {:?} {:?}", impact.angle.to_bits(), impact.place.map(|x| x.map(f64::to_bits))).as_bytes(),
             );
         }
+        for (k, law) in study.impacts.iter().enumerate().filter_map(|(k, impact)| Some((k, impact.law?))) {
+            key.add(format!("{k} {law}").as_bytes());
+        }
         for case in study.cases().into_iter().skip(study.impacts.len()) {
             key.add(format!("{:?}", case.flaw.wrong).as_bytes());
             case.flaw.radii.iter().for_each(|radius| key.add(&radius.to_bits().to_le_bytes()));

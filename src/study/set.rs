@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::source::Source;
 use super::{Study, StudyError};
+use crate::contact::LawKind;
 use crate::dem::ForcePulse;
 use crate::design::Design;
 use crate::evaluate::{Blow, Case, Flaw};
@@ -83,7 +84,7 @@ pub(super) fn read_impacts(
             )));
         }
         let place = file.x.as_ref().map(|x| read_place(x, design).map_err(fail("x"))).transpose()?;
-        let impact = Blow { pulse: ForcePulse { force, duration }, angle, place };
+        let impact = Blow { pulse: ForcePulse { force, duration }, angle, place, law: None };
         if impacts.contains(&impact) {
             return Err(fail("force")("the impact is given twice.".to_owned()));
         }
@@ -93,6 +94,26 @@ pub(super) fn read_impacts(
         impacts.push(design.impact.into());
     }
     Ok(impacts)
+}
+
+/// Each impact under each of the laws that a file names; all under the design's own if it names none. Names are those of the command line.
+pub(super) fn under_laws(source: &Source<'_>, names: &[String], impacts: Vec<Blow>) -> Result<Vec<Blow>, StudyError> {
+    let mut laws: Vec<LawKind> = Vec::new();
+    for name in names {
+        let law = name.parse().map_err(|error| source.fail("laws", format!("laws: {error}.")))?;
+        if laws.contains(&law) {
+            return Err(source.fail("laws", format!("laws names {law} twice.")));
+        }
+        laws.push(law);
+    }
+    if laws.len() * impacts.len() > MOST_IMPACTS {
+        let message = format!("{} impacts under {} laws are more than {MOST_IMPACTS}.", impacts.len(), laws.len());
+        return Err(source.fail("laws", message));
+    }
+    if laws.is_empty() {
+        return Ok(impacts);
+    }
+    Ok(laws.iter().flat_map(|&law| impacts.iter().map(move |&impact| Blow { law: Some(law), ..impact })).collect())
 }
 
 /// Two distances from the axis (m), written with units or in sphere diameters.

@@ -205,3 +205,25 @@ fn strict_asks_for_the_thresholds() {
     let nothing = check("small.toml", &["--strict"]).ok();
     assert!(nothing.stderr.contains("sets no [thresholds]"), "{}", nothing.stderr);
 }
+
+/// Under other laws the same layout has other scores; the range holds them all, and the design's own law gives those of the check itself.
+#[test]
+fn scores_have_a_range_over_laws() {
+    let desk = Desk::with_layout();
+    let json = desk.run(&[&CHECK[..], &["--laws", "thesis,mdr-static,thornton", "--json"]].concat()).ok().json();
+    let each = json["laws"]["each"].as_array().unwrap();
+    assert_eq!(
+        each.iter().map(|one| one["law"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["thesis", "mdr-static", "thornton"]
+    );
+    assert_eq!(each[0]["contrast"], json["contrast"]);
+    for measure in ["contrast", "focal_gain", "protection"] {
+        let values: Vec<f64> = each.iter().map(|one| one[measure].as_f64().unwrap()).collect();
+        let [low, high] = [0, 1].map(|end| json["laws"]["range"][measure][end].as_f64().unwrap());
+        assert!(values.iter().all(|value| (low..=high).contains(value)) && low < high, "{measure}: {values:?}");
+    }
+    let text = desk.run(&[&CHECK[..], &["--laws", "thesis,mdr-static"]].concat()).ok().stdout;
+    assert!(text.contains("under the law") && text.contains("greatest"), "{text}");
+    let wrong = desk.run(&[&CHECK[..], &["--laws", "herz"]].concat());
+    assert!(wrong.code == 2 && wrong.stderr.contains("unknown contact law"), "{}", wrong.stderr);
+}

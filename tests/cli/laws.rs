@@ -144,3 +144,55 @@ fn a_contact_is_drawn_as_svg() {
     assert!(!desk.path("curve.png").exists());
     assert_eq!(desk.run(&["contact", "--pair", "440c,brass", "--law", "herz"]).code, 2);
 }
+
+/// A law with a memory of its own writes it, and reads it where it is given; where not, it follows from dmax and Fmax.
+#[test]
+fn a_law_tells_what_it_remembers() {
+    let desk = Desk::new();
+    desk.write("states.csv", "d,v,dmax,Fmax\n0.000254,0,0,0\n0.00025,-1,0.000254,11184.168\n");
+    let asked = ["contact", "--pair", "440c,440c", "--law", "mdr-static", "--states"];
+    let rows = |text: &str| -> Vec<Vec<String>> {
+        text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let once = desk.run(&[&asked[..], &["states.csv"]].concat()).ok().stdout;
+    let table = rows(&once);
+    assert_eq!(table[0].join(","), "d,v,dmax,Fmax,F,dmax_after,Fmax_after,yield_overlap_m,yield_overlap_m_after");
+    let number = |row: usize, column: usize| table[row][column].parse::<f64>().unwrap();
+    // 440c at 4 % of D, and where it began to yield, computed by another implementation.
+    assert!((number(1, 4) - 11184.168).abs() < 1e-3 && number(1, 7) == 0.0);
+    assert!((number(1, 8) / 6.35e-3 - 0.00308).abs() < 5e-6 && (number(2, 7) / number(1, 8) - 1.0).abs() < 1e-5);
+    // Read back, its own output gives the same forces.
+    desk.write("again.csv", &once);
+    assert_eq!(rows(&desk.run(&[&asked[..], &["again.csv"]].concat()).ok().stdout)[2][4], table[2][4]);
+}
+
+/// Restitution by its closed form (Thornton 1997), and constants fitted to a curve of the program's own.
+#[test]
+fn collisions_and_fits_are_told() {
+    let desk = Desk::new();
+    let straight = ["contact", "--pair", "440c,440c", "--law", "walton-braun", "--spring-back", "4"];
+    let told = desk.run(&[&straight[..], &["--speeds", "0.1,10"]].concat()).ok().stdout;
+    let restitution: Vec<f64> =
+        told.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    assert!(restitution.len() == 2 && restitution.iter().all(|e| (e - 0.5).abs() < 1e-4), "{told}");
+    let mut states = String::from("d,v,dmax,Fmax\n");
+    for k in 1..30 {
+        states += &format!("{},0,0,0\n", 1e-5 * f64::from(k));
+    }
+    desk.write("states.csv", states);
+    let asked = ["contact", "--pair", "440c,440c", "--law", "mdr-static"];
+    let forces = desk.run(&[&asked[..], &["--states", "states.csv", "--json"]].concat()).ok().json();
+    let mut curve = String::from("overlap_m,force_N\n");
+    for state in forces["states"].as_array().unwrap() {
+        curve += &format!("{},{}\n", state["d"], state["F"]);
+    }
+    desk.write("curve.csv", curve);
+    let start = ["contact", "--pair", "brass,brass", "--law", "mdr-static", "--fit", "curve.csv", "--json"];
+    let fit = desk.run(&start).ok().json();
+    let found = fit["constants"]["yield_stress_Pa"]["value"].as_f64().unwrap();
+    assert!((found / 1.9e9 - 1.0).abs() < 1e-2 && fit["deviation"].as_f64().unwrap() < 1e-3, "{fit}");
+    desk.write("other.csv", "overlap_m,speed_m_s\n1,2\n");
+    for wrong in [&["--fit", "other.csv"][..], &["--speeds", "0"], &["--spring-back", "0.5"]] {
+        assert_eq!(desk.run(&[&straight[..5], wrong].concat()).code, 2, "{wrong:?}");
+    }
+}

@@ -3,29 +3,31 @@
 //! Derivation, proof that no path creates energy, and differences from the published law: `docs/consistent-law.md`.
 
 use super::elastoplastic::PlasticLine;
-use super::{ElastoPlastic, ForceLaw, History, LaneLaw, NormalLaw, Pair};
-use crate::real::{Lanes, Number};
+use super::parameters::law;
+use super::{ElastoPlastic, ForceLaw, History, NormalLaw, Pair};
+use crate::real::Number;
 
-/// The energy-consistent elastic-plastic law. With U the elastic curve of the contact as it is now, and Y the force at which
-/// it yields,
-///
-///   F(δ, v) = U(δ) for δ ≤ δ_max, else min(U(δ), max(Y(δ, v), F_max))
-///
-/// - U = F_max ((δ − δ_r)/(δ_max − δ_r))^{3/2}, also beyond δ_max; a contact without a past is Hertz. Where it yields the
-///   contact gets δ_r = δ − 3F/(4 E* a), a² = (2F + F_y)/(2π 1.6 σ_y), as in [`ElastoPlastic`] but with F_y at rest: Hertz at
-///   F = F_y. Elastic loading leaves δ_r as it is.
-/// - Y is Hertz up to δ_y at rest, [`ElastoPlastic`]'s region III from δ_p on at σ = s σ_y, and between them Hertz times e^−g,
-///   g = t² (g_p + (1 − t)(2 g_p − h)), t = ln(δ/δ_y)/ln(δ_p/δ_y): on logarithmic scales the cubic that joins both with their
-///   slopes, so g_p = ln(Hertz/F_p) at δ_p, h = (3/2 − m) ln(δ_p/δ_y), m = d ln F/d ln δ of region III there. s is 1
-///   at v ≤ 0 and grows with ln v.
-/// - A contact yields only while Y and F_max lie below U, and then remembers the new (δ, F). What it has carried it keeps on
-///   carrying when the closing speed falls.
-///
-/// F is continuous and never falls with δ or v; unloading and reloading follow one curve; what is stored never exceeds the work
-/// put in. Range of validity as `ElastoPlastic`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Consistent<V = f64> {
-    published: ElastoPlastic<V>,
+law! {
+    /// The energy-consistent elastic-plastic law. With U the elastic curve of the contact as it is now, and Y the force at which
+    /// it yields,
+    ///
+    ///   F(δ, v) = U(δ) for δ ≤ δ_max, else min(U(δ), max(Y(δ, v), F_max))
+    ///
+    /// - U = F_max ((δ − δ_r)/(δ_max − δ_r))^{3/2}, also beyond δ_max; a contact without a past is Hertz. Where it yields the
+    ///   contact gets δ_r = δ − 3F/(4 E* a), a² = (2F + F_y)/(2π 1.6 σ_y), as in [`ElastoPlastic`] but with F_y at rest: Hertz at
+    ///   F = F_y. Elastic loading leaves δ_r as it is.
+    /// - Y is Hertz up to δ_y at rest, [`ElastoPlastic`]'s region III from δ_p on at σ = s σ_y, and between them Hertz times e^−g,
+    ///   g = t² (g_p + (1 − t)(2 g_p − h)), t = ln(δ/δ_y)/ln(δ_p/δ_y): on logarithmic scales the cubic that joins both with their
+    ///   slopes, so g_p = ln(Hertz/F_p) at δ_p, h = (3/2 − m) ln(δ_p/δ_y), m = d ln F/d ln δ of region III there. s is 1
+    ///   at v ≤ 0 and grows with ln v.
+    /// - A contact yields only while Y and F_max lie below U, and then remembers the new (δ, F). What it has carried it keeps on
+    ///   carrying when the closing speed falls.
+    ///
+    /// F is continuous and never falls with δ or v; unloading and reloading follow one curve; what is stored never exceeds the work
+    /// put in. Range of validity as `ElastoPlastic`.
+    pub struct Consistent {
+        published: ElastoPlastic<V>,
+    }
 }
 
 /// The state of a contact, and what became of it.
@@ -40,14 +42,9 @@ struct Response<V: Number> {
 }
 
 impl Consistent {
-    /// The law for a pair of spheres.
-    pub fn new(pair: &Pair) -> Self {
-        Self { published: ElastoPlastic::new(pair, true) }
-    }
-
-    /// δ_y (m) at rest.
-    pub(super) fn yield_onset(&self) -> f64 {
-        self.published.yield_overlap
+    /// The law for a pair of spheres; `rate` false switches the hardening off.
+    pub fn new(pair: &Pair, rate: bool) -> Self {
+        Self { published: ElastoPlastic::new(pair, rate) }
     }
 }
 
@@ -63,7 +60,7 @@ impl<V: Number> Consistent<V> {
     #[inline(always)]
     fn recovered(&self, history: &History<V>) -> V {
         let law = &self.published;
-        let recovered = law.unloading.recovered(history.force_max, law.yield_force) + history.elastic_excess;
+        let recovered = law.unloading.recovered(history.force_max, law.yield_force) + history.own;
         V::select(self.pristine(history), history.overlap_max, recovered)
     }
 
@@ -120,20 +117,6 @@ impl<V: Number> Consistent<V> {
     }
 }
 
-impl LaneLaw for Consistent {
-    type Lanes<V: Number> = Consistent<V>;
-    const PARAMETERS: usize = ElastoPlastic::PARAMETERS;
-
-    fn parameters(&self) -> Vec<f64> {
-        self.published.parameters()
-    }
-
-    #[inline(always)]
-    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> Consistent<V> {
-        Consistent { published: ElastoPlastic::look_up(tables, place) }
-    }
-}
-
 impl<V: Number> ForceLaw<V> for Consistent<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
@@ -159,13 +142,18 @@ impl<V: Number> ForceLaw<V> for Consistent<V> {
         let history = History {
             overlap_max: new(overlap, history.overlap_max),
             force_max: new(force, history.force_max),
-            elastic_excess: new(elastic_excess, history.elastic_excess),
+            own: new(elastic_excess, history.own),
         };
         (force, history)
     }
 }
 
 impl NormalLaw for Consistent {
+    /// ω, by how much the contact springs back further than one that yielded at (δ_max, F_max).
+    fn own_memory() -> Option<&'static str> {
+        Some("elastic_excess_m")
+    }
+
     /// ∫U dδ = (2/5) F (δ − δ_r).
     fn stored(&self, overlap: f64, history: &History) -> f64 {
         if overlap <= 0.0 {
@@ -182,5 +170,10 @@ impl NormalLaw for Consistent {
     /// dU/dδ = (3/2) F/(δ − δ_r) ≤ 2 E* a(F): the contact springs back no less than one that yielded at F.
     fn stiffness_max(&self, force_max: f64) -> f64 {
         self.published.unloading.stiffness_max(force_max, self.published.yield_force)
+    }
+
+    /// δ_y at rest, before which it never yields.
+    fn yield_onset(&self, _: f64) -> f64 {
+        self.published.yield_overlap
     }
 }

@@ -1,38 +1,26 @@
 //! Contacts that do not yield.
 
-use super::{ForceLaw, History, LaneLaw, NormalLaw, Pair};
-use crate::real::{Lanes, Number};
+use super::parameters::law;
+use super::{ForceLaw, History, NormalLaw, Pair};
+use crate::real::Number;
 
-/// Frictionless elastic contact of two spheres.
-///
-///   F(δ) = k δ^{3/2},   k = (4/3) E* √r*
-///
-/// Holds while δ ≪ r* and the contact pressure stays below yield; past that use [`ElastoPlastic`](super::ElastoPlastic).
-/// Source: Johnson, Contact Mechanics (1985), eq. 4.23; Burgoyne 2016, eq. 3.1 (eq. 4.1 there lacks √r*).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hertz<V = f64> {
-    /// k (N/m^{3/2})
-    pub coefficient: V,
+law! {
+    /// Frictionless elastic contact of two spheres.
+    ///
+    ///   F(δ) = k δ^{3/2},   k = (4/3) E* √r*
+    ///
+    /// Holds while δ ≪ r* and the contact pressure stays below yield; past that use [`ElastoPlastic`](super::ElastoPlastic).
+    /// Source: Johnson, Contact Mechanics (1985), eq. 4.23; Burgoyne 2016, eq. 3.1 (eq. 4.1 there lacks √r*).
+    pub struct Hertz {
+        /// k (N/m^{3/2})
+        pub coefficient: V,
+    }
 }
 
 impl Hertz {
     /// Hertz's law for a pair of spheres.
     pub fn new(pair: &Pair) -> Self {
         Self { coefficient: pair.hertz_coefficient() }
-    }
-}
-
-impl LaneLaw for Hertz {
-    type Lanes<V: Number> = Hertz<V>;
-    const PARAMETERS: usize = 1;
-
-    fn parameters(&self) -> Vec<f64> {
-        vec![self.coefficient]
-    }
-
-    #[inline(always)]
-    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> Hertz<V> {
-        Hertz { coefficient: V::lookup(&tables[0], place) }
     }
 }
 
@@ -45,6 +33,10 @@ impl<V: Number> ForceLaw<V> for Hertz<V> {
 }
 
 impl NormalLaw for Hertz {
+    fn is_plastic() -> bool {
+        false
+    }
+
     /// ∫F dδ = (2/5) k δ^{5/2}
     fn stored(&self, overlap: f64, _: &History) -> f64 {
         let overlap = overlap.max(0.0);
@@ -55,6 +47,23 @@ impl NormalLaw for Hertz {
     fn stiffness_max(&self, force_max: f64) -> f64 {
         1.5 * self.coefficient.powf(2.0 / 3.0) * force_max.cbrt()
     }
+}
+
+/// The way back of a flattened contact, F = F_max ((δ − δ_r)/(δ_max − δ_r))^{3/2}, with `recovered` δ_max − δ_r.
+#[inline(always)]
+pub(super) fn springs_back<V: Number>(overlap: V, recovered: V, history: &History<V>) -> V {
+    let zero = V::splat(0.0);
+    let fraction = (V::splat(1.0) - (history.overlap_max - overlap) / recovered).max(zero);
+    V::select(zero.lt(overlap), history.force_max * (fraction * fraction.sqrt()), zero)
+}
+
+/// Its energy, (2/5) F (δ − δ_r).
+pub(super) fn sprung_energy(overlap: f64, recovered: f64, history: &History) -> f64 {
+    if overlap <= 0.0 {
+        return 0.0;
+    }
+    let fraction = (1.0 - (history.overlap_max - overlap) / recovered).max(0.0);
+    0.4 * history.force_max * recovered * fraction * fraction * fraction.sqrt()
 }
 
 /// Hertz's force over the distance of two centres, from how much their squared distance falls short:
@@ -98,30 +107,27 @@ const P: [f64; 9] = [
     0.232_891_644_795_265_3,
 ];
 
-/// Hertz as the published code has it with plasticity switched off: wherever the spheres part, or force or overlap lie
-/// below their greatest values so far, the force is clipped at F_max. A contact that has never carried force and parts
-/// carries none (Burgoyne 2016, appendix A.2.1, lines 51 to 65).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HertzThesis<V = f64>(pub Hertz<V>);
-
-impl LaneLaw for HertzThesis {
-    type Lanes<V: Number> = HertzThesis<V>;
-    const PARAMETERS: usize = 1;
-
-    fn parameters(&self) -> Vec<f64> {
-        self.0.parameters()
+law! {
+    /// Hertz as the published code has it with plasticity switched off: wherever the spheres part, or force or overlap lie
+    /// below their greatest values so far, the force is clipped at F_max. A contact that has never carried force and parts
+    /// carries none (Burgoyne 2016, appendix A.2.1, lines 51 to 65).
+    pub struct HertzThesis {
+        /// Unclipped
+        pub hertz: Hertz<V>,
     }
+}
 
-    #[inline(always)]
-    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> HertzThesis<V> {
-        HertzThesis(Hertz::look_up(tables, place))
+impl HertzThesis {
+    /// The clipped law for a pair of spheres.
+    pub fn new(pair: &Pair) -> Self {
+        Self { hertz: Hertz::new(pair) }
     }
 }
 
 impl<V: Number> ForceLaw<V> for HertzThesis<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
-        let force = self.0.force(overlap, closing_speed, history);
+        let force = self.hertz.force(overlap, closing_speed, history);
         let clipped =
             V::or(closing_speed.lt(V::splat(0.0)), V::or(force.lt(history.force_max), overlap.lt(history.overlap_max)));
         V::select(clipped, force.min(history.force_max), force)
@@ -129,18 +135,22 @@ impl<V: Number> ForceLaw<V> for HertzThesis<V> {
 }
 
 impl NormalLaw for HertzThesis {
+    fn is_plastic() -> bool {
+        false
+    }
+
     /// Hertz's energy, less what the clipping cuts off above F_max.
     fn stored(&self, overlap: f64, history: &History) -> f64 {
-        let clipped_from = (history.force_max / self.0.coefficient).powf(2.0 / 3.0);
+        let clipped_from = (history.force_max / self.hertz.coefficient).powf(2.0 / 3.0);
         if overlap <= clipped_from {
-            self.0.stored(overlap, history)
+            self.hertz.stored(overlap, history)
         } else {
-            self.0.stored(clipped_from, history) + history.force_max * (overlap - clipped_from)
+            self.hertz.stored(clipped_from, history) + history.force_max * (overlap - clipped_from)
         }
     }
 
     fn stiffness_max(&self, force_max: f64) -> f64 {
-        self.0.stiffness_max(force_max)
+        self.hertz.stiffness_max(force_max)
     }
 }
 

@@ -2,19 +2,28 @@
 
 use std::f64::consts::PI;
 
-use super::{ForceLaw, History, LaneLaw, NormalLaw, Pair};
-use crate::real::{Lanes, Number};
+use super::parameters::{law, parameters};
+use super::{ForceLaw, History, NormalLaw, Pair};
+use crate::real::Number;
 
-/// Rate hardening of the yield stress: σ = s σ_y with
-///
-///   s = max(1, 1 + C ln(ε̇/ε̇₀)),   ε̇ = max(0, v)/(r₁ + r₂),   ε̇₀ = 0.001 /s
-///
-/// Source: Burgoyne 2016, eqs 3.7 (whose minus sign is a slip) and 3.8.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct RateFactor<V> {
-    constant: V,
-    /// 1/((r₁ + r₂) ε̇₀) (s/m)
-    per_speed: V,
+parameters! {
+    /// Rate hardening of the yield stress: σ = s σ_y with
+    ///
+    ///   s = max(1, 1 + C ln(ε̇/ε̇₀)),   ε̇ = max(0, v)/(r₁ + r₂),   ε̇₀ = 0.001 /s
+    ///
+    /// Source: Burgoyne 2016, eqs 3.7 (whose minus sign is a slip) and 3.8.
+    pub(super) struct RateFactor {
+        constant: V,
+        /// 1/((r₁ + r₂) ε̇₀) (s/m)
+        per_speed: V,
+    }
+}
+
+impl RateFactor {
+    /// That of a pair of spheres; `rate` false switches it off.
+    pub(super) fn new(pair: &Pair, rate: bool) -> Self {
+        Self { constant: if rate { pair.rate_constant } else { 0.0 }, per_speed: 1.0 / (pair.radii_sum * 0.001) }
+    }
 }
 
 impl<V: Number> RateFactor<V> {
@@ -31,19 +40,20 @@ impl<V: Number> RateFactor<V> {
     }
 }
 
-/// Unloading, and reloading below the greatest force: elastic, from a flattened contact of radius a,
-///
-///   F = F_max ((δ − δ_r)/(δ_max − δ_r))^{3/2},   δ_max − δ_r = 3 F_max/(4 E* a),
-///   a² = (2 F_max + F_y)/(2 π 1.6 σ_y)
-///
-/// with the quasistatic σ_y in a and the rate-dependent F_y. This is Burgoyne 2016, section 3.1 and appendix A.2.1 with
-/// R_p = 4 E* a³/(3 F_max) put in, by which its two powers of 2/3 cancel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Unloading<V> {
-    /// 1/(2 π 1.6 σ_y) (m²/N)
-    area_per_force: V,
-    /// 4 E*/3 (Pa)
-    modulus: V,
+parameters! {
+    /// Unloading, and reloading below the greatest force: elastic, from a flattened contact of radius a,
+    ///
+    ///   F = F_max ((δ − δ_r)/(δ_max − δ_r))^{3/2},   δ_max − δ_r = 3 F_max/(4 E* a),
+    ///   a² = (2 F_max + F_y)/(2 π 1.6 σ_y)
+    ///
+    /// with the quasistatic σ_y in a and the rate-dependent F_y. This is Burgoyne 2016, section 3.1 and appendix A.2.1 with
+    /// R_p = 4 E* a³/(3 F_max) put in, by which its two powers of 2/3 cancel.
+    pub(super) struct Unloading {
+        /// 1/(2 π 1.6 σ_y) (m²/N)
+        area_per_force: V,
+        /// 4 E*/3 (Pa)
+        modulus: V,
+    }
 }
 
 impl<V: Number> Unloading<V> {
@@ -74,6 +84,11 @@ impl<V: Number> Unloading<V> {
 }
 
 impl Unloading<f64> {
+    /// With p_y (Pa) in place of 1.6 σ_y.
+    pub(super) fn new(pair: &Pair, pressure: f64) -> Self {
+        Self { area_per_force: 1.0 / (2.0 * PI * pressure), modulus: 4.0 / 3.0 * pair.modulus }
+    }
+
     /// ∫F dδ from the residual overlap (or from zero, where the law puts it below) to `overlap`.
     fn stored(&self, overlap: f64, yield_force: f64, history: &History) -> f64 {
         if history.force_max <= 0.0 || overlap <= 0.0 {
@@ -94,39 +109,40 @@ impl Unloading<f64> {
     }
 }
 
-/// The published elastic-plastic law (Burgoyne 2016, chapter 3 and appendix A.2.1), to the letter.
-///
-/// Loading, with the dynamic yield stress σ = s σ_y and q = E*/σ:
-///
-/// - I, δ ≤ δ_y: Hertz, up to δ_y = (r*/4)(1.6 π/q)², F_y = (4/3) E* √r* δ_y^{3/2};
-/// - II, δ_y < δ ≤ δ_p = (0.00428/q + 1.47·10⁻⁵) L: δ (α + β ln δ), continuous at both ends;
-/// - III, δ > δ_p: p₀ π (2 r* δ + c₂), p₀ = c₁ σ, c₁ = 6.304 − 6.76 q^−0.137, c₂ = (1.01·10⁻⁹ − 3.99·10⁻⁶/q) L²
-///
-/// with L = r*/1.6129 mm and c₂ in m². Wherever the spheres part, or force or overlap lie below their greatest values so
-/// far, the unloading branch holds. Fitted for E*/σ between 20 and 1000 and up to about 2 δ_p; see the module's page for what
-/// the law gets wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ElastoPlastic<V = f64> {
-    pub(super) rate: RateFactor<V>,
-    pub(super) unloading: Unloading<V>,
-    /// (4/3) E* √r*
-    pub(super) hertz: V,
-    /// δ_y and F_y at rest; they grow as s² and s³.
-    pub(super) yield_overlap: V,
-    pub(super) yield_force: V,
-    /// ln δ_y and F_y/δ_y at rest
-    yield_logarithm: V,
-    yield_secant: V,
-    /// δ_p = constant + s · slope
-    plastic_overlap: [V; 2],
-    /// c₁ = constant − slope · s^exponent
-    pressure_ratio: [V; 3],
-    /// π σ_y
-    pressure: V,
-    /// 2 r*
-    pub(super) area_slope: V,
-    /// c₂ = constant + s · slope
-    area_offset: [V; 2],
+law! {
+    /// The published elastic-plastic law (Burgoyne 2016, chapter 3 and appendix A.2.1), to the letter.
+    ///
+    /// Loading, with the dynamic yield stress σ = s σ_y and q = E*/σ:
+    ///
+    /// - I, δ ≤ δ_y: Hertz, up to δ_y = (r*/4)(1.6 π/q)², F_y = (4/3) E* √r* δ_y^{3/2};
+    /// - II, δ_y < δ ≤ δ_p = (0.00428/q + 1.47·10⁻⁵) L: δ (α + β ln δ), continuous at both ends;
+    /// - III, δ > δ_p: p₀ π (2 r* δ + c₂), p₀ = c₁ σ, c₁ = 6.304 − 6.76 q^−0.137, c₂ = (1.01·10⁻⁹ − 3.99·10⁻⁶/q) L²
+    ///
+    /// with L = r*/1.6129 mm and c₂ in m². Wherever the spheres part, or force or overlap lie below their greatest values so
+    /// far, the unloading branch holds. Fitted for E*/σ between 20 and 1000 and up to about 2 δ_p; see the module's page for what
+    /// the law gets wrong.
+    pub struct ElastoPlastic {
+        pub(super) rate: RateFactor<V>,
+        pub(super) unloading: Unloading<V>,
+        /// (4/3) E* √r*
+        pub(super) hertz: V,
+        /// δ_y and F_y at rest; they grow as s² and s³.
+        pub(super) yield_overlap: V,
+        pub(super) yield_force: V,
+        /// ln δ_y and F_y/δ_y at rest
+        yield_logarithm: V,
+        yield_secant: V,
+        /// δ_p = constant + s · slope
+        plastic_overlap: [V; 2],
+        /// c₁ = constant − slope · s^exponent
+        pressure_ratio: [V; 3],
+        /// π σ_y
+        pressure: V,
+        /// 2 r*
+        pub(super) area_slope: V,
+        /// c₂ = constant + s · slope
+        area_offset: [V; 2],
+    }
 }
 
 impl ElastoPlastic {
@@ -137,10 +153,7 @@ impl ElastoPlastic {
         let scale = pair.constants.scale(pair.radius);
         let (offset, exponent) = pair.constants.pressure_fit();
         Self {
-            rate: RateFactor {
-                constant: if rate { pair.rate_constant } else { 0.0 },
-                per_speed: 1.0 / (pair.radii_sum * 0.001),
-            },
+            rate: RateFactor::new(pair, rate),
             unloading: Unloading {
                 area_per_force: 1.0 / (2.0 * PI * 1.6 * pair.yield_stress),
                 modulus: 4.0 / 3.0 * pair.modulus,
@@ -156,12 +169,6 @@ impl ElastoPlastic {
             area_slope: 2.0 * pair.radius,
             area_offset: [1.01e-9 * scale * scale, -3.99e-6 / ratio * scale * scale],
         }
-    }
-
-    /// δ_y (m) at a closing speed (m/s): s² times that at rest.
-    pub(super) fn yield_onset(&self, closing_speed: f64) -> f64 {
-        let s = self.rate.at(closing_speed);
-        self.yield_overlap * s * s
     }
 }
 
@@ -221,47 +228,6 @@ impl<V: Number> ElastoPlastic<V> {
     }
 }
 
-impl LaneLaw for ElastoPlastic {
-    type Lanes<V: Number> = ElastoPlastic<V>;
-    const PARAMETERS: usize = 18;
-
-    fn parameters(&self) -> Vec<f64> {
-        let mut list = vec![self.rate.constant, self.rate.per_speed];
-        list.extend([self.unloading.area_per_force, self.unloading.modulus, self.hertz]);
-        list.extend([self.yield_overlap, self.yield_force, self.yield_logarithm, self.yield_secant]);
-        list.extend(self.plastic_overlap);
-        list.extend(self.pressure_ratio);
-        list.extend([self.pressure, self.area_slope]);
-        list.extend(self.area_offset);
-        list
-    }
-
-    #[inline(always)]
-    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> ElastoPlastic<V> {
-        ElastoPlastic {
-            rate: RateFactor { constant: V::lookup(&tables[0], place), per_speed: V::lookup(&tables[1], place) },
-            unloading: Unloading {
-                area_per_force: V::lookup(&tables[2], place),
-                modulus: V::lookup(&tables[3], place),
-            },
-            hertz: V::lookup(&tables[4], place),
-            yield_overlap: V::lookup(&tables[5], place),
-            yield_force: V::lookup(&tables[6], place),
-            yield_logarithm: V::lookup(&tables[7], place),
-            yield_secant: V::lookup(&tables[8], place),
-            plastic_overlap: [V::lookup(&tables[9], place), V::lookup(&tables[10], place)],
-            pressure_ratio: [
-                V::lookup(&tables[11], place),
-                V::lookup(&tables[12], place),
-                V::lookup(&tables[13], place),
-            ],
-            pressure: V::lookup(&tables[14], place),
-            area_slope: V::lookup(&tables[15], place),
-            area_offset: [V::lookup(&tables[16], place), V::lookup(&tables[17], place)],
-        }
-    }
-}
-
 impl<V: Number> ForceLaw<V> for ElastoPlastic<V> {
     #[inline(always)]
     fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
@@ -286,22 +252,29 @@ impl NormalLaw for ElastoPlastic {
     fn stiffness_max(&self, force_max: f64) -> f64 {
         self.unloading.stiffness_max(force_max, self.yield_force)
     }
+
+    /// δ_y at the present rate: s² times that at rest.
+    fn yield_onset(&self, closing_speed: f64) -> f64 {
+        let s = self.rate.at(closing_speed);
+        self.yield_overlap * s * s
+    }
 }
 
-/// Loading at the fully plastic stiffness from the start, F = K_L δ with K_L = 2 π r* c₁ σ; unloading as
-/// [`ElastoPlastic`].
-///
-/// Source: Burgoyne 2016, eq. 4.2 (which lacks π) and fig. 5.19d, e. Below 561 N (440c) or 98 N (brass) the unloading
-/// branch lies above the loading line: a gentle cycle creates energy.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinearPlastic<V = f64> {
-    rate: RateFactor<V>,
-    unloading: Unloading<V>,
-    yield_force: V,
-    /// c₁ = constant − slope · s^exponent
-    pressure_ratio: [V; 3],
-    /// 2 π r* σ_y
-    stiffness: V,
+law! {
+    /// Loading at the fully plastic stiffness from the start, F = K_L δ with K_L = 2 π r* c₁ σ; unloading as
+    /// [`ElastoPlastic`].
+    ///
+    /// Source: Burgoyne 2016, eq. 4.2 (which lacks π) and fig. 5.19d, e. Below 561 N (440c) or 98 N (brass) the unloading
+    /// branch lies above the loading line: a gentle cycle creates energy.
+    pub struct LinearPlastic {
+        rate: RateFactor<V>,
+        unloading: Unloading<V>,
+        yield_force: V,
+        /// c₁ = constant − slope · s^exponent
+        pressure_ratio: [V; 3],
+        /// 2 π r* σ_y
+        stiffness: V,
+    }
 }
 
 impl LinearPlastic {
@@ -314,33 +287,6 @@ impl LinearPlastic {
             yield_force: full.yield_force,
             pressure_ratio: full.pressure_ratio,
             stiffness: full.pressure * full.area_slope,
-        }
-    }
-}
-
-impl LaneLaw for LinearPlastic {
-    type Lanes<V: Number> = LinearPlastic<V>;
-    const PARAMETERS: usize = 9;
-
-    fn parameters(&self) -> Vec<f64> {
-        let mut list = vec![self.rate.constant, self.rate.per_speed];
-        list.extend([self.unloading.area_per_force, self.unloading.modulus, self.yield_force]);
-        list.extend(self.pressure_ratio);
-        list.push(self.stiffness);
-        list
-    }
-
-    #[inline(always)]
-    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> LinearPlastic<V> {
-        LinearPlastic {
-            rate: RateFactor { constant: V::lookup(&tables[0], place), per_speed: V::lookup(&tables[1], place) },
-            unloading: Unloading {
-                area_per_force: V::lookup(&tables[2], place),
-                modulus: V::lookup(&tables[3], place),
-            },
-            yield_force: V::lookup(&tables[4], place),
-            pressure_ratio: [V::lookup(&tables[5], place), V::lookup(&tables[6], place), V::lookup(&tables[7], place)],
-            stiffness: V::lookup(&tables[8], place),
         }
     }
 }
@@ -370,5 +316,10 @@ impl NormalLaw for LinearPlastic {
         let [offset, slope, _] = self.pressure_ratio;
         let loading = (offset - slope) * self.stiffness;
         self.unloading.stiffness_max(force_max, self.yield_force).max(loading)
+    }
+
+    /// It yields from the start.
+    fn yield_onset(&self, _: f64) -> f64 {
+        0.0
     }
 }

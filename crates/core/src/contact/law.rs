@@ -1,60 +1,29 @@
-//! The laws by name, and one type that holds any of them.
+//! The laws by name, one type that holds any of them, and how one is chosen once for a whole run.
 
 use std::fmt;
+use std::marker::PhantomData;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Consistent, ElastoPlastic, ForceLaw, Hertz, HertzThesis, History, LinearPlastic, NormalLaw, Pair};
-
-/// A contact law by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LawKind {
-    /// The published elastic-plastic law with rate (Burgoyne 2016, appendix A.2.1).
-    Thesis,
-    /// The same with the rate off.
-    ThesisStatic,
-    /// The energy-consistent variant of `Thesis`, with rate.
-    Consistent,
-    /// Hertz, without memory.
-    Hertz,
-    /// Hertz as appendix A.2.1 has it with plasticity off: clipped by history.
-    HertzThesis,
-    /// Loading at the fully plastic stiffness from the start, with rate; unloading as `Thesis` (Burgoyne 2016, eq. 4.2).
-    Linear,
-    /// The same with the rate off.
-    LinearStatic,
-}
-
-/// The fitted constants of c₁, δ_p and c₂, which differ between the text and the code of Burgoyne 2016.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Constants {
-    /// Appendix A.2.1: c₁ = 6.304 − 6.76 q^−0.137, lengths in units of 0.0635 in = 1.6129 mm. The default.
-    #[default]
-    Code,
-    /// Eq. 3.9: lengths in units of 1.59 mm; c₁ as the code has it, since the printed 6.30 is 6.304 rounded (6.30 itself
-    /// would give F_p = 582.4 N instead of 583.3 N for E = 100 GPa, σ_y = 500 MPa).
-    Text,
-    /// As `Text` with the length that was meant, 1/16 in = 1.5875 mm, which gives the quoted F_p = 584 N.
-    SixteenthInch,
-    /// Eqs 4.7 and 5.2: c₁ = 6.30 − 6.76 q^−0.14; lengths as eq. 3.9.
-    #[serde(rename = "eq-4.7")]
-    Equation47,
-}
+use super::parameters::{Asked, ForceOf, Listed, Parameters, ResponseOf};
+use super::{
+    Consistent, ElastoPlastic, ForceLaw, Hertz, HertzThesis, History, LaneLaw, LinearPlastic, Mdr, NormalLaw, Pair,
+    Storakers, Thornton, Tsuji, WaltonBraun,
+};
+use crate::real::{Lanes, Number};
 
 /// A name that is none of those known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown {what} \"{name}\"; known are {}", .known.join(", "))]
 pub struct UnknownName {
-    what: &'static str,
-    name: String,
-    known: Vec<&'static str>,
+    pub(super) what: &'static str,
+    pub(super) name: String,
+    pub(super) known: Vec<&'static str>,
 }
 
 macro_rules! named {
-    ($type:ty, $what:literal, { $($variant:ident = $name:literal),* $(,)? }) => {
+    ($type:ident, $what:literal, { $($variant:ident = $name:literal),* $(,)? }) => {
         impl $type {
             /// All of them, in the order in which they are listed to users.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
@@ -70,10 +39,10 @@ macro_rules! named {
             }
         }
         impl FromStr for $type {
-            type Err = UnknownName;
-            fn from_str(name: &str) -> Result<Self, UnknownName> {
+            type Err = $crate::contact::UnknownName;
+            fn from_str(name: &str) -> Result<Self, Self::Err> {
                 let found = Self::ALL.iter().copied().find(|known| known.name() == name);
-                found.ok_or_else(|| UnknownName {
+                found.ok_or_else(|| $crate::contact::UnknownName {
                     what: $what,
                     name: name.to_owned(),
                     known: Self::ALL.iter().map(|known| known.name()).collect(),
@@ -82,129 +51,194 @@ macro_rules! named {
         }
     };
 }
+pub(super) use named;
 
-named!(LawKind, "contact law", {
-    Thesis = "thesis",
-    ThesisStatic = "thesis-static",
-    Consistent = "consistent",
-    Hertz = "hertz",
-    HertzThesis = "hertz-thesis",
-    Linear = "linear",
-    LinearStatic = "linear-static",
-});
-
-named!(Constants, "set of constants", {
-    Code = "code",
-    Text = "text",
-    SixteenthInch = "sixteenth-inch",
-    Equation47 = "eq-4.7",
-});
-
-impl Constants {
-    /// c₁ = offset − 6.76 q^−exponent: (offset, exponent).
-    pub(super) const fn pressure_fit(self) -> (f64, f64) {
-        match self {
-            Self::Code | Self::Text | Self::SixteenthInch => (6.304, 0.137),
-            Self::Equation47 => (6.30, 0.14),
+/// The list of laws. A line: what users read about it, its variant and name, its type, and how it is made for a pair.
+macro_rules! laws {
+    ($($(#[$doc:meta])* $kind:ident = $name:literal: $type:ident, $make:expr;)*) => {
+        /// A contact law by name.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum LawKind {
+            $($(#[$doc])* $kind),*
         }
-    }
 
-    /// c₁ at q = E*/σ.
-    pub(super) fn pressure_ratio(self, ratio: f64) -> f64 {
-        let (offset, exponent) = self.pressure_fit();
-        offset - 6.76 * ratio.powf(-exponent)
-    }
+        named!(LawKind, "contact law", { $($kind = $name),* });
 
-    /// r* in units of the length at which the fit was made.
-    pub(super) fn scale(self, radius: f64) -> f64 {
-        match self {
-            Self::Code => radius / (0.0635 * 0.0254),
-            Self::Text | Self::Equation47 => radius / 0.00159,
-            Self::SixteenthInch => radius / (0.0254 / 16.0),
+        impl LawKind {
+            /// Whether contacts yield under it.
+            pub fn is_plastic(self) -> bool {
+                match self { $(Self::$kind => <$type as NormalLaw>::is_plastic()),* }
+            }
+
+            /// What its contacts remember besides their greatest overlap and force, by name and unit.
+            pub fn own_memory(self) -> Option<&'static str> {
+                match self { $(Self::$kind => <$type as NormalLaw>::own_memory()),* }
+            }
         }
-    }
+
+        /// Any of the laws, for one pair of spheres.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[allow(missing_docs, reason = "each is the law of that name, see `LawKind`")]
+        pub enum AnyLaw<V = f64> {
+            $($kind($type<V>)),*
+        }
+
+        /// How many numbers the laws have at most.
+        const MOST: usize = {
+            let mut most = 0;
+            $(if <$type as Parameters>::COUNT > most { most = <$type as Parameters>::COUNT; })*
+            most
+        };
+
+        impl AnyLaw {
+            /// The law `kind` between the spheres of `pair`.
+            pub fn new(kind: LawKind, pair: &Pair) -> Self {
+                match kind {
+                    $(LawKind::$kind => {
+                        let make: fn(&Pair) -> $type = $make;
+                        Self::$kind(make(pair))
+                    })*
+                }
+            }
+
+            /// Its name.
+            pub fn kind(&self) -> LawKind {
+                match self { $(Self::$kind(_) => LawKind::$kind),* }
+            }
+
+            /// Its numbers.
+            pub fn list(&self) -> Vec<f64> {
+                let mut list = Vec::new();
+                match self { $(Self::$kind(law) => law.list(&mut list)),* }
+                list
+            }
+
+            /// The same law with numbers from elsewhere, as many as `list` gives.
+            pub fn with<V: Number>(&self, numbers: &[V]) -> AnyLaw<V> {
+                let source = &mut Listed(numbers);
+                match self { $(Self::$kind(_) => AnyLaw::$kind(<$type as Parameters>::read(source))),* }
+            }
+
+            /// What a contact remembers of which only its greatest overlap (m), and the force (N) it carried there, are known.
+            pub fn recalled(&self, overlap_max: f64, force_max: f64) -> History {
+                match self { $(Self::$kind(law) => law.recalled(overlap_max, force_max)),* }
+            }
+        }
+
+        impl<V: Number> ForceLaw<V> for AnyLaw<V> {
+            fn force(&self, overlap: V, closing_speed: V, history: &History<V>) -> V {
+                match self { $(Self::$kind(law) => law.force(overlap, closing_speed, history)),* }
+            }
+            fn respond(&self, overlap: V, closing_speed: V, history: &History<V>) -> (V, History<V>) {
+                match self { $(Self::$kind(law) => law.respond(overlap, closing_speed, history)),* }
+            }
+        }
+
+        impl NormalLaw for AnyLaw {
+            fn stored(&self, overlap: f64, history: &History) -> f64 {
+                match self { $(Self::$kind(law) => law.stored(overlap, history)),* }
+            }
+            fn stiffness_max(&self, force_max: f64) -> f64 {
+                match self { $(Self::$kind(law) => law.stiffness_max(force_max)),* }
+            }
+            fn yield_onset(&self, closing_speed: f64) -> f64 {
+                match self { $(Self::$kind(law) => law.yield_onset(closing_speed)),* }
+            }
+        }
+
+        /// Which law it is stands before its numbers. Each is compiled out of line, once for each width, so that a run's loop is not
+        /// compiled anew for every law.
+        impl LaneLaw for AnyLaw {
+            const PARAMETERS: usize = 1 + MOST;
+
+            fn parameters(&self) -> Vec<f64> {
+                let mut list = vec![f64::from(self.kind() as u8)];
+                list.extend(self.list());
+                list.resize(Self::PARAMETERS, 0.0);
+                list
+            }
+            #[inline(always)]
+            fn force_at<V: Lanes>(asked: &Asked<'_, V>) -> V {
+                let (kind, asked) = which(asked);
+                match kind { $(LawKind::$kind => V::outlined(ForceOf::<V, $type>(asked, PhantomData))),* }
+            }
+            #[inline(always)]
+            fn respond_at<V: Lanes>(asked: &Asked<'_, V>) -> (V, History<V>) {
+                let (kind, asked) = which(asked);
+                match kind { $(LawKind::$kind => V::outlined(ResponseOf::<V, $type>(asked, PhantomData))),* }
+            }
+        }
+    };
 }
 
-/// Any of the laws, for one pair of spheres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AnyLaw {
-    /// See [`ElastoPlastic`].
-    ElastoPlastic(ElastoPlastic),
-    /// See [`Consistent`].
-    Consistent(Consistent),
-    /// See [`LinearPlastic`].
-    Linear(LinearPlastic),
-    /// See [`Hertz`].
-    Hertz(Hertz),
-    /// See [`HertzThesis`].
-    HertzThesis(HertzThesis),
+/// The law whose number stands in the first table, and its own tables.
+#[inline(always)]
+fn which<'a, V: Lanes>(asked: &Asked<'a, V>) -> (LawKind, Asked<'a, V>) {
+    let kind = LawKind::ALL[asked.tables[0][0] as usize];
+    (kind, Asked { tables: &asked.tables[1..], ..*asked })
+}
+
+laws! {
+    /// The published elastic-plastic law with rate (Burgoyne 2016, appendix A.2.1).
+    Thesis = "thesis": ElastoPlastic, |pair| ElastoPlastic::new(pair, true);
+    /// The same with the rate off.
+    ThesisStatic = "thesis-static": ElastoPlastic, |pair| ElastoPlastic::new(pair, false);
+    /// The energy-consistent variant of `Thesis`, with rate.
+    Consistent = "consistent": Consistent, |pair| Consistent::new(pair, true);
+    /// The same with the rate off.
+    ConsistentStatic = "consistent-static": Consistent, |pair| Consistent::new(pair, false);
+    /// The mechanically derived law of Zunker and Kamrin (2024) as a pair law, with rate.
+    Mdr = "mdr": Mdr, |pair| Mdr::new(pair, true);
+    /// The same with the rate off, as published.
+    MdrStatic = "mdr-static": Mdr, |pair| Mdr::new(pair, false);
+    /// Hertz with a limit to the pressure (Thornton 1997).
+    Thornton = "thornton": Thornton, Thornton::new;
+    /// Straight lines, steeper on the way back (Walton and Braun 1986; Luding 2008).
+    WaltonBraun = "walton-braun": WaltonBraun, WaltonBraun::new;
+    /// Hertz with a dashpot of constant restitution (Tsuji and others 1992).
+    Tsuji = "tsuji": Tsuji, Tsuji::new;
+    /// Plastic contact with strain hardening (Storåkers and others 1997).
+    Storakers = "storakers": Storakers, Storakers::new;
+    /// Hertz, without memory.
+    Hertz = "hertz": Hertz, Hertz::new;
+    /// Hertz as appendix A.2.1 has it with plasticity off: clipped by history.
+    HertzThesis = "hertz-thesis": HertzThesis, HertzThesis::new;
+    /// Loading at the fully plastic stiffness from the start, with rate; unloading as `Thesis` (Burgoyne 2016, eq. 4.2).
+    Linear = "linear": LinearPlastic, |pair| LinearPlastic::new(pair, true);
+    /// The same with the rate off.
+    LinearStatic = "linear-static": LinearPlastic, |pair| LinearPlastic::new(pair, false);
+}
+
+/// Something to be done under a law that is known by name only until then.
+pub trait WithLaw {
+    /// What comes out.
+    type Output;
+    /// Does it, with a way to make the law for a pair.
+    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L) -> Self::Output;
+}
+
+impl LawKind {
+    /// Chooses the law, once for all that follows. The two that lenses are designed with have loops of their own; the others
+    /// share one.
+    pub fn choose<W: WithLaw>(self, then: W) -> W::Output {
+        match self {
+            Self::Thesis | Self::ThesisStatic => {
+                then.with(move |pair: &Pair| ElastoPlastic::new(pair, self == Self::Thesis))
+            }
+            Self::Consistent | Self::ConsistentStatic => {
+                then.with(move |pair: &Pair| Consistent::new(pair, self == Self::Consistent))
+            }
+            _ => then.with(move |pair: &Pair| AnyLaw::new(self, pair)),
+        }
+    }
 }
 
 impl AnyLaw {
-    /// The law `kind` between the spheres of `pair`.
-    pub fn new(kind: LawKind, pair: &Pair) -> Self {
-        let rate = matches!(kind, LawKind::Thesis | LawKind::Linear);
-        match kind {
-            LawKind::Thesis | LawKind::ThesisStatic => Self::ElastoPlastic(ElastoPlastic::new(pair, rate)),
-            LawKind::Linear | LawKind::LinearStatic => Self::Linear(LinearPlastic::new(pair, rate)),
-            LawKind::Consistent => Self::Consistent(Consistent::new(pair)),
-            LawKind::Hertz => Self::Hertz(Hertz::new(pair)),
-            LawKind::HertzThesis => Self::HertzThesis(HertzThesis(Hertz::new(pair))),
-        }
-    }
-
     /// Whether the contact is yielding in this state, `history` being that after the step: it is loaded as never before, and
-    /// beyond its onset of yield. That is δ_y at the present rate for the published law and δ_y at rest for the consistent one,
-    /// which never yields before; the linear law yields from the start, the elastic ones never.
+    /// beyond its onset of yield.
     pub fn yields(&self, overlap: f64, closing_speed: f64, history: &History) -> bool {
-        let onset = match self {
-            Self::ElastoPlastic(law) => law.yield_onset(closing_speed),
-            Self::Consistent(law) => law.yield_onset(),
-            Self::Linear(_) => 0.0,
-            Self::Hertz(_) | Self::HertzThesis(_) => return false,
-        };
+        let onset = self.yield_onset(closing_speed);
         closing_speed >= 0.0 && overlap >= history.overlap_max && overlap > onset
-    }
-}
-
-impl ForceLaw<f64> for AnyLaw {
-    fn force(&self, overlap: f64, closing_speed: f64, history: &History) -> f64 {
-        match self {
-            Self::ElastoPlastic(law) => law.force(overlap, closing_speed, history),
-            Self::Consistent(law) => law.force(overlap, closing_speed, history),
-            Self::Linear(law) => law.force(overlap, closing_speed, history),
-            Self::Hertz(law) => law.force(overlap, closing_speed, history),
-            Self::HertzThesis(law) => law.force(overlap, closing_speed, history),
-        }
-    }
-    fn respond(&self, overlap: f64, closing_speed: f64, history: &History) -> (f64, History) {
-        match self {
-            Self::ElastoPlastic(law) => law.respond(overlap, closing_speed, history),
-            Self::Consistent(law) => law.respond(overlap, closing_speed, history),
-            Self::Linear(law) => law.respond(overlap, closing_speed, history),
-            Self::Hertz(law) => law.respond(overlap, closing_speed, history),
-            Self::HertzThesis(law) => law.respond(overlap, closing_speed, history),
-        }
-    }
-}
-
-impl NormalLaw for AnyLaw {
-    fn stored(&self, overlap: f64, history: &History) -> f64 {
-        match self {
-            Self::ElastoPlastic(law) => law.stored(overlap, history),
-            Self::Consistent(law) => law.stored(overlap, history),
-            Self::Linear(law) => law.stored(overlap, history),
-            Self::Hertz(law) => law.stored(overlap, history),
-            Self::HertzThesis(law) => law.stored(overlap, history),
-        }
-    }
-    fn stiffness_max(&self, force_max: f64) -> f64 {
-        match self {
-            Self::ElastoPlastic(law) => law.stiffness_max(force_max),
-            Self::Consistent(law) => law.stiffness_max(force_max),
-            Self::Linear(law) => law.stiffness_max(force_max),
-            Self::Hertz(law) => law.stiffness_max(force_max),
-            Self::HertzThesis(law) => law.stiffness_max(force_max),
-        }
     }
 }

@@ -5,11 +5,16 @@
 //! trajectory (Burgoyne 2016, appendix A.2.3).
 //!
 //! - `pair`: E*, r*, the yielding partner, and the fitted constants of the pair
+//! - `constants`: the sets of fitted constants, and the numbers that laws leave to their user
 //! - `elastic`: Hertz, with and without the published clipping by history
 //! - `elastoplastic`: the published elastic-plastic law and its linear simplification, with and without rate
 //! - `consistent`: our variant of it, which creates no energy on any path
+//! - `mdr`: Zunker and Kamrin's law for large overlaps; `thornton`: Hertz with a limit to the pressure; `storakers`: hardening metals
+//! - `walton_braun`: straight lines; `tsuji`: Hertz with a coefficient of restitution
 //! - `tabulated`: a measured force-displacement curve; `dashpot`: spring and dashpot of granular beds
-//! - `law`: the laws by name, and one type that holds any of them
+//! - `collision`: what a head-on collision comes to; `fit`: a law's constants from a measured curve
+//! - `parameters`: a law's numbers by name, for one pair, in lanes, with derivatives
+//! - `law`: the laws by name, one type that holds any of them, and the choice. **A new law is its file, and its line there**
 //!
 //! # Choosing a law
 //!
@@ -21,22 +26,40 @@
 //! `consistent` keeps the published curve where it was fitted (region III) and mends the rest. Take `thesis` to repeat
 //! published figures, `consistent` to design: `docs/consistent-law.md` derives it and says how far the two lie apart.
 
+mod collision;
 mod consistent;
+mod constants;
 mod dashpot;
 mod elastic;
 mod elastoplastic;
+mod fit;
 mod law;
+mod mdr;
 mod pair;
+mod parameters;
+mod storakers;
 mod tabulated;
+mod thornton;
+mod tsuji;
+mod walton_braun;
 
+pub use collision::{Collision, collide};
 pub use consistent::Consistent;
+pub use constants::{ConstantSet, Constants, Tuning, TuningError};
 pub use dashpot::Dashpot;
 pub(crate) use elastic::hertz_over_distance;
 pub use elastic::{Hertz, HertzThesis};
 pub use elastoplastic::{ElastoPlastic, LinearPlastic};
-pub use law::{AnyLaw, Constants, LawKind, UnknownName};
+pub use fit::{Constant, Estimate, Fit, FitError, Measured, fit};
+pub use law::{AnyLaw, LawKind, UnknownName, WithLaw};
+pub use mdr::Mdr;
 pub use pair::{Pair, Regions};
+pub use parameters::{Asked, Listed, Parameters, Source};
+pub use storakers::Storakers;
 pub use tabulated::{TableError, Tabulated};
+pub use thornton::Thornton;
+pub use tsuji::Tsuji;
+pub use walton_braun::WaltonBraun;
 
 use crate::real::{Lanes, Number};
 
@@ -47,9 +70,9 @@ pub struct History<V = f64> {
     pub overlap_max: V,
     /// F_max, the greatest force so far (N)
     pub force_max: V,
-    /// ω, by how much the contact springs back further from (δ_max, F_max) than one that yielded at that point (m).
-    /// Only [`Consistent`] uses it; zero says that the contact yielded last when it carried F_max.
-    pub elastic_excess: V,
+    /// What the law remembers besides (m); zero in a contact that has never been closed. [`Consistent`]: ω, by how much the contact springs back
+    /// further from (δ_max, F_max) than one that yielded at that point. [`Mdr`]: the overlap at which it began to yield.
+    pub own: V,
 }
 
 impl<V: Number> History<V> {
@@ -61,7 +84,7 @@ impl<V: Number> History<V> {
     /// A contact whose greatest overlap (m) and force (N) are these, both of the same moment in which it yielded.
     #[inline(always)]
     pub fn yielded_at(overlap_max: V, force_max: V) -> Self {
-        Self { overlap_max, force_max, elastic_excess: V::splat(0.0) }
+        Self { overlap_max, force_max, own: V::splat(0.0) }
     }
 
     /// The history after an accepted step with this overlap and the force evaluated on the old history.
@@ -95,22 +118,48 @@ pub trait ForceLaw<V: Number> {
 
 /// A normal contact law between two given spheres.
 pub trait NormalLaw: ForceLaw<f64> {
+    /// Whether contacts yield under it.
+    fn is_plastic() -> bool
+    where
+        Self: Sized,
+    {
+        true
+    }
+
+    /// What [`History::own`] is, by name and unit, where the law uses it.
+    fn own_memory() -> Option<&'static str>
+    where
+        Self: Sized,
+    {
+        None
+    }
+
     /// Energy (J) that the contact gives back when it opens quasistatically from this overlap.
     fn stored(&self, overlap: f64, history: &History) -> f64;
 
     /// The greatest stiffness dF/dδ (N/m) that the contact can show after having carried `force_max` (N); it limits the
     /// step.
     fn stiffness_max(&self, force_max: f64) -> f64;
+
+    /// The overlap (m) up to which a fresh contact does not yield at this closing speed (m/s); infinite for what never yields.
+    fn yield_onset(&self, _closing_speed: f64) -> f64 {
+        f64::INFINITY
+    }
+
+    /// What a contact remembers of which only its greatest overlap (m), and the force (N) it carried there, are known.
+    fn recalled(&self, overlap_max: f64, force_max: f64) -> History {
+        History::yielded_at(overlap_max, force_max)
+    }
 }
 
 /// A law whose parameters can be looked up for several designs side by side.
 pub trait LaneLaw: NormalLaw + Copy + Send + Sync {
-    /// The law of a contact, with a parameter set for each design.
-    type Lanes<V: Number>: ForceLaw<V>;
     /// How many parameters there are.
     const PARAMETERS: usize;
-    /// The parameters in the order of `look_up`'s tables.
+    /// The parameters in the order of the tables from which lanes look them up.
     fn parameters(&self) -> Vec<f64>;
-    /// The law with parameter k of each design from its place in table k.
-    fn look_up<V: Lanes>(tables: &[[f64; 16]], place: V::Index) -> Self::Lanes<V>;
+    /// The force in the state asked for, with each lane's own parameters.
+    fn force_at<V: Lanes>(asked: &Asked<'_, V>) -> V;
+    /// The force, and the history after an accepted step.
+    fn respond_at<V: Lanes>(asked: &Asked<'_, V>) -> (V, History<V>);
 }

@@ -8,7 +8,7 @@ use crate::material::Material;
 ///   1/E* = (1−ν₁²)/E₁ + (1−ν₂²)/E₂,   1/r* = 1/r₁ + 1/r₂
 ///
 /// Yield stress *and* rate constant are those of the partner with the lower yield stress (Burgoyne 2016, section 4.2.2 for
-/// the yield stress; for C the same is assumed).
+/// the yield stress; for C the same is assumed); between unlike materials times [`Tuning::unlike_hardness`](super::Tuning).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// E* (Pa)
@@ -21,7 +21,11 @@ pub struct Pair {
     pub yield_stress: f64,
     /// C of that partner
     pub rate_constant: f64,
-    /// The set of fitted constants
+    /// ν of that partner
+    pub poisson_ratio: f64,
+    /// Reduced mass of two solid spheres (kg)
+    pub reduced_mass: f64,
+    /// The set of fitted constants, and what laws leave open
     pub constants: Constants,
 }
 
@@ -48,12 +52,16 @@ impl Pair {
         let [a, b] = materials;
         let compliance = |m: &Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
         let softer = if b.yield_stress < a.yield_stress { b } else { a };
+        let factor = if a == b { 1.0 } else { constants.tuning.unlike_hardness };
+        let [m, n] = [a.sphere_mass(2.0 * radii[0]), b.sphere_mass(2.0 * radii[1])];
         Self {
             modulus: 1.0 / (compliance(a) + compliance(b)),
             radius: 1.0 / (1.0 / radii[0] + 1.0 / radii[1]),
             radii_sum: radii[0] + radii[1],
-            yield_stress: softer.yield_stress,
+            yield_stress: factor * softer.yield_stress,
             rate_constant: softer.rate_constant,
+            poisson_ratio: softer.poisson_ratio,
+            reduced_mass: m * n / (m + n),
             constants,
         }
     }

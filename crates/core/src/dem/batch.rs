@@ -17,7 +17,7 @@ use super::neighbour::{OverlapAtRest, Touching};
 use super::record::{Fastest, Observer};
 use super::step::{Drive, Stepper};
 use super::table::LaneTable;
-use crate::contact::{Consistent, ElastoPlastic, Hertz, HertzThesis, LaneLaw, LawKind, LinearPlastic, Pair};
+use crate::contact::{LaneLaw, Pair, WithLaw};
 use crate::real::{Kernel, Lanes, Width};
 use crate::sample::Sample;
 
@@ -143,18 +143,20 @@ struct Group<'a, const D: usize> {
 
 /// Chooses the law once for the group.
 fn follow<const D: usize>(group: &Group<'_, D>, width: Width) -> Result<(Vec<Brief>, Phases), BatchError> {
-    let law = group.impact.law;
-    let rate = matches!(law, LawKind::Thesis | LawKind::Linear);
-    match law {
-        LawKind::Thesis | LawKind::ThesisStatic => {
-            width.run(Under { group, law: |pair: &Pair| ElastoPlastic::new(pair, rate) })
-        }
-        LawKind::Linear | LawKind::LinearStatic => {
-            width.run(Under { group, law: |pair: &Pair| LinearPlastic::new(pair, rate) })
-        }
-        LawKind::Consistent => width.run(Under { group, law: Consistent::new }),
-        LawKind::Hertz => width.run(Under { group, law: Hertz::new }),
-        LawKind::HertzThesis => width.run(Under { group, law: |pair: &Pair| HertzThesis(Hertz::new(pair)) }),
+    group.impact.law.choose(AtWidth { group, width })
+}
+
+/// A group whose law is still to be chosen.
+struct AtWidth<'a, 'b, const D: usize> {
+    group: &'a Group<'b, D>,
+    width: Width,
+}
+
+impl<const D: usize> WithLaw for AtWidth<'_, '_, D> {
+    type Output = Result<(Vec<Brief>, Phases), BatchError>;
+
+    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L) -> Self::Output {
+        self.width.run(Under { group: self.group, law: make })
     }
 }
 

@@ -2,17 +2,17 @@
 
 use super::body::{Grains, square};
 use super::neighbour::{SelfTouch, Touch, Touching};
-use crate::contact::{ForceLaw, History, NormalLaw};
+use crate::contact::{History, NormalLaw};
 use crate::real::Lanes;
 
 /// The law of every contact.
 pub(super) trait Laws<V: Lanes>: Sync {
-    /// The law's type, the same for all contacts.
-    type Law: ForceLaw<V>;
     /// The law of one design.
     type One: NormalLaw;
-    /// The law of a contact; images follow the pairs.
-    fn of(&self, contact: usize) -> Self::Law;
+    /// The force of a contact in this state; images follow the pairs.
+    fn force(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> V;
+    /// The force, and the history after an accepted step.
+    fn respond(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> (V, History<V>);
     /// The law of a contact in one of the designs.
     fn one(&self, contact: usize, lane: usize) -> Self::One;
 }
@@ -93,11 +93,10 @@ impl<V: Lanes, const D: usize, L: Laws<V>> Contacts<V, D, L> {
     /// The force in a closed contact; its memories advance as `sweep` says.
     #[inline(always)]
     fn push(&mut self, contact: usize, overlap: V, closing_speed: V, sweep: Sweep) -> V {
-        let law = self.laws.of(contact);
         if sweep == Sweep::Try {
-            return law.force(overlap, closing_speed, &self.history[contact]);
+            return self.laws.force(contact, overlap, closing_speed, &self.history[contact]);
         }
-        let (force, history) = law.respond(overlap, closing_speed, &self.history[contact]);
+        let (force, history) = self.laws.respond(contact, overlap, closing_speed, &self.history[contact]);
         self.history[contact] = history;
         if sweep == Sweep::AcceptAndAccount {
             self.account[contact].accept(overlap, force);

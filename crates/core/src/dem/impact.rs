@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::body::Grains;
 use super::boundary::Mirror;
-use super::contacts::{Contacts, Laws, Sweep};
+use super::contacts::{Contacts, Sweep};
 use super::guard::{self, RESIDUAL_LIMIT, Stop};
 use super::ledger::Ledger;
 use super::load::ForcePulse;
@@ -14,9 +14,7 @@ use super::record::{Felt, Observer};
 use super::step::{Drive, Stepper};
 use super::table::LawTable;
 use super::{Integrator, same};
-use crate::contact::{
-    Consistent, Constants, ElastoPlastic, Hertz, HertzThesis, LawKind, LinearPlastic, NormalLaw, Pair,
-};
+use crate::contact::{Constants, LaneLaw, LawKind, NormalLaw, Pair, WithLaw};
 use crate::sample::Sample;
 
 /// What hits the crystal, how it is held, and how the motion is followed.
@@ -139,17 +137,21 @@ fn choose<const D: usize>(
     impact: &Impact,
     interrupt: &AtomicBool,
 ) -> Result<Record<D>, OverlapAtRest> {
-    let rate = matches!(impact.law, LawKind::Thesis | LawKind::Linear);
-    match impact.law {
-        LawKind::Thesis | LawKind::ThesisStatic => {
-            follow(sample, impact, interrupt, |pair| ElastoPlastic::new(pair, rate))
-        }
-        LawKind::Linear | LawKind::LinearStatic => {
-            follow(sample, impact, interrupt, |pair| LinearPlastic::new(pair, rate))
-        }
-        LawKind::Consistent => follow(sample, impact, interrupt, Consistent::new),
-        LawKind::Hertz => follow(sample, impact, interrupt, Hertz::new),
-        LawKind::HertzThesis => follow(sample, impact, interrupt, |pair| HertzThesis(Hertz::new(pair))),
+    impact.law.choose(Followed { sample, impact, interrupt })
+}
+
+/// An impact whose law is still to be chosen.
+struct Followed<'a, const D: usize> {
+    sample: &'a Sample<D>,
+    impact: &'a Impact,
+    interrupt: &'a AtomicBool,
+}
+
+impl<const D: usize> WithLaw for Followed<'_, D> {
+    type Output = Result<Record<D>, OverlapAtRest>;
+
+    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L) -> Self::Output {
+        follow(self.sample, self.impact, self.interrupt, make)
     }
 }
 

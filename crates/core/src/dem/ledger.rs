@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::body::Grains;
-use super::contacts::{Contacts, Laws};
+use super::contacts::Contacts;
 use super::table::LawTable;
 use crate::contact::NormalLaw;
 

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::contacts::Laws;
 use super::neighbour::Touching;
-use crate::contact::{Constants, LaneLaw, NormalLaw, Pair};
+use crate::contact::{Asked, Constants, History, LaneLaw, NormalLaw, Pair};
 use crate::material::Material;
 use crate::real::Lanes;
 use crate::sample::Sample;
@@ -52,18 +52,27 @@ pub(super) struct LawTable<L> {
 }
 
 impl<L: NormalLaw + Copy + Sync> Laws<f64> for LawTable<L> {
-    type Law = L;
     type One = L;
     #[inline(always)]
-    fn of(&self, contact: usize) -> L {
-        self.kinds[usize::from(self.kind[contact])]
+    fn force(&self, contact: usize, overlap: f64, closing_speed: f64, history: &History) -> f64 {
+        self.of(contact).force(overlap, closing_speed, history)
+    }
+    #[inline(always)]
+    fn respond(&self, contact: usize, overlap: f64, closing_speed: f64, history: &History) -> (f64, History) {
+        self.of(contact).respond(overlap, closing_speed, history)
     }
     fn one(&self, contact: usize, _: usize) -> L {
-        self.of(contact)
+        *self.of(contact)
     }
 }
 
 impl<L> LawTable<L> {
+    /// The law of a contact.
+    #[inline(always)]
+    pub fn of(&self, contact: usize) -> &L {
+        &self.kinds[usize::from(self.kind[contact])]
+    }
+
     /// Makes a law for every kind of pair that touches.
     pub fn new<const D: usize>(
         sample: &Sample<D>,
@@ -88,12 +97,16 @@ pub(super) struct LaneTable<L, V> {
 }
 
 impl<L: LaneLaw, V: Lanes> Laws<V> for LaneTable<L, V> {
-    type Law = L::Lanes<V>;
     type One = L;
     #[inline(always)]
-    fn of(&self, contact: usize) -> L::Lanes<V> {
+    fn force(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> V {
         let place = V::index(&self.kind[contact * V::LANES..(contact + 1) * V::LANES]);
-        L::look_up(&self.tables, place)
+        L::force_at(&Asked { tables: &self.tables, place, overlap, closing_speed, history })
+    }
+    #[inline(always)]
+    fn respond(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> (V, History<V>) {
+        let place = V::index(&self.kind[contact * V::LANES..(contact + 1) * V::LANES]);
+        L::respond_at(&Asked { tables: &self.tables, place, overlap, closing_speed, history })
     }
     fn one(&self, contact: usize, lane: usize) -> L {
         self.kinds[usize::from(self.kind[contact * V::LANES + lane])]

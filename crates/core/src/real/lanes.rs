@@ -78,7 +78,7 @@ mod x86 {
     use std::ops::{Add, Div, Mul, Neg, Sub};
 
     use super::{Kernel, Width};
-    use crate::real::{Lanes, Number, functions_of_lanes};
+    use crate::real::{Job, Lanes, Number, functions_of_lanes};
 
     /// The caller has asked the processor for this width.
     pub fn run<K: Kernel>(width: Width, kernel: K) -> K::Output {
@@ -98,6 +98,18 @@ mod x86 {
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
     fn eight<K: Kernel>(kernel: K) -> K::Output {
         kernel.run::<F64x8>()
+    }
+
+    #[target_feature(enable = "avx2")]
+    #[inline(never)]
+    fn four_outlined<J: Job>(job: J) -> J::Output {
+        job.run()
+    }
+
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+    #[inline(never)]
+    fn eight_outlined<J: Job>(job: J) -> J::Output {
+        job.run()
     }
 
     /// Four numbers.
@@ -276,6 +288,10 @@ mod x86 {
                 Self(_mm256_castsi256_pd(_mm256_slli_epi64::<52>(bits)))
             }
         }
+        #[inline(always)]
+        fn outlined<J: Job>(job: J) -> J::Output {
+            unsafe { four_outlined(job) }
+        }
     }
 
     impl Number for F64x8 {
@@ -386,6 +402,10 @@ mod x86 {
                 let bits = _mm512_castpd_si512(_mm512_add_pd(self.0, _mm512_set1_pd(TWO_52 + 1023.0)));
                 Self(_mm512_castsi512_pd(_mm512_slli_epi64::<52>(bits)))
             }
+        }
+        #[inline(always)]
+        fn outlined<J: Job>(job: J) -> J::Output {
+            unsafe { eight_outlined(job) }
         }
     }
 }

@@ -99,6 +99,16 @@ pub trait Lanes: Number {
     fn exponent_mantissa(self) -> (Self, Self, Self::Index);
     /// 2 to the power of a whole number from −1022 to 1023.
     fn power_of_two(self) -> Self;
+    /// Does a job in a function of its own, compiled for this width's instructions.
+    fn outlined<J: Job>(job: J) -> J::Output;
+}
+
+/// Something to compute in a function of its own; see [`Lanes::outlined`].
+pub trait Job {
+    /// What comes out.
+    type Output;
+    /// Computes it. Must be `#[inline(always)]`, as must be all it calls.
+    fn run(self) -> Self::Output;
 }
 
 /// How a register takes its functions from `functions`.
@@ -208,6 +218,10 @@ impl Lanes for f64 {
     #[inline(always)]
     fn power_of_two(self) -> Self {
         f64::from_bits(((self as i64 + 1023) as u64) << 52)
+    }
+    #[inline(never)]
+    fn outlined<J: Job>(job: J) -> J::Output {
+        job.run()
     }
 }
 

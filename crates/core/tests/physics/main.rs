@@ -10,6 +10,7 @@ mod collision;
 mod consistent;
 mod contact_law;
 mod energy;
+mod laws;
 mod lens;
 mod problem;
 mod reference;

@@ -187,10 +187,10 @@ impl Bonding for Solid {
         }
     }
     fn numbers(memory: &History) -> Vec<f64> {
-        vec![memory.overlap_max, memory.force_max, memory.elastic_excess]
+        vec![memory.overlap_max, memory.force_max, memory.own]
     }
     fn from_numbers(numbers: &[f64]) -> History {
-        History { overlap_max: numbers[0], force_max: numbers[1], elastic_excess: numbers[2] }
+        History { overlap_max: numbers[0], force_max: numbers[1], own: numbers[2] }
     }
 }
 

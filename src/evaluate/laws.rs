@@ -1,0 +1,165 @@
+//! One layout under several contact laws: what of its scores is the layout's, and what the law's.
+
+use std::sync::atomic::AtomicBool;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{EvaluateError, Evaluation, Overrides, Plan, PlanError, evaluate};
+use crate::contact::LawKind;
+use crate::design::Design;
+use crate::layout::{Baseline, Layout};
+
+/// The scores of a layout under one law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LawScores {
+    /// The law.
+    pub law: LawKind,
+    /// F (J)
+    #[serde(rename = "focal_mean_J")]
+    pub focal_mean: f64,
+    /// P (J)
+    #[serde(rename = "protected_mean_J")]
+    pub protected_mean: f64,
+    /// C = F/P
+    pub contrast: Option<f64>,
+    /// G = F/F(all host)
+    pub focal_gain: Option<f64>,
+    /// Q = P/P(all lens)
+    pub protection: Option<f64>,
+    /// The step (s), chosen for the law.
+    pub step_s: f64,
+    /// Why one of its runs ended early, if so; the numbers that need it are left out.
+    pub stop: Option<String>,
+}
+
+/// The scores of a layout under several laws, and how far apart they lie.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OverLaws {
+    /// Law by law.
+    pub each: Vec<LawScores>,
+    /// Least and greatest.
+    pub range: Ranges,
+}
+
+/// Least and greatest of each score; none where no law gives one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ranges {
+    /// C
+    pub contrast: Option<[f64; 2]>,
+    /// G
+    pub focal_gain: Option<[f64; 2]>,
+    /// Q
+    pub protection: Option<[f64; 2]>,
+}
+
+/// Why a layout has no scores over laws.
+#[derive(Debug, thiserror::Error)]
+pub enum OverLawsError {
+    /// Step or window do not do for one of the laws.
+    #[error("under the law {law}: {error}")]
+    Plan {
+        /// The law.
+        law: LawKind,
+        /// What is wrong.
+        error: PlanError,
+    },
+    /// It cannot be simulated.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+}
+
+/// The laws by whose range a design is judged: those that yield and create no energy, with rate and without, and the one that the
+/// design names.
+pub fn design_laws(design: &Design) -> Vec<LawKind> {
+    let mut laws =
+        vec![LawKind::Consistent, LawKind::ConsistentStatic, LawKind::Mdr, LawKind::MdrStatic, LawKind::Thornton];
+    if !laws.contains(&design.law) {
+        laws.insert(0, design.law);
+    }
+    laws
+}
+
+/// Simulates a layout, its host alone and its lens material alone under each law, all in parallel. Each law has the step that its
+/// stiffest contact asks for.
+///
+/// # Errors
+/// See [`OverLawsError`]. A run that a guard stops is none: it is told, and its scores are left out.
+pub fn over_laws(
+    design: &Design,
+    layout: &Layout,
+    laws: &[LawKind],
+    overrides: Overrides,
+    interrupt: &AtomicBool,
+) -> Result<OverLaws, OverLawsError> {
+    let designs: Vec<Design> = laws.iter().map(|&law| Design { law, ..design.clone() }).collect();
+    let plans = designs
+        .iter()
+        .map(|design| {
+            Plan::new(design, overrides, &layout.palette)
+                .map_err(|error| OverLawsError::Plan { law: design.law, error })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut arrangements = vec![layout.clone()];
+    if layout.palette.len() > 1 {
+        arrangements.extend([Baseline::AllHost, Baseline::AllLens].map(|uniform| uniform.layout(layout, [1, 1])));
+    }
+    let jobs: Vec<(usize, &Layout)> =
+        (0..laws.len()).flat_map(|k| arrangements.iter().map(move |layout| (k, layout))).collect();
+    let run = |&(k, layout): &(usize, &Layout)| evaluate(&designs[k], layout, &plans[k], interrupt);
+    let runs = jobs.par_iter().with_max_len(1).map(run).collect::<Result<Vec<Evaluation>, _>>()?;
+    let each: Vec<LawScores> = runs
+        .chunks(arrangements.len())
+        .zip(laws.iter().zip(&plans))
+        .map(|(runs, (&law, plan))| {
+            let whole = |k: usize| runs.get(k).filter(|run| run.record.stop.is_none()).map(|run| &run.scores);
+            let mut scores = runs[0].scores.clone();
+            scores.relate(None, whole(1), whole(2));
+            let own = runs[0].record.stop.is_none();
+            LawScores {
+                law,
+                focal_mean: scores.focal_mean,
+                protected_mean: scores.protected_mean,
+                contrast: scores.contrast.filter(|_| own),
+                focal_gain: scores.focal_gain.filter(|_| own),
+                protection: scores.protection.filter(|_| own),
+                step_s: plan.step,
+                stop: runs.iter().find_map(|run| run.record.stop.as_ref()).map(ToString::to_string),
+            }
+        })
+        .collect();
+    let range = |of: fn(&LawScores) -> Option<f64>| {
+        let values = || each.iter().filter_map(of);
+        Some([values().reduce(f64::min)?, values().reduce(f64::max)?])
+    };
+    let range = Ranges {
+        contrast: range(|scores| scores.contrast),
+        focal_gain: range(|scores| scores.focal_gain),
+        protection: range(|scores| scores.protection),
+    };
+    Ok(OverLaws { each, range })
+}
+
+impl OverLaws {
+    /// As a table in words.
+    pub fn table(&self) -> String {
+        let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3}"));
+        let mut text = format!("{:<18}{:>8}{:>8}{:>8}\n", "under the law", "C", "G", "Q");
+        for scores in &self.each {
+            text += &format!(
+                "{:<18}{:>8}{:>8}{:>8}{}\n",
+                scores.law.name(),
+                number(scores.contrast),
+                number(scores.focal_gain),
+                number(scores.protection),
+                scores.stop.as_ref().map_or_else(String::new, |stop| format!("  ({stop})")),
+            );
+        }
+        for (words, end) in [("least", 0), ("greatest", 1)] {
+            let of = |range: Option<[f64; 2]>| number(range.map(|range| range[end]));
+            let Ranges { contrast, focal_gain, protection } = &self.range;
+            text += &format!("{words:<18}{:>8}{:>8}{:>8}\n", of(*contrast), of(*focal_gain), of(*protection));
+        }
+        text
+    }
+}
