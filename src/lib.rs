@@ -14,6 +14,9 @@ pub use granulens_core::{
 pub mod document;
 pub mod layout;
 pub mod bed;
+pub mod columns;
+pub mod network;
+pub mod motion;
 pub mod outcome;
 pub mod design;
 pub mod evaluate;

@@ -200,6 +200,18 @@ impl From<DesignError> for Failure {
     }
 }
 
+impl From<granulens::columns::TableError> for Failure {
+    fn from(error: granulens::columns::TableError) -> Self {
+        Self::Input(Box::new(Input {
+            file: Some(error.path.display().to_string()),
+            line: error.line,
+            message: error.to_string(),
+            help: Some(error.help),
+            ..Input::default()
+        }))
+    }
+}
+
 impl From<LayoutFileError> for Failure {
     fn from(error: LayoutFileError) -> Self {
         Self::Input(Box::new(Input {

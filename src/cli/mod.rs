@@ -17,6 +17,8 @@ mod failure;
 mod folder;
 mod impact;
 mod materials;
+mod motion;
+mod network;
 mod over_laws;
 mod reproduce;
 mod run;
@@ -96,6 +98,8 @@ enum Command {
     Reproduce(reproduce::Reproduce),
     Export(Box<export::Export>),
     Impact(impact::Impact),
+    Network(network::NetworkOf),
+    Motion(motion::Motion),
     Bench(bench::Bench),
 }
 
@@ -108,6 +112,7 @@ impl Command {
             Self::Reproduce(_) | Self::Export(_) | Self::Impact(_) => true,
             Self::Design(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
             Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
+            Self::Network(_) | Self::Motion(_) => false,
         }
     }
 }
@@ -145,6 +150,8 @@ pub fn main() -> ExitCode {
         Command::Reproduce(command) => command.run(common),
         Command::Export(command) => command.run(common),
         Command::Impact(command) => command.run(common),
+        Command::Network(command) => command.run(common),
+        Command::Motion(command) => command.run(common),
         Command::Bench(command) => command.run(common),
     };
     match done {

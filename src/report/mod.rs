@@ -14,7 +14,7 @@
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `surface`: a design surface as a picture, `surface_page` as a page that answers the pointer; `labels`: places for its labels
 //! - `plain_page`: pictures below some words
-//! - `chart`: lines over a quantity; `bed`: an impact on a granular bed; `ensemble`: many of them
+//! - `chart`: lines over a quantity; `bed`: an impact on a granular bed; `ensemble`: many of them; `inside`: a force network, and how grains moved
 //! - `trial`: one simulated rig, from the records in its folder
 
 mod bed;
@@ -27,6 +27,7 @@ mod digits;
 mod drawing;
 mod ensemble;
 mod files;
+mod inside;
 mod labels;
 mod maps;
 mod page;
@@ -46,6 +47,7 @@ pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;
 pub use ensemble::draw_ensemble;
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, write, write_numbers};
+pub use inside::{draw_motion, draw_network};
 pub use spots::spot_diagram;
 pub use surface::{surface, surface_csv};
 pub use surface_page::surface_page;

@@ -5,6 +5,7 @@
 //! - `layouts`: what a wrong layout file hears
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
 //! - `simulate`: rigs; `impact`: granular beds
+//! - `network`: network and motion, of files of any program
 //! - `cost`: what --dry-run says
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption
@@ -16,6 +17,7 @@ mod impact;
 mod jobs;
 mod laws;
 mod layouts;
+mod network;
 mod refusals;
 mod simulate;
 mod studies;

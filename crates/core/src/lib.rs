@@ -21,6 +21,8 @@ pub mod pattern;
 pub mod wave;
 pub mod ray;
 pub mod lens;
+pub mod network;
+pub mod motion;
 pub mod dem;
 pub mod bed;
 pub mod score;

@@ -1,0 +1,123 @@
+//! What goes on inside a packing as pictures: the force network with its chains, and non-affine motion.
+
+use super::chart::ticks;
+use super::colour::{Scale, level};
+use super::svg::{Anchor, Shapes, Svg};
+use crate::motion::Local;
+use crate::network::{Branch, Chains, Network};
+
+/// Longer side of what is drawn (px).
+const SIDE: f64 = 860.0;
+/// Room at the left, above, at the right and below (px).
+const ROOM: [f64; 4] = [20.0, 44.0, 110.0, 40.0];
+
+/// A paper for places (x, z), with a title and a scale bar for lengths.
+struct Sheet {
+    low: [f64; 2],
+    high: [f64; 2],
+    /// Pixels per unit of length.
+    size: f64,
+}
+
+impl Sheet {
+    fn around(places: impl Iterator<Item = [f64; 2]>, margin: f64) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for place in places {
+            for k in 0..2 {
+                (low[k], high[k]) = (low[k].min(place[k] - margin), high[k].max(place[k] + margin));
+            }
+        }
+        let long = (high[0] - low[0]).max(high[1] - low[1]);
+        Self { low, high, size: if long > 0.0 { SIDE / long } else { 1.0 } }
+    }
+
+    fn extent(&self) -> [f64; 2] {
+        [(self.high[0] - self.low[0]) * self.size, (self.high[1] - self.low[1]) * self.size]
+    }
+
+    fn at(&self, [x, z]: [f64; 2]) -> [f64; 2] {
+        [ROOM[0] + (x - self.low[0]) * self.size, ROOM[1] + (self.high[1] - z) * self.size]
+    }
+
+    fn begin(&self, title: &str) -> Svg {
+        let [width, height] = self.extent();
+        let mut svg = Svg::new(ROOM[0] + width + ROOM[2], ROOM[1] + height + ROOM[3], title);
+        svg.text([ROOM[0], 24.0], 14.0, Anchor::Start, r#"font-weight="bold""#, title);
+        svg
+    }
+
+    /// The frame, the bar of colours, and a bar of a round length.
+    fn finish(&self, mut svg: Svg, scale: &Scale, label: &str, beyond: [bool; 2]) -> String {
+        let [width, height] = self.extent();
+        svg.rectangle([ROOM[0], ROOM[1]], [width, height], r##"fill="none" stroke="#555""##);
+        let corner = [ROOM[0] + width + 24.0, ROOM[1] + 14.0];
+        scale.bar(&mut svg, corner, (height - 28.0).clamp(40.0, 300.0), label, 1.0, beyond);
+        let round = ticks(0.0, (self.high[0] - self.low[0]) / 3.0, 3).last().copied().unwrap_or(1.0);
+        let below = ROOM[1] + height + 14.0;
+        let (from, to) = ([ROOM[0], below], [ROOM[0] + round * self.size, below]);
+        svg.line(from, to, r##"stroke="#222" stroke-width="3""##);
+        svg.text([to[0] + 8.0, below + 4.0], 12.0, Anchor::Start, "", &format!("{round}"));
+        svg.finish()
+    }
+}
+
+/// A force network: contacts as lines, as broad and as dark as their normal force is great, and force chains below them. None where
+/// places are not known.
+pub fn draw_network(title: &str, network: &Network, mean: f64, chains: &Chains) -> Option<String> {
+    let branches = network.branches()?;
+    let ends = |branch: &Branch| {
+        let Branch { from, vector } = *branch;
+        [from, [from[0] + vector[0], from[1] + vector[1]]]
+    };
+    let length = branches.iter().map(Branch::length).sum::<f64>() / branches.len().max(1) as f64;
+    let sheet = Sheet::around(branches.iter().flat_map(ends), 0.5 * length);
+    let title = format!("{title}: normal forces in multiples of the mean; chains of three or more in blue");
+    let mut svg = sheet.begin(&title);
+    let of = |c: usize| network.contacts()[c].normal.abs() / mean;
+    // By strength, so that the strongest lie on top.
+    let mut order: Vec<usize> = (0..branches.len()).collect();
+    order.sort_by(|&a, &b| of(a).total_cmp(&of(b)));
+    let most = order.last().map_or(1.0, |&c| of(c));
+    let scale = Scale::linear(most);
+    let mut linked = std::collections::BTreeSet::new();
+    for chain in &chains.chains {
+        linked.extend(chain.windows(2).map(|two| (two[0].min(two[1]), two[0].max(two[1]))));
+    }
+    let [width, height] = sheet.extent();
+    svg.clipped([ROOM[0], ROOM[1]], [width, height], |svg| {
+        let mut under = Shapes::default();
+        for (contact, branch) in network.contacts().iter().zip(branches) {
+            let [a, b] = contact.grains;
+            if linked.contains(&(a.min(b), a.max(b))) {
+                let [from, to] = ends(branch);
+                under.segment(sheet.at(from), sheet.at(to));
+            }
+        }
+        let broad = 0.7 * length * sheet.size;
+        let attributes = format!(r##"stroke="#bcd9ee" stroke-width="{broad:.2}" stroke-linecap="round" fill="none""##);
+        svg.path(under.data(), &attributes);
+        for &c in &order {
+            let [from, to] = ends(&branches[c]);
+            let stroke = level(scale.level(of(c)));
+            // The strongest as broad as half a grain.
+            let broad = 0.5 * length * sheet.size * (of(c) / most).sqrt();
+            svg.line(sheet.at(from), sheet.at(to), &format!(r#"stroke="{stroke}" stroke-width="{broad:.2}""#));
+        }
+    });
+    Some(sheet.finish(svg, &scale, "normal force over mean", [false, false]))
+}
+
+/// Non-affine motion: grains where they were, coloured by D²_min on a logarithmic scale; those without it are hollow. `diameter` is that
+/// of the circles.
+pub fn draw_motion(title: &str, places: &[[f64; 2]], locals: &[Local], diameter: f64) -> String {
+    let sheet = Sheet::around(places.iter().copied(), 0.5 * diameter);
+    let mut svg = sheet.begin(&format!("{title}: D²_min, what no affine map of a neighbourhood explains"));
+    let scale = Scale::logarithmic(locals.iter().filter_map(|local| local.d2min));
+    let below = locals.iter().filter_map(|local| local.d2min).any(|value| value < scale.low());
+    for (place, local) in places.iter().zip(locals) {
+        let fill = local.d2min.map_or("none".to_owned(), |value| level(scale.level(value)));
+        let attributes = format!(r##"fill="{fill}" stroke="#888" stroke-width="0.25""##);
+        svg.circle(sheet.at(*place), 0.5 * diameter * sheet.size, &attributes);
+    }
+    sheet.finish(svg, &scale, "D²_min (length squared)", [false, below])
+}

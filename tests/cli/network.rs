@@ -1,0 +1,149 @@
+//! `network` and `motion`: instruments that read files of any program.
+
+use super::Desk;
+
+/// Two squares side by side; the diagonal 1-5 cuts the right one. Forces 8 to 1, mean 4.5.
+const SQUARES: &str = "i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N
+0,1,0,0,1,0,8,0
+1,2,1,0,2,0,7,0
+3,4,0,1,1,1,6,0
+4,5,1,1,2,1,5,0
+0,3,0,0,0,1,4,0
+1,4,1,0,1,1,3,0
+2,5,2,0,2,1,2,0
+1,5,1,0,2,1,1,9
+";
+
+#[test]
+fn a_network_of_contacts_has_its_numbers() {
+    let desk = Desk::new();
+    desk.write("contacts.csv", SQUARES);
+    let json = desk.run(&["network", "contacts.csv", "--json", "--thresholds", "0,0.3,1,1.2,2"]).ok().json();
+    assert_eq!(json["mean_force"], 4.5);
+    assert_eq!(json["components"], serde_json::json!([1, 1, 2, 2, 0]));
+    assert_eq!(json["loops"], serde_json::json!([3, 2, 0, 0, 0]));
+    assert_eq!(json["holes"], serde_json::json!([1, 2, 0, 0, 0]));
+    assert_eq!(json["persistence0"], serde_json::json!([[8.0 / 4.5, null], [6.0 / 4.5, 4.0 / 4.5]]));
+    assert_eq!(json["persistence1"], serde_json::json!([[3.0 / 4.5, null], [2.0 / 4.5, 1.0 / 4.5]]));
+    assert_eq!((&json["coordination"], &json["rattlers"]), (&serde_json::json!(16.0 / 6.0), &serde_json::json!(0)));
+
+    let json = desk.run(&["network", "contacts.csv", "--json", "--tangential"]).ok().json();
+    assert_eq!(json["thresholds"].as_array().unwrap().len(), 101);
+    assert_eq!((&json["thresholds"][3], &json["thresholds"][100]), (&serde_json::json!(0.15), &serde_json::json!(5.0)));
+    assert_eq!((&json["mean_force"], &json["components"][39]), (&serde_json::json!(4.5), &serde_json::json!(1)));
+    assert_eq!(json["components"][40], 0, "9 does not exceed twice 4.5");
+
+    let json = desk.run(&["network", "contacts.csv", "--json", "--on", "particles"]).ok().json();
+    assert_eq!(json["mean_force"], 12.0);
+
+    let text = desk.run(&["network", "contacts.csv", "--thresholds", "0,1"]).ok();
+    assert_eq!(text.stdout, "threshold,components,loops,holes\n0,1,3,1\n1,2,0,0\n");
+    assert!(text.stderr.contains("6 grains, 8 contacts"), "{}", text.stderr);
+
+    desk.run(&["network", "contacts.csv", "--json", "--cell", "0.5", "--out", "found"]).ok();
+    let found = desk.json("found/network.json");
+    assert_eq!(found["holes"][0], 1);
+    let area = |cell: &serde_json::Value| cell["stress"][0][0].as_f64().unwrap() * 0.25;
+    let sum: f64 = found["stress"]["cells"].as_array().unwrap().iter().map(area).sum();
+    assert!((sum - found["virial"][0][0].as_f64().unwrap()).abs() < 1e-12);
+    for name in ["network.csv", "persistence.csv", "chains.csv", "stress.csv"] {
+        assert!(desk.read(&format!("found/{name}")).lines().count() >= 1, "{name}");
+    }
+}
+
+/// Columns in another order with others between, a byte order mark, comments, spaces, grains by name, and no places.
+#[test]
+fn contacts_may_be_written_in_many_ways() {
+    let desk = Desk::new();
+    desk.write("contacts.csv", SQUARES);
+    let usual = desk.run(&["network", "contacts.csv", "--json"]).ok().json();
+    let mut text = "\u{feff}# from elsewhere\r\nnote, normal_N, j, i\r\n".to_owned();
+    for line in SQUARES.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        text += &format!("x, -{}.0, g{}, g{}\r\n", cells[6], cells[1], cells[0]);
+    }
+    desk.write("other.csv", text);
+    let other = desk.run(&["network", "other.csv", "--json"]).ok().json();
+    for key in ["mean_force", "components", "loops", "holes", "persistence0", "persistence1", "coordination"] {
+        assert_eq!(usual[key], other[key], "{key}");
+    }
+    assert!(other["fabric"].is_null() && other["chains"].is_null() && !usual["fabric"].is_null());
+}
+
+/// Two moments of a dump of LAMMPS: columns told by --columns, the box's period, pairs that do not touch left out.
+#[test]
+fn dumps_of_lammps_are_read() {
+    let desk = Desk::new();
+    let moment = |step: u32, force: u32| {
+        format!(
+            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n4\nITEM: BOX BOUNDS pp ff pp\n0 3\n-1 5\n-0.5 0.5\n\
+             ITEM: ENTRIES index c_1[1] c_1[2] c_2[1]\n1 1 2 {force}\n2 2 3 2\n3 1 3 2\n4 1 4 0\n"
+        )
+    };
+    desk.write("dump.local", moment(100, 2) + &moment(200, 5));
+    let columns = "i=c_1[1],j=c_1[2],normal_N=c_2[1]";
+    let ran = desk.run(&["network", "dump.local", "--columns", columns, "--json"]).ok().json();
+    assert_eq!((&ran["frames"][0]["time"], &ran["frames"][1]["time"]), (&100.0.into(), &200.0.into()));
+    assert_eq!((&ran["frames"][1]["mean_force"], &ran["frames"][1]["contacts"]), (&3.0.into(), &3.into()));
+    let one = desk.run(&["network", "dump.local", "--columns", columns, "--json", "--frame", "1"]).ok().json();
+    assert_eq!(one, ran["frames"][1]);
+    let short = desk.run(&["network", "dump.local", "--json"]);
+    assert!(short.code == 2 && short.stderr.contains("has no column normal_N"), "{}", short.stderr);
+}
+
+#[test]
+fn wrong_contacts_hear_what_is_wrong() {
+    let desk = Desk::new();
+    for (from, to, fault) in [
+        ("1,4,1,0", "4,4,1,0", ":7: grain 4 touches itself"),
+        ("2,5,2,0", "1,0,2,0", ":8: grains 1 and 0 touch in line 2 already"),
+        ("1,5,1,0,2,1,1,9", "1,5,1,0,2,1,NaN,9", ":9: normal_N = \"NaN\" is no finite number"),
+        ("1,5,1,0,2,1,1,9", "1,5,1,0,2,1,9", ":9: the line has 7 values, and the header names 8 columns"),
+        ("normal_N", "force", "has no column normal_N"),
+        ("0,1,0,0,1,0", ",1,0,0,1,0", ":2: i is empty"),
+    ] {
+        desk.write("contacts.csv", SQUARES.replacen(from, to, 1));
+        let ran = desk.run(&["network", "contacts.csv"]);
+        assert!(ran.code == 2 && ran.stdout.is_empty() && ran.stderr.contains(fault), "{fault}: {}", ran.stderr);
+    }
+    desk.write("contacts.csv", SQUARES);
+    for arguments in [["--period-x", "-1"], ["--thresholds", "1,-2"], ["--on", "grains"], ["--frame", "3"]] {
+        let ran = desk.run(&[&["network", "contacts.csv"], &arguments[..]].concat());
+        assert!(ran.code == 2 && ran.stdout.is_empty(), "{arguments:?}: {}", ran.stderr);
+    }
+    assert_eq!(desk.run(&["network", "nothing.csv"]).code, 2);
+}
+
+/// A shear of a square lattice leaves nothing; the table has the columns that scripts read.
+#[test]
+fn motion_writes_its_table() {
+    let desk = Desk::new();
+    let places = |shear: f64| -> String {
+        let rows = (0..36).map(|k| (f64::from(k % 6), f64::from(k / 6), k));
+        rows.fold("x,id,z\n".to_owned(), |text, (x, z, k)| text + &format!("{},g{k},{z}\n", x + shear * z))
+    };
+    desk.write("before.csv", places(0.0));
+    desk.write("after.csv", places(0.25));
+    let text = desk.run(&["motion", "before.csv", "after.csv", "--radius", "1.5"]).ok().stdout;
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("id,x,z,d2min,a11,a12,a21,a22,neighbours"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!((rows.len(), rows[7][0], rows[7][8], rows[0][8]), (36, "g7", "8", "3"));
+    for row in &rows {
+        let number = |k: usize| row[k].parse::<f64>().unwrap();
+        assert!(number(3) < 1e-28 && (number(5) - 0.25).abs() < 1e-14 && (number(4) - 1.0).abs() < 1e-14, "{row:?}");
+    }
+    // Below three neighbours nothing is said.
+    let text = desk.run(&["motion", "before.csv", "after.csv", "--radius", "1.2"]).ok().stdout;
+    assert_eq!(text.lines().nth(1), Some("g0,0,0,,,,,,2"));
+    desk.run(&["motion", "before.csv", "after.csv", "--out", "moved.csv", "--radius", "1.2"]).ok();
+    assert_eq!(desk.read("moved.csv"), text);
+    let json = desk.run(&["motion", "before.csv", "after.csv", "--json", "--period-x", "6"]).ok().json();
+    assert_eq!((&json["radius"], json["grains"].as_array().unwrap().len()), (&2.5.into(), 36));
+
+    desk.write("after.csv", places(0.25).replace("g7,", "g99,"));
+    let ran = desk.run(&["motion", "before.csv", "after.csv"]);
+    assert!(ran.code == 2 && ran.stderr.contains("after.csv:9: grain g99 is not in before.csv"), "{}", ran.stderr);
+    let ran = desk.run(&["motion", "before.csv", "before.csv", "--period-x", "4"]);
+    assert!(ran.code == 2 && ran.stderr.contains("more than half the period"), "{}", ran.stderr);
+}
