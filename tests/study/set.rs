@@ -3,6 +3,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use granulens::contact::LawKind;
 use granulens::dem::{ForcePulse, Integrator};
 use granulens::evaluate::{Blow, Case, Detail, Evaluator, Flaw, Marks, Plan, evaluate};
 use granulens::study::{Ended, Study};
@@ -279,4 +280,26 @@ fn wrong_sets_hear_their_line() {
         let refusal = Study::read(&desk.path("study.toml"), None).unwrap_err().to_string();
         assert!(refusal.contains(says), "{refusal}");
     }
+}
+
+/// A study that names laws judges every layout under each of them, its worst counts, and a case under a law has the bits of a design with that law.
+/// Without laws nothing changes, journals among it: their key is then the one that it always was.
+#[test]
+fn a_study_judges_under_each_law() {
+    let plain = Desk::new(STUDY);
+    let desk = Desk::new(&format!("laws = [\"thesis\", \"mdr-static\"]\n{STUDY}"));
+    let study = desk.study();
+    let laws: Vec<_> = study.impacts.iter().map(|impact| impact.law).collect();
+    assert_eq!(laws, [Some(LawKind::Thesis), Some(LawKind::MdrStatic)]);
+    assert!(plain.study().impacts.iter().all(|impact| impact.law.is_none()));
+    let layout = layout(&study);
+    let both = marks(&study, &layout, &study.cases(), Detail::Energies);
+    let mut other = plain.study();
+    other.design.law = LawKind::MdrStatic;
+    let alone = marks(&other, &layout, &other.cases(), Detail::Energies);
+    assert_eq!(both[1], alone[0]);
+    assert!((both[0].contrast.unwrap() / both[1].contrast.unwrap() - 1.0).abs() > 1e-3);
+    let wrong = Desk::new(&format!("laws = [\"herz\"]\n{STUDY}"));
+    let error = Study::read(&wrong.path("study.toml"), None).unwrap_err().to_string();
+    assert!(error.contains("unknown contact law"), "{error}");
 }

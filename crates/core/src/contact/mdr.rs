@@ -20,8 +20,8 @@ law! {
     ///   2G = (1 − ν) E_c: what the free surface beside the contact gives.
     ///
     /// Spheres of unlike materials take E* and the lower yield stress on both sides, since the area follows from the overlap as a whole. With
-    /// rate, σ = s σ_y, s as in [`ElastoPlastic`](super::ElastoPlastic) at the closing speed at which the contact first yields; it keeps this s, so that no energy
-    /// comes from a changing one. At d_Y the force rises by 2·10⁻⁴ of itself, since the ellipse lies below Hertz by as much. Made for overlaps to some 10 %
+    /// rate, σ = s σ_y, s as in [`ElastoPlastic`](super::ElastoPlastic) at the closing speed at which the contact passes δ_Y of rest; it keeps this s, so that
+    /// no energy comes from a changing one. At d_Y the force rises by 2·10⁻⁴ of itself, since the ellipse lies below Hertz by as much. Made for overlaps to some 10 %
     /// and more of the diameter. Source: Zunker and Kamrin, J. Mech. Phys. Solids 183, 105492 (2024), sections 3 and 4.
     pub struct Mdr {
         rate: RateFactor<V>,
@@ -167,7 +167,7 @@ impl<V: Number> Mdr<V> {
         Back { span, place: place.max(c(0.0)).min(c(0.5)) }
     }
 
-    /// The force, and twice the depth at which the contact began to yield, 0 where it has not.
+    /// The force, and twice the depth at which the contact begins to yield, 0 where it has not been pressed to where it would at rest.
     #[inline(always)]
     fn response(&self, overlap: V, closing_speed: V, history: &History<V>) -> (V, V) {
         let c = V::splat;
@@ -175,24 +175,22 @@ impl<V: Number> Mdr<V> {
         let depth = c(0.5) * overlap.max(zero);
         let beyond = history.overlap_max.lt(overlap);
         let mut onset = history.own;
-        // What has not yielded yet and is deeper than ever.
-        let virgin = V::select(zero.lt(onset), zero, V::select(beyond, depth, zero));
-        let tried = self.yield_depth.lt(virgin);
-        if V::any(tried) {
+        let passed = self.yield_depth.lt(V::select(zero.lt(onset), zero, V::select(beyond, depth, zero)));
+        if V::any(passed) {
             let s = self.rate.at(closing_speed);
-            let rested = s.lt(c(1.0 + 1e-12));
-            let first = V::and(tried, s.lt(self.strength(depth).max(V::select(rested, c(2.0), zero))));
-            if V::any(first) {
-                let begun = V::select(rested, self.yield_depth, self.onset(s));
-                onset = V::select(first, begun + begun, onset);
+            let hardens = c(1.0).lt(s);
+            let mut begun = self.yield_depth;
+            if V::any(hardens) {
+                begun = V::select(hardens, self.onset(s), begun);
             }
+            onset = V::select(passed, begun + begun, onset);
         }
-        let yielded = zero.lt(onset);
-        let loaded = V::select(beyond, onset, zero);
-        let mut force = if V::all(yielded) { zero } else { self.elastic(depth) };
-        if V::any(yielded) {
+        let yielded = Self::has_yielded(history.overlap_max, onset);
+        let plastic = V::and(beyond, Self::has_yielded(overlap, onset));
+        let inelastic = V::or(yielded, plastic);
+        let mut force = if V::all(inelastic) { zero } else { self.elastic(depth) };
+        if V::any(inelastic) {
             let yield_depth = c(0.5) * onset;
-            let plastic = zero.lt(loaded);
             if !V::all(plastic) {
                 let back = self.back(depth, yield_depth, history);
                 let sprung = history.force_max * c(FRAC_2_PI) * ellipse(back.place);
@@ -203,6 +201,11 @@ impl<V: Number> Mdr<V> {
             }
         }
         (force, onset)
+    }
+
+    #[inline(always)]
+    fn has_yielded(overlap_max: V, onset: V) -> V::Mask {
+        V::and(V::splat(0.0).lt(onset), onset.lt(overlap_max))
     }
 }
 
@@ -227,7 +230,7 @@ impl<V: Number> ForceLaw<V> for Mdr<V> {
 }
 
 impl NormalLaw for Mdr {
-    /// δ_Y, where it began to yield.
+    /// δ_Y, where it begins to yield.
     fn own_memory() -> Option<&'static str> {
         Some("yield_overlap_m")
     }
@@ -238,7 +241,7 @@ impl NormalLaw for Mdr {
         }
         let depth = 0.5 * overlap;
         // The work on both sides: the overlap grows twice as fast as the depth.
-        if history.own <= 0.0 {
+        if !Self::has_yielded(history.overlap_max, history.own) {
             let energy = Self::ellipse_energy(0.25 * depth / self.radius);
             return 16.0 * self.modulus * self.radius.powi(3) * energy;
         }

@@ -71,7 +71,7 @@ pub struct History<V = f64> {
     /// F_max, the greatest force so far (N)
     pub force_max: V,
     /// What the law remembers besides (m); zero in a contact that has never been closed. [`Consistent`]: ω, by how much the contact springs back
-    /// further from (δ_max, F_max) than one that yielded at that point. [`Mdr`]: the overlap at which it began to yield.
+    /// further from (δ_max, F_max) than one that yielded at that point. [`Mdr`]: the overlap at which it begins to yield.
     pub own: V,
 }
 

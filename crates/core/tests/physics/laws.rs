@@ -79,7 +79,7 @@ fn mdr_has_lammps_as_witness() {
     }
 }
 
-/// With rate, a contact is the same law at s times the yield stress, s that of the speed at which it first yields; it keeps it.
+/// With rate, a contact is the same law at s times the yield stress, s that of the speed at which it passes the yield point at rest; it keeps it.
 #[test]
 fn mdr_with_rate_is_mdr_with_a_higher_yield_stress() {
     let pair = pair("440c", "440c");
