@@ -60,7 +60,7 @@ fn studies(criterion: &mut Criterion) {
     group.bench_function("bare batches of 16", |bench| {
         bench.iter(|| {
             for _ in 0..EVALUATIONS / 16 {
-                evaluator.marks(&layouts, &never).unwrap();
+                evaluator.scores(&layouts, &never).unwrap();
             }
         });
     });

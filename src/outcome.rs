@@ -11,12 +11,68 @@ pub use traced::{Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay
 
 use crate::dem::Stop;
 use crate::lattice::Site;
+use crate::layout::Bill;
 use crate::lens::Prescription;
 pub use crate::score::Scores;
+use crate::score::Spreads;
 use crate::target::Target;
 
 /// Format number of every JSON file of results.
 pub const FORMAT: u32 = 1;
+
+/// Version of granulens.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The commit that it was built from: of the working copy, or of the one that a published package was made from; `unknown` where there
+/// is neither.
+pub const COMMIT: &str = env!("GRANULENS_COMMIT");
+
+/// With what, and how, numbers were made: part of every file of results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Method {
+    /// Version of granulens.
+    pub version: String,
+    /// The commit that it was built from.
+    #[serde(default = "unknown")]
+    pub commit: String,
+    /// Contact law.
+    pub law: String,
+    /// Set of fitted constants.
+    pub constants: String,
+    /// Integrator.
+    pub integrator: String,
+    /// Step (s).
+    pub step_s: f64,
+    /// Why this step.
+    #[serde(default)]
+    pub step_reason: String,
+    /// Window (s).
+    pub window_s: f64,
+    /// Why this window.
+    #[serde(default)]
+    pub window_reason: String,
+}
+
+fn unknown() -> String {
+    "unknown".to_owned()
+}
+
+impl Method {
+    /// In a line, as every command that simulates prints it.
+    pub fn words(&self) -> String {
+        use crate::units::Dimension::Time;
+        format!(
+            "law {}, constants {}; {}, step {} ({}), window {} ({})",
+            self.law,
+            self.constants,
+            self.integrator,
+            Time.show(self.step_s),
+            self.step_reason,
+            Time.show(self.window_s),
+            self.window_reason
+        )
+    }
+}
 
 /// The result of `run` and `compare`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,8 +91,21 @@ pub struct Outcome {
     pub half_width: f64,
     /// Where energy is wanted and where it is not.
     pub target: Target,
-    /// Names of the materials that per-site lists count: host, lens, then others.
+    /// Names of the materials that per-site lists count, the host first.
     pub materials: Vec<String>,
+    /// What flat strips, random mixtures and the uniform crystal that Q refers to are made of: the design says it, whatever layout is
+    /// judged. None where it does not.
+    #[serde(default)]
+    pub reference: Option<String>,
+    /// Whether design and lens are those of Burgoyne (2016, section 5.3.3), of which published claims can be judged.
+    #[serde(default)]
+    pub is_published: bool,
+    /// The forces (N) that the verdict is judged over.
+    #[serde(default, rename = "forces_N")]
+    pub forces: Vec<f64>,
+    /// The first arrangement against the best flat, uniform and random one.
+    #[serde(default)]
+    pub verdict: Vec<Verdict>,
     /// What ray tracing proposed, where the lens came from it.
     pub proposal: Option<Proposal>,
     /// The lens first, then its baselines.
@@ -52,28 +121,15 @@ pub struct Manifest {
     pub format: u32,
     /// Name of the design.
     pub name: String,
-    /// Version of granulens.
-    pub version: String,
+    /// With what, and how.
+    #[serde(flatten)]
+    pub method: Method,
     /// The design file as it was read.
     pub design_file: String,
     /// Its text.
     pub design: String,
     /// What strikes the crystal, in words: `26 kN for 20 us on every sphere of row 1`.
     pub impact: String,
-    /// Contact law.
-    pub law: String,
-    /// Set of fitted constants.
-    pub constants: String,
-    /// Integrator.
-    pub integrator: String,
-    /// Step (s).
-    pub step_s: f64,
-    /// Why this step.
-    pub step_reason: String,
-    /// Window (s).
-    pub window_s: f64,
-    /// Why this window.
-    pub window_reason: String,
     /// First random seed and number of seeds.
     pub seeds: [u64; 2],
     /// Threads used; results do not depend on it.
@@ -109,8 +165,6 @@ pub struct Proposal {
     /// Where the lens lies and how it is shaped.
     #[serde(flatten)]
     pub prescription: Prescription,
-    /// Number of spheres in the simulated half that are not of the host.
-    pub spheres: usize,
     /// Fraction of the struck width that rays send through the focal region at its mid depth.
     pub fraction: f64,
     /// The same fraction without a lens.
@@ -120,15 +174,15 @@ pub struct Proposal {
     pub crossing: [Option<f64>; 2],
     /// Fraction of the struck width whose rays pass the protected region, with the lens and without.
     pub protected: [f64; 2],
-    /// Number of spheres of each material in the whole piece: host, lens, then others.
-    pub counts: Vec<usize>,
-    /// Mass of everything but the host in the whole piece (kg).
-    #[serde(rename = "mass_kg")]
-    pub mass: f64,
-    /// What the spheres of the whole piece cost, host included, in the currency of the design's prices; none where a price is
-    /// missing.
+    /// Names of the materials that `piece` and `half` count: host, lens, then others.
     #[serde(default)]
-    pub cost: Option<f64>,
+    pub materials: Vec<String>,
+    /// The piece to be built, both halves.
+    #[serde(default)]
+    pub piece: Bill,
+    /// The simulated half.
+    #[serde(default)]
+    pub half: Bill,
     /// Earliest and latest time (s) at which rays come to the middle row of the focal region within it.
     #[serde(rename = "arrival_s")]
     pub arrival: Option<[f64; 2]>,
@@ -191,10 +245,14 @@ pub struct ArrangementOutcome {
     pub kind: String,
     /// Random seed, where there is one.
     pub seed: Option<u64>,
-    /// Number of sites that do not hold the host.
-    pub spheres: usize,
-    /// The numbers.
+    /// The numbers, at the design's own force.
     pub scores: Scores,
+    /// C, G, Q, F and P over the forces of the verdict, and how they scatter.
+    #[serde(default)]
+    pub over_forces: Option<Spreads>,
+    /// How it was simulated, where that is not as the manifest says: integrator and step (s) of a run that had to find its contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<(String, f64)>,
     /// For each site an index into the outcome's materials.
     pub layout: Vec<u8>,
     /// What each sphere felt, in the order of the sites.
@@ -231,20 +289,30 @@ pub struct Checked {
     /// The numbers; energies at the end of the run.
     #[serde(flatten)]
     pub scores: Scores,
-    /// Step (s).
-    pub step_s: f64,
+    /// What is not at the design's own force alone: the scores over several forces, and how they scatter.
+    #[serde(flatten)]
+    pub over_forces: Spreads,
+    /// The forces (N) that these are over; empty where only the design's own was asked for.
+    #[serde(default, rename = "forces_N", skip_serializing_if = "Vec::is_empty")]
+    pub forces: Vec<f64>,
+    /// Names of the materials that `piece` and `half` count, the host first.
+    pub materials: Vec<String>,
+    /// What Q refers to: see [`Outcome::reference`].
+    pub reference: Option<String>,
+    /// The piece to be built, both halves.
+    pub piece: Bill,
+    /// The simulated half.
+    pub half: Bill,
+    /// With what, and how.
+    #[serde(flatten)]
+    pub method: Method,
     /// Accepted steps.
     pub steps: u64,
-    /// Window (s).
-    pub window_s: f64,
-    /// Contact law.
-    pub law: String,
-    /// Set of fitted constants.
-    pub constants: String,
-    /// Integrator.
-    pub integrator: String,
     /// Wall time (s).
     pub seconds: f64,
+    /// What the design's thresholds ask for, and whether it is so.
+    #[serde(default)]
+    pub thresholds: Vec<Asked>,
     /// What a reader should know before trusting the numbers.
     pub warnings: Vec<String>,
     /// The scores under other laws, where they were asked for.
@@ -252,4 +320,64 @@ pub struct Checked {
     pub laws: Option<crate::evaluate::OverLaws>,
     /// Which guard stopped the run, if one did.
     pub stop: Option<Stop>,
+}
+
+/// A threshold of the design file, as met or missed by a layout.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Asked {
+    /// Name of the measure.
+    pub measure: String,
+    /// The least value that passes, in SI.
+    pub min: Option<f64>,
+    /// The greatest value that passes.
+    pub max: Option<f64>,
+    /// The value; none where it has none.
+    pub value: Option<f64>,
+    /// Whether it is met.
+    pub met: bool,
+}
+
+/// The first arrangement against the best of a kind of arrangements, in one measure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// Name of the measure.
+    pub measure: String,
+    /// `flat`, `uniform` or `random`.
+    pub against: String,
+    /// The best of these by name; of random ones the kind whose mean over seeds is best.
+    pub arrangement: String,
+    /// The score of the first arrangement, over the forces.
+    pub value: f64,
+    /// The score of the other, over the forces and, of random ones, the seeds.
+    pub best: f64,
+    /// Standard deviation of the difference over the forces, of random ones over the seeds too; none with one force.
+    pub spread: Option<f64>,
+    /// Which of the two is better.
+    pub word: Word,
+}
+
+/// What a verdict comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Word {
+    /// Better by more than two standard deviations.
+    Better,
+    /// Within two standard deviations.
+    Equal,
+    /// Worse by more than two standard deviations.
+    Worse,
+    /// Within 4 %, and one force does not say how much that is.
+    Undecided,
+}
+
+impl Word {
+    /// As it is written.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Better => "better",
+            Self::Equal => "equal",
+            Self::Worse => "worse",
+            Self::Undecided => "undecided",
+        }
+    }
 }

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use granulens::contact::{Constants, LawKind};
 use granulens::dem::Integrator;
-use granulens::design::{Accuracy, Design, DesignError, Measure};
+use granulens::design::{Accuracy, Design, DesignError};
+use granulens::score::Measure;
 use proptest::prelude::*;
 
 /// A good file with every key there is.

@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use granulens::dem::Stop;
-use granulens::design::{Design, Measure};
-use granulens::evaluate::{Evaluation, Plan, evaluate, impact};
-use granulens::layout::{Baseline, Layout};
-use granulens::outcome::{Checked, FORMAT};
-use granulens::units::Dimension::{Energy, Time};
+use granulens::design::{Design, Threshold};
+use granulens::evaluate::{Beside, Evaluation, Forces, Plan, beside_uniform, impact, method};
+use granulens::layout::Layout;
+use granulens::material::Material;
+use granulens::outcome::{Asked, Checked, FORMAT};
+use granulens::score::{Measure, Scores};
+use granulens::units::Dimension::{Energy, Force, Mass, Time};
 
 use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
@@ -17,7 +19,7 @@ use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file, write_json};
 use super::over_laws::UnderLaws;
-use super::{Common, Motion};
+use super::{Band, Common, Motion};
 
 /// Simulate a layout file, proposed or edited by hand, under a design's impact
 ///
@@ -33,6 +35,8 @@ pub struct Check {
     motion: Motion,
     #[command(flatten)]
     under: UnderLaws,
+    #[command(flatten)]
+    forces: Band,
     /// Write what each sphere felt as CSV
     #[arg(long, value_name = "FILE")]
     spheres: Option<PathBuf>,
@@ -50,58 +54,75 @@ impl Check {
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
         if common.dry_run {
             let seconds = arrangement(&layout.sample(), &impact(&design, &plan))?;
-            return tell(common, &[Part::new("the layout, with full records", 1, Some(seconds))]);
+            let runs = 2 + u64::from(design.reference().is_some());
+            let what = "the layout and the uniform crystals of G and Q, with full records";
+            let mut parts = vec![Part::new(what, runs, Some(seconds * runs as f64))];
+            let forces = self.forces.or(Forces::ONE)?.count() as u64;
+            if forces > 1 {
+                let each = if design.friction.is_some() { seconds } else { seconds / 5.0 };
+                let more = runs * forces;
+                parts.push(Part::new(format!("the same under {forces} forces"), more, Some(each * more as f64)));
+            }
+            return tell(common, &parts);
         }
         self.under.chosen(&design)?;
         probe(self.spheres.as_ref())?;
         probe(common.out.as_ref())?;
         let begun = Instant::now();
-        let evaluation = evaluate(&design, &layout, &plan, interrupt())?;
+        let Beside { evaluation, stopped, forces, over_forces } =
+            beside_uniform(&design, &layout, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
         let mut warnings = evaluation.warnings("this layout");
-        let Evaluation { mut scores, mut record, .. } = evaluation;
-        if self.strict
-            && record.stop.is_none()
-            && design.thresholds.iter().any(|t| matches!(t.measure, Measure::FocalGain | Measure::Protection))
-        {
-            let mut uniform = |baseline: Baseline| -> Result<_, Failure> {
-                if layout.palette.len() < 2 {
-                    return Ok(None);
-                }
-                let uniform = evaluate(&design, &baseline.layout(&layout, [1, 1]), &plan, interrupt())?;
-                match uniform.record.stop {
-                    None => return Ok(Some(uniform.scores)),
-                    Some(stop @ Stop::Interrupted { .. }) => record.stop = Some(stop),
-                    // Ratios to it would mean nothing; a threshold on one is not met.
-                    Some(stop) => warnings.push(format!("FAILED: {}: {stop}", baseline.name())),
-                }
-                Ok(None)
-            };
-            let [host, lens] = [uniform(Baseline::AllHost)?, uniform(Baseline::AllLens)?];
-            scores.relate(None, host.as_ref(), lens.as_ref());
+        let Evaluation { scores, record, simulated, .. } = evaluation;
+        if let Some((integrator, step)) = simulated {
+            warnings
+                .push(format!("contacts were found as they arose, by {integrator} at a step of {}", Time.show(step)));
+        }
+        if over_forces.is_none() && !forces.is_empty() {
+            warnings.push("FAILED: a guard stopped a run under one of the forces".to_owned());
+        }
+        let mut stop = record.stop.clone();
+        for (name, uniform) in stopped {
+            match uniform {
+                interrupted @ Stop::Interrupted { .. } => stop = stop.or(Some(interrupted)),
+                // Ratios to it would mean nothing; a threshold on one is not met.
+                uniform => warnings.push(format!("FAILED: {name}: {uniform}")),
+            }
+        }
+        if design.reference().is_none() {
+            warnings.push(
+                "there is no Q: the design names no material for it (lens.material or compare.material)".to_owned(),
+            );
         }
         if let Some(path) = &self.spheres {
             write_file(path, &spheres(&layout, &record))?;
         }
-        let laws = match &record.stop {
+        let laws = match &stop {
             None => self.under.scores(&design, &layout, overrides)?,
             Some(_) => None,
         };
+        let (mean, spreads) = over_forces.unwrap_or_default();
+        // Where several forces are asked for, their score is what a threshold is about.
+        let judged = if forces.is_empty() { &scores } else { &mean };
+        let price = |material: &Material| design.price(material);
         let checked = Checked {
             format: FORMAT,
             design: design.name.clone(),
             layout: self.layout.display().to_string(),
+            thresholds: design.thresholds.iter().map(|threshold| asked(threshold, judged)).collect(),
             scores,
-            step_s: plan.step,
+            over_forces: spreads,
+            forces,
+            materials: layout.palette.iter().map(|material| material.name.clone()).collect(),
+            reference: design.reference().map(|material| material.name.clone()),
+            piece: layout.piece(price),
+            half: layout.half(price),
+            method: method(&design, &plan),
             steps: record.steps,
-            window_s: plan.window,
-            law: design.law_name(),
-            constants: design.constants.to_string(),
-            integrator: plan.integrator.to_string(),
             seconds,
             warnings: plan.warnings.iter().cloned().chain(warnings).collect(),
             laws,
-            stop: record.stop,
+            stop,
         };
         write_json(common, &checked)?;
         if common.json {
@@ -111,87 +132,97 @@ impl Check {
             checked.laws.iter().for_each(|laws| emit(&laws.table()));
             checked.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         }
+        let missed: Vec<String> = checked.thresholds.iter().filter(|asked| !asked.met).map(told).collect();
         match &checked.stop {
             Some(stop @ Stop::Interrupted { .. }) => {
                 Err(Failure::Interrupted(format!("{stop}; shown is what was computed")))
             }
             Some(stop) => Err(Failure::Guard(vec![stop.to_string()])),
-            None if self.strict => {
-                if design.thresholds.is_empty() {
-                    note(
-                        common,
-                        &format!("{} sets no [thresholds]; --strict has nothing to ask", self.design.display()),
-                    );
-                }
-                thresholds(&design, &checked)
+            None if self.strict && design.thresholds.is_empty() => {
+                let file = self.design.display();
+                note(common, &format!("{file} sets no [thresholds]; --strict has nothing to ask"));
+                Ok(())
             }
+            None if self.strict && !missed.is_empty() => Err(Failure::Threshold(missed)),
             None => Ok(()),
         }
     }
 }
 
-fn thresholds(design: &Design, checked: &Checked) -> Result<(), Failure> {
-    let missed: Vec<String> = design
-        .thresholds
-        .iter()
-        .filter_map(|threshold| {
-            let name = threshold.measure.name();
-            match threshold.measure.of(&checked.scores) {
-                Some(value) if threshold.admits(value) => None,
-                Some(value) => {
-                    let bound = |word: &str, limit: Option<f64>| limit.map(|limit| format!("{word} {limit}"));
-                    let wanted: Vec<_> = [bound("at least", threshold.min), bound("at most", threshold.max)]
-                        .into_iter()
-                        .flatten()
-                        .collect();
-                    Some(format!("{name} = {value}, wanted {}", wanted.join(" and ")))
-                }
-                None => Some(format!("{name} has no value here: its denominator is zero or its baseline is missing")),
-            }
-        })
-        .collect();
-    if missed.is_empty() { Ok(()) } else { Err(Failure::Threshold(missed)) }
+/// What a threshold asks, and whether it is so.
+fn asked(threshold: &Threshold, scores: &Scores) -> Asked {
+    let value = scores.get(threshold.measure).filter(|value| value.is_finite());
+    Asked {
+        measure: threshold.measure.name().to_owned(),
+        min: threshold.min,
+        max: threshold.max,
+        value,
+        met: value.is_some_and(|value| threshold.admits(value)),
+    }
+}
+
+/// A threshold in words.
+fn told(asked: &Asked) -> String {
+    let bound = |word: &str, limit: Option<f64>| limit.map(|limit| format!("{word} {limit}"));
+    let wanted: Vec<_> = [bound("at least", asked.min), bound("at most", asked.max)].into_iter().flatten().collect();
+    let (name, wanted) = (&asked.measure, wanted.join(" and "));
+    match asked.value {
+        Some(value) => format!("{name} = {value}, wanted {wanted}"),
+        None => format!("{name} has no value here: its denominator is zero or its baseline is missing"),
+    }
+}
+
+/// A measure as it is shown: over several forces with its spread.
+fn shown(checked: &Checked, measure: Measure) -> String {
+    let show = |value: f64| match measure.unit().dimension() {
+        Some(dimension) => dimension.show(value),
+        None => format!("{value:.4}"),
+    };
+    match (checked.over_forces.mean(measure), checked.over_forces.deviation(measure)) {
+        (Some(mean), Some(deviation)) => format!("{} ± {}", show(mean), show(deviation)),
+        _ => checked.scores.get(measure).map_or_else(|| "-".to_owned(), show),
+    }
 }
 
 fn words(checked: &Checked) -> String {
     let scores = &checked.scores;
-    let foci = match scores.balance {
-        Some(balance) => {
-            let each: Vec<String> = scores.foci.iter().map(|mean| Energy.show(*mean)).collect();
-            format!("by focus           {}; balance {balance:.3}\n", each.join(", "))
-        }
-        None => String::new(),
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:18} {value}");
     };
-    let contrast = scores.contrast.map_or_else(|| "-".to_owned(), |c| format!("{c:.4}"));
-    format!(
-        "focal mean F       {}\n\
-         {foci}protected mean P   {}\n\
-         contrast F/P       {contrast}\n\
-         work in            {}\n\
-         kinetic            {}\n\
-         stored             {}\n\
-         dissipated         {} (eq. 5.6 estimates {})\n\
-         residual           {:.1e}\n\
-         exit momentum      {:.4} kg m/s, peak force {:.0} N on the last row\n\
-         law {}, constants {}, {} steps of {} ({}), window {}, {:.2} s",
-        Energy.show(scores.focal_mean),
-        Energy.show(scores.protected_mean),
-        Energy.show(scores.work_in),
-        Energy.show(scores.kinetic),
-        Energy.show(scores.stored),
-        Energy.show(scores.dissipated),
-        Energy.show(scores.eq_5_6),
-        scores.residual,
-        scores.exit_momentum,
-        scores.exit_force,
-        checked.law,
-        checked.constants,
-        checked.steps,
-        Time.show(checked.step_s),
-        checked.integrator,
-        Time.show(checked.window_s),
-        checked.seconds,
-    )
+    let q = match &checked.reference {
+        Some(material) => format!("{} (against {material} alone)", shown(checked, Measure::Protection)),
+        None => "-".to_owned(),
+    };
+    line("focal mean F", shown(checked, Measure::FocalMean));
+    if let Some(balance) = scores.balance {
+        let each: Vec<String> = scores.foci.iter().map(|mean| Energy.show(*mean)).collect();
+        line("by focus", format!("{}; balance {balance:.3}", each.join(", ")));
+    }
+    line("protected mean P", shown(checked, Measure::ProtectedMean));
+    line("contrast F/P", shown(checked, Measure::Contrast));
+    line("focal gain G", shown(checked, Measure::FocalGain));
+    line("protection Q", q);
+    if let [first, .., last] = &checked.forces[..] {
+        let forces = checked.forces.len();
+        line("over", format!("{forces} forces from {} to {}; ± of one force", Force.show(*first), Force.show(*last)));
+    }
+    for measure in [Measure::WorkIn, Measure::Kinetic, Measure::Stored] {
+        line(measure.symbol(), shown(checked, measure));
+    }
+    let estimate = scores.eq_5_6.map_or("-".to_owned(), |estimate| Energy.show(estimate));
+    line("dissipated", format!("{} (eq. 5.6 estimates {estimate})", shown(checked, Measure::Dissipated)));
+    line("residual", scores.residual.map_or("-".to_owned(), |residual| format!("{residual:.1e}")));
+    let [momentum, force] = [scores.far_momentum, scores.far_force].map(Option::unwrap_or_default);
+    line("far end", format!("{momentum:.4} kg m/s, peak force {force:.0} N on the last row"));
+    let counts: Vec<String> =
+        checked.materials.iter().zip(&checked.piece.counts).map(|(name, count)| format!("{count} {name}")).collect();
+    line("piece", format!("{}; {}", counts.join(", "), Mass.show(checked.piece.amount.mass)));
+    for asked in &checked.thresholds {
+        line(if asked.met { "threshold met" } else { "threshold MISSED" }, told(asked));
+    }
+    let _ = write!(text, "{}; {} steps in {:.2} s", checked.method.words(), checked.steps, checked.seconds);
+    text
 }
 
 /// What each sphere felt, as CSV; SI.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{Comparison, compare, impact, stops};
+use granulens::evaluate::{Comparison, Forces, compare, impact, stops};
 use granulens::layout::{self, Layout};
 use granulens::outcome::Outcome;
 use granulens::report;
@@ -13,7 +13,7 @@ use super::cost::{Part, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
 use super::over_laws::UnderLaws;
-use super::{Common, Motion, propose};
+use super::{Band, Common, Motion, propose};
 
 /// Simulate the lens, or a given layout, and all baselines; print the table
 ///
@@ -28,6 +28,8 @@ pub struct Compare {
     motion: Motion,
     #[command(flatten)]
     under: UnderLaws,
+    #[command(flatten)]
+    forces: Band,
 }
 
 impl Compare {
@@ -42,7 +44,8 @@ impl Compare {
                 Comparison::of_layout(&design, name, read_layout(&design, path)?, overrides)
             }
         }
-        .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
+        .over(self.forces.or(Forces::USUAL)?);
         if common.dry_run {
             return cost(common, &design, &comparison);
         }
@@ -70,7 +73,18 @@ impl Compare {
             let (finished, all) = (outcome.arrangements.len(), comparison.len());
             return Err(Failure::Interrupted(format!("{finished} of {all} arrangements are finished and shown")));
         }
+        unfinished(&comparison, &outcome)?;
         guard(&outcome)
+    }
+}
+
+/// Fails where all arrangements were simulated, but the verdict was interrupted.
+pub fn unfinished(comparison: &Comparison, outcome: &Outcome) -> Result<(), Failure> {
+    let judged = !outcome.forces.is_empty() || outcome.arrangements.len() < comparison.len();
+    if judged {
+        Ok(())
+    } else {
+        Err(Failure::Interrupted("all arrangements are finished, the verdict is not".to_owned()))
     }
 }
 
@@ -78,16 +92,20 @@ impl Compare {
 pub fn cost(common: &Common, design: &Design, comparison: &Comparison) -> Result<(), Failure> {
     let alone = super::cost::arrangement(&comparison.subject.sample(), &impact(design, &comparison.plan))?;
     let count = comparison.len() as u64;
-    tell(common, &[Part::new("arrangements, with full records", count, Some(alone * count as f64))])
+    let forces = comparison.forces.count() as u64;
+    let mut parts = vec![Part::new("arrangements, with full records", count, Some(alone * count as f64))];
+    if forces > 1 {
+        // In lanes without records a run takes about a fifth of one with them; with friction there are no lanes.
+        let each = if design.friction.is_some() { alone } else { alone / 5.0 };
+        let runs = count * forces;
+        parts.push(Part::new(format!("runs for the verdict, {forces} forces"), runs, Some(each * runs as f64)));
+    }
+    tell(common, &parts)
 }
 
-/// Reads a layout on the design's lattice; host and lens material keep the first places of the palette.
+/// Reads a layout on the design's lattice; what the design names keeps the first places of the palette.
 pub fn read_layout(design: &Design, path: &std::path::Path) -> Result<Layout, Failure> {
-    let mut palette = vec![design.host.clone()];
-    palette.extend(
-        design.lens.iter().flat_map(|request| std::iter::once(&request.material).chain(&request.others)).cloned(),
-    );
-    Ok(layout::read(path, design.lattice, &palette, &design.own_materials)?)
+    Ok(layout::read(path, design.lattice, &design.palette(), &design.own_materials)?)
 }
 
 /// Fails where a guard stopped an arrangement.

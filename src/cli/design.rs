@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use granulens::design::Design;
 use granulens::evaluate::{proposal, validity};
-use granulens::layout;
+use granulens::layout::{self, Bill};
 use granulens::lens::Lens;
 use granulens::material::Material;
 use granulens::target::Focus;
@@ -63,7 +63,10 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         None => "does not cross the axis".to_owned(),
     };
     let reach = match &design.target.foci[..] {
-        [Focus { region, .. }] => format!("the focus (row {}, x <= {:.1} D)", region.mid_row(), region.x[1] / diameter),
+        [Focus { region, .. }] => {
+            let [from, to] = region.x.map(|x| x / diameter);
+            format!("the focus (row {}, x {from:.1} to {to:.1} D)", region.mid_row())
+        }
         several => format!("one of the {} foci", several.len()),
     };
     let of = |material: &Material| format!("{}: {}", material.name, validity(design, material).words());
@@ -71,8 +74,13 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         (Some(name), Some(radius)) => format!(", {name} {} ({})", in_diameters(radius), Length.show(radius)),
         _ => String::new(),
     };
-    let names = lens.palette.iter().zip(&lens.first_order.counts).skip(1);
-    let counts: Vec<String> = names.map(|(material, count)| format!("{count} {}", material.name)).collect();
+    let layout = lens.layout();
+    let [piece, half] =
+        [layout.piece(|material| design.price(material)), layout.half(|material| design.price(material))];
+    let counts = |bill: &Bill| {
+        let named = lens.palette.iter().zip(&bill.counts);
+        named.map(|(material, count)| format!("{count} {}", material.name)).collect::<Vec<_>>().join(", ")
+    };
     let first = &lens.first_order;
     let focal = lens.prescription.focal_length.map_or("none".to_owned(), in_diameters);
     let arrival = first.arrival.map_or("never".to_owned(), |[a, b]| format!("{} to {}", Time.show(a), Time.show(b)));
@@ -88,8 +96,9 @@ pub fn words(design: &Design, lens: &Lens) -> String {
     let mut words = format!(
         "speeds: {} {:.0} m/s, {} {:.0} m/s (bound, 2D), ratio {:.3}, critical angle {critical}\n\
          impact: {} per sphere, {} per contact; {}\n\
-         lens: rows {} to {}, {}{radius}, steepest {:.1} deg, half aperture {}, {} spheres\n\
-         piece: {} in both halves, {}, thickness {}{whole}\n\
+         lens: rows {} to {}, {}{radius}, steepest {:.1} deg, half aperture {}, thickness {}{whole}\n\
+         piece: {}; both halves, {}\n\
+         half: {} of the simulated half, {}\n\
          rays: {} of the struck width reach {reach}, {} without the lens; {} pass the protected \
          region, {} without; arrival {arrival}{crossings}",
         host.name,
@@ -105,10 +114,11 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         lens.family.name(),
         lens.prescription.rim_angle.to_degrees(),
         in_diameters(lens.prescription.aperture),
-        lens.spheres,
-        counts.join(", "),
-        Mass.show(first.mass),
         in_diameters(lens.prescription.thickness),
+        counts(&piece),
+        Mass.show(piece.amount.mass),
+        counts(&half),
+        Mass.show(half.amount.mass),
         percent(lens.fraction),
         percent(lens.fraction_without),
         percent(lens.protected[0]),
@@ -117,8 +127,8 @@ pub fn words(design: &Design, lens: &Lens) -> String {
     if lens.foci.len() > 1 {
         words.push_str(&words_of_parts(design, lens));
     }
-    if let Some(cost) = first.cost(&lens.palette, &design.prices) {
-        words.push_str(&format!("\ncost: {cost:.2} for all spheres of both halves, in the currency of [prices]"));
+    if let Some(cost) = piece.amount.cost {
+        words.push_str(&format!("\ncost: {cost:.2} for all spheres of the piece, in the currency of [prices]"));
     }
     for warning in &lens.warnings {
         words.push_str(&format!("\nwarning: {warning}"));

@@ -232,16 +232,28 @@ impl From<StudyError> for Failure {
             StudyError::Layout(error) => (*error).into(),
             StudyError::File { path, line, message } => Self::of_file(&path, line, &message),
             StudyError::Journal { path, message } => Self::of_file(&path, None, &message),
-            StudyError::Evaluator(EvaluatorError::Interrupted) => Self::Interrupted(error.to_string()),
-            StudyError::Evaluator(EvaluatorError::Baseline { .. }) => Self::Guard(vec![error.to_string()]),
             StudyError::Evaluator(EvaluatorError::Plan(error)) => {
                 Self::input_with_help(format!("the study's {error}."), error.help())
             }
-            StudyError::Evaluator(
-                error @ (EvaluatorError::Batch(_) | EvaluatorError::Overlap(_) | EvaluatorError::Rig(_)),
-            ) => Self::input(error.to_string()),
-            StudyError::Evaluator(error @ EvaluatorError::Friction(_)) => Self::input_with_help(
-                error.to_string(),
+            StudyError::Evaluator(error) => error.into(),
+        }
+    }
+}
+
+impl From<EvaluatorError> for Failure {
+    fn from(error: EvaluatorError) -> Self {
+        let words = error.to_string();
+        match error {
+            EvaluatorError::Interrupted => Self::Interrupted(words),
+            EvaluatorError::Baseline { .. } => Self::Guard(vec![words]),
+            EvaluatorError::Plan(error) => Self::input_with_help(words, error.help()),
+            EvaluatorError::Batch(_) | EvaluatorError::Overlap(_) | EvaluatorError::Rig(_) => Self::input(words),
+            EvaluatorError::NoReference => Self::input_with_help(
+                words,
+                "Name it in the design: lens.material, or compare.material where there is no lens.",
+            ),
+            EvaluatorError::Friction(_) => Self::input_with_help(
+                words,
                 "Take crystal.friction out of the design for the search, and check what it finds with friction.",
             ),
         }

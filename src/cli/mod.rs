@@ -34,14 +34,14 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use granulens::design::Design;
-use granulens::evaluate::Overrides;
+use granulens::evaluate::{Forces, Overrides};
 use granulens::units::Dimension;
 
 use failure::Failure;
 
 /// Design impact lenses: packings of metal spheres that steer an impact wave to where it does no harm.
 #[derive(Parser)]
-#[command(name = "granulens", version, max_term_width = 100)]
+#[command(name = "granulens", version = VERSION, max_term_width = 100)]
 #[command(after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
@@ -49,6 +49,9 @@ struct Cli {
     #[command(flatten)]
     common: Common,
 }
+
+/// Two builds of one version are told apart by the commit.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (commit ", env!("GRANULENS_COMMIT"), ")");
 
 const EXIT_CODES: &str = "Exit codes:
   0    done
@@ -198,6 +201,32 @@ impl Motion {
     fn overrides(&self, common: &Common) -> Overrides {
         Overrides { integrator: self.integrator, step: self.step, window: self.window, first_seed: common.seed }
     }
+}
+
+/// Over how many forces a layout is judged.
+#[derive(Args)]
+struct Band {
+    /// Judge over so many forces, evenly spaced about the design's own: the score is exp of the mean of ln, ± the standard
+    /// deviation of one force's score [default: 8 of run and compare, 1 of check and studies]
+    #[arg(long, value_name = "N")]
+    forces: Option<usize>,
+    /// How far the outermost of them lie from the design's own [default: "1 %"]
+    #[arg(long, value_name = "PERCENT", requires = "forces", value_parser = fraction)]
+    band: Option<f64>,
+}
+
+impl Band {
+    /// As asked for, or else as usual.
+    fn or(&self, usual: Forces) -> Result<Forces, Failure> {
+        let Some(count) = self.forces else { return Ok(usual) };
+        Forces::new(count, self.band.unwrap_or(Forces::USUAL.band())).map_err(|error| {
+            Failure::input_with_help(format!("--forces: {error}"), "Write it like --forces 8 --band \"1 %\".")
+        })
+    }
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    Dimension::Fraction.parse(text).map_err(|error| error.to_string())
 }
 
 fn time(text: &str) -> Result<f64, String> {

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use granulens::design::Design;
-use granulens::evaluate::{Comparison, compare};
+use granulens::evaluate::{Comparison, Forces, compare};
 use granulens::layout;
 use granulens::report;
 
 use super::console::{Bar, emit, emit_json, interrupt, note};
 use super::failure::Failure;
 use super::folder::Folder;
-use super::{Common, Motion, propose};
+use super::{Band, Common, Motion, propose};
 
 /// The whole job: propose a lens, simulate it and its baselines, score, report
 ///
@@ -22,6 +22,8 @@ pub struct Run {
     design: PathBuf,
     #[command(flatten)]
     motion: Motion,
+    #[command(flatten)]
+    forces: Band,
 }
 
 impl Run {
@@ -30,14 +32,14 @@ impl Run {
         let lens = propose(&design)?;
         let overrides = self.motion.overrides(common);
         let comparison = Comparison::of_lens(&design, &lens, overrides)
-            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
+            .over(self.forces.or(Forces::USUAL)?);
         if common.dry_run {
             return super::compare::cost(common, &design, &comparison);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
         let folder = Folder::begin(&place)?;
         note(common, &super::design::words(&design, &lens));
-        note(common, &format!("step: {}", comparison.plan.step_reason));
 
         let bar = Bar::new(common, comparison.len());
         let outcome = compare(&comparison, interrupt(), &bar)?;
@@ -71,6 +73,7 @@ impl Run {
             emit(&report::table(&outcome));
         }
         note(common, &format!("report: {}", place.join("report.html").display()));
+        super::compare::unfinished(&comparison, &outcome)?;
         super::compare::guard(&outcome)
     }
 }

@@ -50,7 +50,14 @@ impl Simulate {
         let keeping = Keeping { resume: self.resume, every: Duration::from_secs_f64(self.checkpoint_every) };
         note(
             common,
-            &format!("{} spheres; step {}: {}", bench.sites.len(), Time.show(bench.plan.step), bench.plan.step_reason),
+            &format!(
+                "{} spheres; law {}; verlet, step {} ({}), window {}",
+                bench.sites.len(),
+                bench.law_name(),
+                Time.show(bench.plan.step),
+                bench.plan.step_reason,
+                Time.show(bench.plan.window)
+            ),
         );
         bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if common.dry_run {

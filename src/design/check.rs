@@ -83,9 +83,9 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         Some(run) => read_run(&run, &impact)?,
         None => Run::default(),
     };
-    let (seeds, first_seed) = match top.section("compare", &file.compare) {
-        Some(compare) => read_compare(&compare)?,
-        None => (SEEDS, 1),
+    let Compare { seeds, first_seed, material } = match top.section("compare", &file.compare) {
+        Some(compare) => read_compare(&compare, &crystal.host, &own_materials)?,
+        None => Compare { seeds: SEEDS, first_seed: 1, material: None },
     };
     let thresholds = match top.section("thresholds", &file.thresholds) {
         Some(thresholds) => threshold::read(&thresholds)?,
@@ -109,6 +109,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         step: run.step,
         accuracy: run.accuracy,
         window: run.window,
+        compared_with: material,
         first_seed,
         seeds,
         thresholds,
@@ -243,8 +244,18 @@ fn read_run((scope, file): &(Scope, &RunFile), impact: &ForcePulse) -> Result<Ru
     Ok(Run { integrator, step, accuracy, window })
 }
 
-/// Number of seeds and the first of them.
-fn read_compare((scope, file): &(Scope, &CompareFile)) -> Result<(u64, u64), DesignError> {
+/// Number of seeds, the first of them, and what baselines are made of where it is not the lens's material.
+struct Compare {
+    seeds: u64,
+    first_seed: u64,
+    material: Option<Material>,
+}
+
+fn read_compare(
+    (scope, file): &(Scope, &CompareFile),
+    host: &Material,
+    own: &[Material],
+) -> Result<Compare, DesignError> {
     let seeds = match scope.optional("seeds", &file.seeds) {
         Some(entry) => match entry.seed()? {
             seeds if seeds > MOST_SEEDS => {
@@ -261,5 +272,17 @@ fn read_compare((scope, file): &(Scope, &CompareFile)) -> Result<(u64, u64), Des
         Some(entry) => entry.seed()?,
         None => 1,
     };
-    Ok((seeds, first_seed))
+    let material = match scope.optional("material", &file.material) {
+        Some(entry) => match document::chosen(&entry, own)? {
+            material if material == *host => {
+                return Err(entry.fail(
+                    "is the material of the crystal, crystal.host",
+                    "Name what flat strips and random mixtures are to be made of, or leave it out for that of the lens.",
+                ));
+            }
+            material => Some(material),
+        },
+        None => None,
+    };
+    Ok(Compare { seeds, first_seed, material })
 }

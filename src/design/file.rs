@@ -3,6 +3,10 @@
 //! Every key is optional here and every value may be anything, so that what is missing or of the wrong type is reported
 //! by the check, in the same words as everything else. Only unknown keys and values in the place of sections are found here.
 
+use std::collections::BTreeMap;
+
+use toml::Spanned;
+
 use super::prices::PricesFile;
 use crate::document::{OneOrSeveral, OwnMaterials, Section, Written, section};
 
@@ -42,10 +46,9 @@ section!(LensFile: Written {
     family, material, others, apex_row, back_row, radius, max_interface_angle, rows, axis, stages, raster, seed, symmetry
 });
 section!(RunFile: Written { integrator, step, accuracy, window });
-section!(CompareFile: Written { seeds, first_seed });
-section!(ThresholdsFile: Section<BoundsFile> {
-    contrast, focal_gain, protection, focal_mean, protected_mean, dissipated, residual
-});
+section!(CompareFile: Written { seeds, first_seed, material });
+/// Bounds by the name of the measure, as written.
+pub(super) type ThresholdsFile = BTreeMap<Spanned<String>, Section<BoundsFile>>;
 section!(BoundsFile: Written { min, max });
 
 /// How each key is written, for messages.
@@ -96,6 +99,7 @@ pub(super) const EXAMPLES: &[&str] = &[
     "run.window = \"350 us\"",
     "compare.seeds = 5",
     "compare.first_seed = 1",
+    "compare.material = \"brass-260\"",
     "thresholds.contrast = { min = 2.0 }",
     "thresholds.focal_gain = { min = 1.5 }",
     "thresholds.protection = { max = 0.8 }",
@@ -122,7 +126,6 @@ mod tests {
             ("lens", LensFile::KEYS),
             ("run", RunFile::KEYS),
             ("compare", CompareFile::KEYS),
-            ("thresholds", ThresholdsFile::KEYS),
             ("thresholds.residual", BoundsFile::KEYS),
         ];
         assert_examples(EXAMPLES, &sections);

@@ -5,11 +5,13 @@
 //! physics can tell (a lens that cannot reach its focus, a step above the stability limit) is found by those who know it.
 //!
 //! - `file`: as written; `check`: as checked, with `region`, `lens`, `prices`, `threshold` and `tuning` for their parts
+//! - `published`: whether it is the published one
 
 mod check;
 mod file;
 mod lens;
 mod prices;
+mod published;
 mod region;
 mod threshold;
 mod tuning;
@@ -20,7 +22,7 @@ use std::path::{Path, PathBuf};
 
 pub use crate::document::DocumentError as DesignError;
 pub(crate) use prices::add as add_price;
-pub use threshold::{Measure, Threshold};
+pub use threshold::Threshold;
 
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
@@ -69,6 +71,8 @@ pub struct Design {
     pub accuracy: Accuracy,
     /// Window (s), where given.
     pub window: Option<f64>,
+    /// Material of flat strips, random mixtures and the uniform crystal that Q refers to, where it is not that of the lens.
+    pub compared_with: Option<Material>,
     /// Seed of the first random layout of each kind.
     pub first_seed: u64,
     /// Number of random layouts of each kind.
@@ -137,6 +141,29 @@ impl Design {
             Some(mu) => format!("{}, friction {mu}", self.law),
             None => self.law.to_string(),
         }
+    }
+
+    /// What flat strips, random mixtures and the uniform crystal that Q refers to are made of, whatever layout is judged: the material of
+    /// `compare.material`, or of the lens. None where the design names neither; then there are no such baselines, and no Q.
+    pub fn reference(&self) -> Option<&Material> {
+        self.compared_with.as_ref().or(self.lens.as_ref().map(|lens| &lens.material))
+    }
+
+    /// The materials that the design names: host, that of the baselines, that of the lens, further ones of the lens.
+    pub fn palette(&self) -> Vec<Material> {
+        let lens = self.lens.iter().flat_map(|lens| std::iter::once(&lens.material).chain(&lens.others));
+        let mut palette = vec![self.host.clone()];
+        for material in self.reference().into_iter().chain(lens) {
+            if !palette.contains(material) {
+                palette.push(material.clone());
+            }
+        }
+        palette
+    }
+
+    /// Price of one sphere of a material, where the design says it.
+    pub fn price(&self, material: &Material) -> Option<f64> {
+        self.prices.get(&material.name).copied()
     }
 
     /// A complaint of those who know the physics about `key`, such as `run.step`: it points to where the key stands in the

@@ -2,9 +2,8 @@
 
 use super::DesignError;
 use super::file::{BoundsFile, EXAMPLES, ThresholdsFile};
-use crate::document::{Entry, Scope, Section, example};
-use crate::score::Scores;
-use crate::units::Dimension;
+use crate::document::{Entry, Scope, example};
+use crate::score::Measure;
 
 /// Bounds on one score, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,61 +16,6 @@ pub struct Threshold {
     pub max: Option<f64>,
 }
 
-/// A score that can be bounded, by its name in files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
-    /// C = F/P
-    Contrast,
-    /// G
-    FocalGain,
-    /// Q
-    Protection,
-    /// F (J)
-    FocalMean,
-    /// P (J)
-    ProtectedMean,
-    /// Loss in the contacts (J)
-    Dissipated,
-    /// Energy residual as a fraction of the work, signed
-    Residual,
-}
-
-impl Measure {
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Contrast => "contrast",
-            Self::FocalGain => "focal_gain",
-            Self::Protection => "protection",
-            Self::FocalMean => "focal_mean",
-            Self::ProtectedMean => "protected_mean",
-            Self::Dissipated => "dissipated",
-            Self::Residual => "residual",
-        }
-    }
-
-    /// What the score measures; none for ratios, which are plain numbers.
-    pub const fn dimension(self) -> Option<Dimension> {
-        match self {
-            Self::FocalMean | Self::ProtectedMean | Self::Dissipated => Some(Dimension::Energy),
-            Self::Contrast | Self::FocalGain | Self::Protection | Self::Residual => None,
-        }
-    }
-
-    /// Its value among the scores of an arrangement; none where a ratio has no denominator.
-    pub fn of(self, scores: &Scores) -> Option<f64> {
-        match self {
-            Self::Contrast => scores.contrast,
-            Self::FocalGain => scores.focal_gain,
-            Self::Protection => scores.protection,
-            Self::FocalMean => Some(scores.focal_mean),
-            Self::ProtectedMean => Some(scores.protected_mean),
-            Self::Dissipated => Some(scores.dissipated),
-            Self::Residual => Some(scores.residual),
-        }
-    }
-}
-
 impl Threshold {
     /// Whether a value of the score lies within the bounds; NaN does not.
     pub fn admits(&self, value: f64) -> bool {
@@ -80,22 +24,24 @@ impl Threshold {
 }
 
 pub(super) fn read((scope, file): &(Scope, &ThresholdsFile)) -> Result<Vec<Threshold>, DesignError> {
-    let written: [(Measure, &Section<BoundsFile>); 7] = [
-        (Measure::Contrast, &file.contrast),
-        (Measure::FocalGain, &file.focal_gain),
-        (Measure::Protection, &file.protection),
-        (Measure::FocalMean, &file.focal_mean),
-        (Measure::ProtectedMean, &file.protected_mean),
-        (Measure::Dissipated, &file.dissipated),
-        (Measure::Residual, &file.residual),
-    ];
-    let bounds =
-        written.into_iter().filter_map(|(measure, section)| Some((measure, scope.section(measure.name(), section)?)));
-    bounds.map(|(measure, section)| threshold(measure, &section)).collect()
+    let mut thresholds: Vec<Threshold> = Vec::new();
+    for (name, section) in *file {
+        let Some((place, bounds)) = scope.section(name.get_ref(), section) else { continue };
+        let Some(measure) = Measure::find(name.get_ref()) else {
+            let known: Vec<&str> = Measure::ALL.iter().map(|measure| measure.name()).collect();
+            return Err(place.fail("is the bound of no known measure", &format!("Known are {}.", known.join(", "))));
+        };
+        if thresholds.iter().any(|known| known.measure == measure) {
+            return Err(place.fail("bounds the same measure as another", "Name each measure once."));
+        }
+        thresholds.push(threshold(measure, &(place, bounds))?);
+    }
+    thresholds.sort_by_key(|threshold| threshold.measure as usize);
+    Ok(thresholds)
 }
 
 fn threshold(measure: Measure, (scope, file): &(Scope, &BoundsFile)) -> Result<Threshold, DesignError> {
-    let value = |entry: &Entry| match measure.dimension() {
+    let value = |entry: &Entry| match measure.unit().dimension() {
         Some(dimension) => entry.quantity(dimension),
         None => entry.number(),
     };
@@ -107,7 +53,8 @@ fn threshold(measure: Measure, (scope, file): &(Scope, &BoundsFile)) -> Result<T
             Err(scope.fail("can never be met: min is greater than max", "Exchange them, or leave one out."))
         }
         (None, None) => {
-            let example = example(EXAMPLES, &format!("thresholds.{}", measure.name())).unwrap_or_default();
+            let example = example(EXAMPLES, &format!("thresholds.{}", measure.name()))
+                .unwrap_or_else(|| format!("{} = {{ min = 1 }}", measure.name()));
             Err(scope.fail("has neither min nor max", &format!("Write it like {example}.")))
         }
         _ => Ok(threshold),

@@ -5,35 +5,20 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use super::blow::{Blow, Case, Field, Flaw};
-use super::felt::Felt;
-use super::{Overrides, Plan, PlanError};
+use super::{EvaluateError, Overrides, Plan, PlanError};
 use crate::dem::rig::{RigError, simulate_as_rig};
 use crate::dem::{BatchError, OverlapAtRest, Record, Stop, simulate, simulate_batch};
 use crate::design::Design;
 use crate::material::Material;
 use crate::real::Width;
 use crate::sample::Sample;
-use crate::score::{balance, focal_means, means, ratio};
+use crate::score::Scores;
 
-/// Scores of one layout under one impact, as a search needs them.
+/// One layout under one impact, as a search needs it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Marks {
-    /// F (J)
-    pub focal_mean: f64,
-    /// P (J)
-    pub protected_mean: f64,
-    /// C = F/P
-    pub contrast: Option<f64>,
-    /// G = F/F(all host)
-    pub focal_gain: Option<f64>,
-    /// Q = P/P(all lens material)
-    pub protection: Option<f64>,
-    /// How evenly several foci are served; see [`balance`]
-    pub balance: Option<f64>,
-    /// P over the least P of the rivals under the same impact, where there are rivals
-    pub against_best: Option<f64>,
-    /// What else was felt, where that is asked for.
-    pub felt: Option<Felt>,
+pub struct Evaluated {
+    /// The numbers; what the layout itself says is not among them.
+    pub scores: Scores,
     /// Why the run ended early, if it did; its numbers are then not to be trusted.
     pub stop: Option<Stop>,
 }
@@ -44,15 +29,8 @@ pub enum Detail {
     /// Energies only, many layouts side by side.
     #[default]
     Energies,
-    /// All of [`Felt`] too, one layout at a time; some four times the work.
+    /// All that records say too, one layout at a time; some four times the work.
     Everything,
-}
-
-/// One run, in numbers of the half's sites.
-struct Brief {
-    max_kinetic: Vec<f64>,
-    felt: Option<Felt>,
-    stop: Option<Stop>,
 }
 
 /// A design that cannot be evaluated in batches.
@@ -78,12 +56,24 @@ pub enum EvaluatorError {
         /// Why.
         stop: Stop,
     },
+    /// Q has nothing to refer to.
+    #[error("there is no Q: the design names no material for the crystal that it refers to")]
+    NoReference,
     /// The design has friction, which batches do not follow.
     #[error("searches simulate without friction, and the design asks for {0}")]
     Friction(f64),
     /// The request to stop came before anything was evaluated.
     #[error("interrupted before anything was evaluated")]
     Interrupted,
+}
+
+impl From<EvaluateError> for EvaluatorError {
+    fn from(error: EvaluateError) -> Self {
+        match error {
+            EvaluateError::Overlap(error) => error.into(),
+            EvaluateError::Rig(error) => error.into(),
+        }
+    }
 }
 
 /// Turns layouts of one design into scores, relative to the crystal of host and that of lens material alone under the same
@@ -139,17 +129,62 @@ pub fn common_plan(
 }
 
 impl<'a> Evaluator<'a> {
-    /// Chooses step and window, and simulates the two uniform crystals under each impact. `cases` are impacts, or impacts on
-    /// crystals with flaws; `palette` holds host, lens material, and others.
+    /// Chooses step and window, and simulates the uniform crystals under each impact. `cases` are impacts, or impacts on
+    /// crystals with flaws; `palette` holds the host and others. What Q refers to is the design's, see [`Design::reference`].
     ///
     /// # Errors
     /// See [`EvaluatorError`].
     pub fn new<C: Clone + Into<Case>>(
         design: &'a Design,
         cases: &[C],
-        palette: Vec<Material>,
+        mut palette: Vec<Material>,
         overrides: Overrides,
         interrupt: &AtomicBool,
+    ) -> Result<Self, EvaluatorError> {
+        let reference = design.reference().map(|reference| {
+            palette.iter().position(|material| material == reference).unwrap_or_else(|| {
+                palette.push(reference.clone());
+                palette.len() - 1
+            }) as u8
+        });
+        let mut evaluator = Self::alone(design, cases, palette, overrides)?;
+        let flawless = (0..evaluator.fields.len()).map(|field| (field, Flaw::default())).collect();
+        let members = std::mem::replace(&mut evaluator.cases, flawless);
+        let uniform: Vec<u8> = std::iter::once(0).chain(reference).collect();
+        let layouts: Vec<_> = uniform.iter().map(|&material| vec![material; design.lattice.len()]).collect();
+        let runs = evaluator.scores(&layouts, interrupt)?;
+        for (runs, &k) in runs.iter().zip(&uniform) {
+            let Some(stop) = runs.iter().find_map(|run| run.stop.as_ref()) else { continue };
+            if matches!(stop, Stop::Interrupted { .. }) {
+                return Err(EvaluatorError::Interrupted);
+            }
+            let (material, stop) = (evaluator.palette[usize::from(k)].name.clone(), stop.clone());
+            let error = EvaluatorError::Baseline { material, stop };
+            // Without its host a layout cannot be judged; without lens material alone it has no Q.
+            if k == 0 {
+                return Err(error);
+            }
+            evaluator.no_protection = Some(error);
+        }
+        if reference.is_none() {
+            evaluator.no_protection = Some(EvaluatorError::NoReference);
+        }
+        let protected = |field: usize| match runs.get(1).map(|runs| &runs[field]) {
+            Some(Evaluated { scores, stop: None }) => scores.protected_mean,
+            _ => 0.0,
+        };
+        evaluator.uniform =
+            runs[0].iter().enumerate().map(|(field, host)| [host.scores.focal_mean, protected(field)]).collect();
+        evaluator.cases = members;
+        Ok(evaluator)
+    }
+
+    /// Without uniform crystals to relate to: there is no G and no Q.
+    pub(super) fn alone<C: Clone + Into<Case>>(
+        design: &'a Design,
+        cases: &[C],
+        palette: Vec<Material>,
+        overrides: Overrides,
     ) -> Result<Self, EvaluatorError> {
         if let Some(coefficient) = design.friction {
             return Err(EvaluatorError::Friction(coefficient));
@@ -165,33 +200,18 @@ impl<'a> Evaluator<'a> {
         }
         let plan = common_plan(design, &blows, overrides, &palette)?;
         let fields: Vec<Field> = blows.iter().map(|blow| Field::new(design, &plan, blow)).collect();
-        let uniform = vec![[1.0; 2]; fields.len()];
-        let flawless = (0..fields.len()).map(|field| (field, Flaw::default())).collect();
-        let (width, detail) = (Width::widest(), Detail::Energies);
-        let (rivals, no_protection) = (None, None);
-        let mut evaluator =
-            Self { design, plan, fields, cases: flawless, palette, width, detail, uniform, rivals, no_protection };
-        let lens = usize::from(evaluator.palette.len() > 1);
-        let layouts = [0, lens].map(|material| vec![material as u8; design.lattice.len()]);
-        let marks = evaluator.marks(&layouts, interrupt)?;
-        for (marks, k) in marks.iter().zip([0, lens]) {
-            let Some(stop) = marks.iter().find_map(|marks| marks.stop.as_ref()) else { continue };
-            if matches!(stop, Stop::Interrupted { .. }) {
-                return Err(EvaluatorError::Interrupted);
-            }
-            let (material, stop) = (evaluator.palette[k].name.clone(), stop.clone());
-            let error = EvaluatorError::Baseline { material, stop };
-            // Without its host a layout cannot be judged; without lens material alone it has no Q.
-            if k == 0 {
-                return Err(error);
-            }
-            evaluator.no_protection = Some(error);
-        }
-        let protected = |marks: &Marks| if marks.stop.is_none() { marks.protected_mean } else { 0.0 };
-        evaluator.uniform =
-            marks[0].iter().zip(&marks[1]).map(|(host, lens)| [host.focal_mean, protected(lens)]).collect();
-        evaluator.cases = members;
-        Ok(evaluator)
+        Ok(Self {
+            design,
+            plan,
+            uniform: vec![[0.0; 2]; fields.len()],
+            fields,
+            cases: members,
+            palette,
+            width: Width::widest(),
+            detail: Detail::Energies,
+            rivals: None,
+            no_protection: None,
+        })
     }
 
     /// With as much recorded of every layout as is said.
@@ -204,16 +224,16 @@ impl<'a> Evaluator<'a> {
     /// Compares every layout with the best of some others too, under the same impacts on crystals as drawn.
     ///
     /// # Errors
-    /// As [`marks`](Self::marks), and where all of them were stopped by a guard, or on request.
+    /// As [`scores`](Self::scores), and where all of them were stopped by a guard, or on request.
     pub fn against(mut self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Self, EvaluatorError> {
         let flawless = (0..self.fields.len()).map(|field| (field, Flaw::default())).collect();
         let cases = std::mem::replace(&mut self.cases, flawless);
         let detail = std::mem::take(&mut self.detail);
-        let marks = self.marks(layouts, interrupt)?;
+        let runs = self.scores(layouts, interrupt)?;
         (self.cases, self.detail) = (cases, detail);
         let least = |field: usize| {
-            let finished = marks.iter().map(|marks| &marks[field]).filter(|marks| marks.stop.is_none());
-            finished.map(|marks| marks.protected_mean).reduce(f64::min).ok_or(EvaluatorError::Interrupted)
+            let finished = runs.iter().map(|runs| &runs[field]).filter(|run| run.stop.is_none());
+            finished.map(|run| run.scores.protected_mean).reduce(f64::min).ok_or(EvaluatorError::Interrupted)
         };
         self.rivals = Some((0..self.fields.len()).map(least).collect::<Result<_, _>>()?);
         Ok(self)
@@ -230,12 +250,12 @@ impl<'a> Evaluator<'a> {
         &self.plan
     }
 
-    /// Scores of layouts, each an index into the palette for every site of the lattice: for each layout the marks in each
+    /// Scores of layouts, each an index into the palette for every site of the lattice: for each layout those in each
     /// case. The bits of a layout's scores depend neither on the number of threads nor on the layouts beside it.
     ///
     /// # Errors
     /// More kinds of contacts than fit into a table; see [`BatchError`].
-    pub fn marks(&self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Vec<Marks>>, EvaluatorError> {
+    pub fn scores(&self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
         // Groups of as many layouts as there are lanes, each in each case; one by one where that cannot be.
         let groups: Vec<(usize, &[Vec<u8>])> = (0..self.cases.len())
             .flat_map(|case| {
@@ -247,11 +267,12 @@ impl<'a> Evaluator<'a> {
             .par_iter()
             .map(|(case, group)| self.follow(*case, group, interrupt))
             .collect::<Result<Vec<_>, EvaluatorError>>()?;
-        let mut briefs: Vec<_> = simulated.into_iter().flatten().collect();
-        let mut of_layout: Vec<Vec<Marks>> = layouts.iter().map(|_| Vec::with_capacity(self.cases.len())).collect();
+        let mut runs: Vec<Evaluated> = simulated.into_iter().flatten().collect();
+        let mut of_layout: Vec<Vec<Evaluated>> = layouts.iter().map(|_| Vec::with_capacity(self.cases.len())).collect();
         for (field, _) in &self.cases {
-            for (marks, brief) in of_layout.iter_mut().zip(briefs.drain(..layouts.len())) {
-                marks.push(self.score(brief, *field));
+            for (of_layout, mut run) in of_layout.iter_mut().zip(runs.drain(..layouts.len())) {
+                self.relate(&mut run.scores, *field);
+                of_layout.push(run);
             }
         }
         Ok(of_layout)
@@ -262,7 +283,7 @@ impl<'a> Evaluator<'a> {
         self.detail == Detail::Everything || !self.cases[case].1.radii.is_empty()
     }
 
-    fn follow(&self, case: usize, group: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Brief>, EvaluatorError> {
+    fn follow(&self, case: usize, group: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Evaluated>, EvaluatorError> {
         let (field, flaw) = (&self.fields[self.cases[case].0], &self.cases[case].1);
         let diameter = self.design.lattice.diameter();
         let sample = |layout: &Vec<u8>| field.sample(&self.palette, diameter, layout, flaw);
@@ -273,7 +294,7 @@ impl<'a> Evaluator<'a> {
         let briefs = simulate_batch(&samples, &field.impact, self.width, interrupt)?;
         Ok(briefs
             .into_iter()
-            .map(|brief| Brief { max_kinetic: field.folded(&brief.max_kinetic), felt: None, stop: brief.stop })
+            .map(|brief| Evaluated { scores: self.energies(&field.folded(&brief.max_kinetic)), stop: brief.stop })
             .collect())
     }
 
@@ -284,32 +305,29 @@ impl<'a> Evaluator<'a> {
         flaw: &Flaw,
         sample: &Sample<2>,
         interrupt: &AtomicBool,
-    ) -> Result<Brief, EvaluatorError> {
+    ) -> Result<Evaluated, EvaluatorError> {
         let record: Record<2> = if flaw.radii.is_empty() {
             simulate(sample, &field.impact, interrupt)?
         } else {
             simulate_as_rig(sample, &field.impact, None, interrupt)?
         };
-        let felt = (self.detail == Detail::Everything).then(|| {
-            Felt::new(&record, field, &self.design.lattice, &self.design.target, |sphere| sample.mass(sphere))
-        });
-        Ok(Brief { max_kinetic: field.folded(&record.max_kinetic), felt, stop: record.stop })
+        let mut scores = self.energies(&field.folded(&record.max_kinetic));
+        if self.detail == Detail::Everything {
+            let share = if field.is_whole() { 0.5 } else { 1.0 };
+            let within = (&self.design.lattice, &self.design.target);
+            scores.add_records(&record, within, |site| field.on(site), share, |sphere| sample.mass(sphere));
+        }
+        Ok(Evaluated { scores, stop: record.stop })
     }
 
-    fn score(&self, brief: Brief, field: usize) -> Marks {
-        let uniform = self.uniform[field];
-        let [focal_mean, protected_mean] = means(&brief.max_kinetic, &self.design.lattice, &self.design.target);
-        let foci = focal_means(&brief.max_kinetic, &self.design.lattice, &self.design.target);
-        Marks {
-            focal_mean,
-            balance: balance(&foci, &self.design.target),
-            protected_mean,
-            contrast: ratio(focal_mean, protected_mean),
-            focal_gain: ratio(focal_mean, uniform[0]),
-            protection: ratio(protected_mean, uniform[1]),
-            against_best: self.rivals.as_ref().and_then(|rivals| ratio(protected_mean, rivals[field])),
-            felt: brief.felt,
-            stop: brief.stop,
-        }
+    fn energies(&self, max_kinetic: &[f64]) -> Scores {
+        Scores::of_energies(max_kinetic, &self.design.lattice, &self.design.target)
+    }
+
+    fn relate(&self, scores: &mut Scores, field: usize) {
+        let [host, lens] = self.uniform[field];
+        scores.relate(Some(host), Some(lens));
+        scores.protection_best =
+            self.rivals.as_ref().and_then(|rivals| crate::score::ratio(scores.protected_mean, rivals[field]));
     }
 }

@@ -5,17 +5,20 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use rayon::prelude::*;
 
-use super::EvaluateError;
+use super::beside::reference;
+use super::forces::under_forces;
 use super::traced::spot_diagrams;
-use super::{Doubts, Evaluation, Overrides, Plan, PlanError, evaluate, validity};
+use super::verdict::{Judged, verdict};
+use super::{Doubts, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError};
+use super::{evaluate, method, validity};
 use crate::dem::Stop;
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
 use crate::lens::{FocusRays, Lens, Part};
 use crate::outcome::{
-    ArrangementOutcome, FORMAT, FocusProposal, Manifest, Outcome, PartProposal, Proposal, SphereRecord,
+    ArrangementOutcome, FORMAT, FocusProposal, Manifest, Outcome, PartProposal, Proposal, SphereRecord, Verdict,
 };
-use crate::score::Scores;
+use crate::score::{Scores, over_forces};
 use crate::target::Focus;
 
 /// Is told of every arrangement that is finished.
@@ -35,10 +38,14 @@ pub struct Comparison<'a> {
     pub design: &'a Design,
     /// Step and window.
     pub plan: Plan,
+    /// The forces that the verdict is judged over.
+    pub forces: Forces,
     /// The subject's name, `lens` for a proposal.
     pub name: String,
     /// The subject.
     pub subject: Layout,
+    /// Place in the subject's palette of what baselines are made of and Q refers to, where the design names it.
+    pub reference: Option<u8>,
     /// First and last row in which the subject holds lens material.
     pub rows: [u32; 2],
     /// What ray tracing said about it.
@@ -51,49 +58,46 @@ impl<'a> Comparison<'a> {
     /// # Errors
     /// A step or window with which nothing can be simulated.
     pub fn of_lens(design: &'a Design, lens: &Lens, overrides: Overrides) -> Result<Self, PlanError> {
-        let subject = lens.layout();
-        let plan = Plan::new(design, overrides, &subject.palette)?;
         let proposal = Some(Proposal { spots: spot_diagrams(design, lens), ..proposal(design, lens) });
-        Ok(Self { design, plan, name: "lens".to_owned(), rows: lens.rows(), subject, proposal })
+        Self::new(design, "lens".to_owned(), lens.layout(), lens.rows(), proposal, overrides)
     }
 
-    /// Any layout against its baselines: strips and mixtures span the rows in which it differs from the host, and are
-    /// made of the design's lens material, or, where the layout holds none of it, of its first that is not the host.
+    /// Any layout against its baselines: strips and mixtures span the rows in which it differs from the host, and are made of what
+    /// the design says, see [`Design::reference`].
     ///
     /// # Errors
     /// A step or window with which nothing can be simulated.
     pub fn of_layout(
         design: &'a Design,
         name: String,
-        mut subject: Layout,
+        subject: Layout,
         overrides: Overrides,
     ) -> Result<Self, PlanError> {
-        // Baselines are made of the palette's first two.
-        if subject.count(1) == 0
-            && let Some(&first) = subject.materials.iter().find(|&&m| m > 0)
-        {
-            subject.palette.swap(1, usize::from(first));
-            for material in subject.materials.iter_mut() {
-                *material = if *material == first {
-                    1
-                } else if *material == 1 {
-                    first
-                } else {
-                    *material
-                };
-            }
-        }
-        let plan = Plan::new(design, overrides, &subject.palette)?;
-        let rows: Vec<u32> = subject
-            .lattice
-            .sites()
-            .iter()
-            .zip(&subject.materials)
-            .filter(|(_, m)| **m != 0)
-            .map(|(s, _)| s.row)
-            .collect();
+        let sites = subject.lattice.sites();
+        let rows = sites.iter().zip(&subject.materials).filter(|(_, m)| **m != 0).map(|(s, _)| s.row);
+        let rows: Vec<u32> = rows.collect();
         let rows = [rows.first().copied().unwrap_or(1), rows.last().copied().unwrap_or(1)];
-        Ok(Self { design, plan, name, subject, rows, proposal: None })
+        Self::new(design, name, subject, rows, None, overrides)
+    }
+
+    fn new(
+        design: &'a Design,
+        name: String,
+        mut subject: Layout,
+        rows: [u32; 2],
+        proposal: Option<Proposal>,
+        overrides: Overrides,
+    ) -> Result<Self, PlanError> {
+        let reference = reference(design, &mut subject);
+        let plan = Plan::new(design, overrides, &subject.palette)?;
+        Ok(Self { design, plan, forces: Forces::USUAL, name, subject, reference, rows, proposal })
+    }
+
+    /// Judged over other forces than the usual ones.
+    #[must_use]
+    pub fn over(mut self, forces: Forces) -> Self {
+        self.forces = forces;
+        self
     }
 
     /// Number of arrangements.
@@ -106,9 +110,15 @@ impl<'a> Comparison<'a> {
         false
     }
 
-    fn baselines(&self) -> Vec<Baseline> {
-        // Without a second material there is nothing to arrange otherwise.
-        if self.subject.palette.len() < 2 { Vec::new() } else { Baseline::set(self.plan.first_seed, self.design.seeds) }
+    /// The baselines with their layouts.
+    fn baselines(&self) -> Vec<(Baseline, Layout)> {
+        // Where the design names no second material there is nothing to arrange otherwise.
+        let set = match self.reference {
+            Some(_) => Baseline::set(self.plan.first_seed, self.design.seeds),
+            None => vec![Baseline::AllHost],
+        };
+        let material = self.reference.unwrap_or_default();
+        set.into_iter().map(|baseline| (baseline, baseline.layout(&self.subject, self.rows, material))).collect()
     }
 }
 
@@ -117,22 +127,23 @@ impl<'a> Comparison<'a> {
 /// finished.
 ///
 /// # Errors
-/// Spheres that overlap at rest; no layout on a lattice has such.
+/// See [`EvaluatorError`].
 pub fn compare(
     comparison: &Comparison<'_>,
     interrupt: &AtomicBool,
     progress: &impl Progress,
-) -> Result<Outcome, EvaluateError> {
+) -> Result<Outcome, EvaluatorError> {
     let Comparison { design, plan, .. } = comparison;
     let begun = Instant::now();
     let started_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let baselines = comparison.baselines();
     let subject = std::iter::once((comparison.name.clone(), comparison.name.clone(), None, comparison.subject.clone()));
     let jobs: Vec<_> = subject
-        .chain(baselines.iter().map(|baseline| {
-            let layout = baseline.layout(&comparison.subject, comparison.rows);
-            (baseline.name(), baseline.kind().to_owned(), baseline.seed(), layout)
-        }))
+        .chain(
+            baselines
+                .into_iter()
+                .map(|(baseline, layout)| (baseline.name(), baseline.kind().to_owned(), baseline.seed(), layout)),
+        )
         .collect();
     let evaluations: Vec<Option<Evaluation>> = jobs
         .par_iter()
@@ -147,21 +158,26 @@ pub fn compare(
             }
             Ok(complete.then_some(evaluation))
         })
-        .collect::<Result<_, EvaluateError>>()?;
+        .collect::<Result<_, EvaluatorError>>()?;
 
     let mut warnings = plan.warnings.clone();
     let mut doubts = Doubts::default();
     let mut arrangements = Vec::new();
+    let mut layouts = Vec::new();
+    // Whose contacts have to be found as they arise.
+    let mut alone = Vec::new();
     for ((name, kind, seed, layout), evaluation) in jobs.into_iter().zip(evaluations) {
-        let Some(Evaluation { scores, record, doubts: own }) = evaluation else { continue };
+        let Some(Evaluation { scores, record, simulated, doubts: own }) = evaluation else { continue };
         doubts = doubts.worse(own);
+        alone.push(record.missed_contact.is_some());
         arrangements.push(ArrangementOutcome {
             name,
             kind,
             seed,
-            spheres: layout.materials.iter().filter(|&&m| m != 0).count(),
             scores,
-            layout: layout.materials,
+            over_forces: None,
+            simulated: simulated.map(|(integrator, step)| (integrator.to_string(), step)),
+            layout: layout.materials.clone(),
             stop: record.stop,
             record: SphereRecord {
                 max_kinetic: record.max_kinetic,
@@ -171,8 +187,14 @@ pub fn compare(
                 dissipated: record.dissipated,
             },
         });
+        layouts.push(layout);
     }
     relate(&mut arrangements);
+    let whole = arrangements.len() == comparison.len();
+    let (forces, verdict) = match whole {
+        true => judge(comparison, &mut arrangements, (&layouts, &alone), interrupt)?,
+        false => (Vec::new(), Vec::new()),
+    };
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
     warnings.extend(doubts.words("some arrangements"));
     let lattice = &design.lattice;
@@ -181,17 +203,10 @@ pub fn compare(
         manifest: Manifest {
             format: FORMAT,
             name: design.name.clone(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            method: method(design, plan),
             design_file: design.path.display().to_string(),
             design: design.text.clone(),
             impact: design.impact_in_words(),
-            law: design.law_name(),
-            constants: design.constants.to_string(),
-            integrator: plan.integrator.to_string(),
-            step_s: plan.step,
-            step_reason: plan.step_reason.clone(),
-            window_s: plan.window,
-            window_reason: plan.window_reason.clone(),
             seeds: [plan.first_seed, design.seeds],
             threads: rayon::current_num_threads(),
             started_unix_s,
@@ -202,6 +217,10 @@ pub fn compare(
         half_width: lattice.half_width(),
         target: design.target.clone(),
         materials: comparison.subject.palette.iter().map(|m| m.name.clone()).collect(),
+        reference: design.reference().map(|material| material.name.clone()),
+        is_published: comparison.proposal.is_some() && design.is_published(),
+        forces,
+        verdict,
         proposal: comparison.proposal.clone(),
         arrangements,
         warnings,
@@ -231,17 +250,67 @@ pub fn stops(arrangements: &[ArrangementOutcome]) -> Vec<String> {
 
 /// Adds to every arrangement its ratios to the subject and to the uniform ones, where no guard stopped these.
 fn relate(arrangements: &mut [ArrangementOutcome]) {
-    let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind && a.stop.is_none()).map(|a| a.scores.clone());
-    let (host, lens): (Option<Scores>, Option<Scores>) = (of("all-host"), of("all-lens"));
-    let subject = arrangements.first().filter(|a| a.stop.is_none()).map(|a| a.scores.clone());
-    for arrangement in arrangements {
-        arrangement.scores.relate(subject.as_ref(), host.as_ref(), lens.as_ref());
+    let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind && a.stop.is_none()).map(|a| &a.scores);
+    let host = of("all-host").map(|scores| scores.focal_mean);
+    let lens = of("all-lens").map(|scores| scores.protected_mean);
+    let subject = arrangements.first().filter(|a| a.stop.is_none()).map(|a| a.scores.protected_mean);
+    for ArrangementOutcome { scores, .. } in arrangements {
+        scores.relate(host, lens);
+        scores.protected_ratio = subject.and_then(|subject| crate::score::ratio(subject, scores.protected_mean));
     }
+}
+
+/// Judges the subject over the comparison's forces: these, and the verdict. Also gives every arrangement its scores over them.
+fn judge(
+    comparison: &Comparison<'_>,
+    arrangements: &mut [ArrangementOutcome],
+    (layouts, alone): (&[Layout], &[bool]),
+    interrupt: &AtomicBool,
+) -> Result<(Vec<f64>, Vec<Verdict>), EvaluatorError> {
+    let Comparison { design, plan, forces, .. } = comparison;
+    let forces = forces.about(design.impact.force);
+    let runs: Vec<Vec<Evaluated>> = if forces.len() == 1 {
+        let own = |a: &ArrangementOutcome| vec![Evaluated { scores: a.scores.clone(), stop: a.stop.clone() }];
+        arrangements.iter().map(own).collect()
+    } else {
+        let layouts: Vec<&Layout> = layouts.iter().collect();
+        let mut runs = match under_forces(design, plan, &layouts, |k| alone[k], &forces, interrupt) {
+            Err(EvaluatorError::Interrupted) => return Ok((Vec::new(), Vec::new())),
+            runs => runs?,
+        };
+        let place = |kind: &str| arrangements.iter().position(|arrangement| arrangement.kind == kind);
+        let [host, lens] = ["all-host", "all-lens"].map(place);
+        for force in 0..forces.len() {
+            let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
+            let host = of(host).map(|run| run.scores.focal_mean);
+            let lens = of(lens).map(|run| run.scores.protected_mean);
+            runs.iter_mut().for_each(|runs| runs[force].scores.relate(host, lens));
+        }
+        runs
+    };
+    let scores: Vec<Option<Vec<Scores>>> = runs
+        .into_iter()
+        .map(|runs| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect())
+        .collect();
+    if forces.len() > 1 {
+        for (arrangement, scores) in arrangements.iter_mut().zip(&scores) {
+            arrangement.over_forces = scores.as_ref().map(|scores| over_forces(scores).1);
+        }
+    }
+    let others: Vec<Judged> = arrangements
+        .iter()
+        .zip(&scores)
+        .skip(1)
+        .filter_map(|(arrangement, scores)| Some(Judged { kind: &arrangement.kind, runs: scores.as_ref()? }))
+        .collect();
+    let found = scores[0].as_ref().map_or_else(Vec::new, |subject| verdict(subject, &others));
+    Ok((forces, found))
 }
 
 /// What ray tracing proposed, as it is stored.
 pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
     let several = lens.foci.len() > 1;
+    let layout = lens.layout();
     let part = |part: &Part| PartProposal {
         foci: part.foci.iter().map(|focus| focus + 1).collect(),
         window: part.window,
@@ -270,14 +339,13 @@ pub fn proposal(design: &Design, lens: &Lens) -> Proposal {
             .join("; "),
         family: lens.family.name().to_owned(),
         prescription: lens.prescription.clone(),
-        spheres: lens.spheres,
         fraction: lens.fraction,
         fraction_without: lens.fraction_without,
         crossing: lens.crossing,
         protected: lens.protected,
-        counts: lens.first_order.counts.clone(),
-        mass: lens.first_order.mass,
-        cost: lens.first_order.cost(&lens.palette, &design.prices),
+        materials: lens.palette.iter().map(|material| material.name.clone()).collect(),
+        piece: layout.piece(|material| design.price(material)),
+        half: layout.half(|material| design.price(material)),
         arrival: lens.first_order.arrival,
         predicted_gain: lens.first_order.gain,
         parts: lens.parts.iter().filter(|_| several).map(part).collect(),

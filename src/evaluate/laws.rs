@@ -2,13 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{EvaluateError, Evaluation, Overrides, Plan, PlanError, evaluate};
+use super::{EvaluatorError, Forces, Overrides, Plan, PlanError, beside_uniform};
 use crate::contact::LawKind;
 use crate::design::Design;
-use crate::layout::{Baseline, Layout};
+use crate::layout::Layout;
 
 /// The scores of a layout under one law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,7 +65,7 @@ pub enum OverLawsError {
     },
     /// It cannot be simulated.
     #[error(transparent)]
-    Evaluate(#[from] EvaluateError),
+    Evaluate(#[from] EvaluatorError),
 }
 
 /// The laws by whose range a design is judged: those that yield and create no energy, with rate and without, and the one that the
@@ -80,7 +79,7 @@ pub fn design_laws(design: &Design) -> Vec<LawKind> {
     laws
 }
 
-/// Simulates a layout, its host alone and its lens material alone under each law, all in parallel. Each law has the step that its
+/// Simulates a layout beside its host alone and the design's lens material alone under each law, as `check` does. Each law has the step that its
 /// stiffest contact asks for.
 ///
 /// # Errors
@@ -100,34 +99,26 @@ pub fn over_laws(
                 .map_err(|error| OverLawsError::Plan { law: design.law, error })
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let mut arrangements = vec![layout.clone()];
-    if layout.palette.len() > 1 {
-        arrangements.extend([Baseline::AllHost, Baseline::AllLens].map(|uniform| uniform.layout(layout, [1, 1])));
-    }
-    let jobs: Vec<(usize, &Layout)> =
-        (0..laws.len()).flat_map(|k| arrangements.iter().map(move |layout| (k, layout))).collect();
-    let run = |&(k, layout): &(usize, &Layout)| evaluate(&designs[k], layout, &plans[k], interrupt);
-    let runs = jobs.par_iter().with_max_len(1).map(run).collect::<Result<Vec<Evaluation>, _>>()?;
-    let each: Vec<LawScores> = runs
-        .chunks(arrangements.len())
-        .zip(laws.iter().zip(&plans))
-        .map(|(runs, (&law, plan))| {
-            let whole = |k: usize| runs.get(k).filter(|run| run.record.stop.is_none()).map(|run| &run.scores);
-            let mut scores = runs[0].scores.clone();
-            scores.relate(None, whole(1), whole(2));
-            let own = runs[0].record.stop.is_none();
-            LawScores {
-                law,
+    let each = designs
+        .iter()
+        .zip(&plans)
+        .map(|(design, plan)| {
+            let beside = beside_uniform(design, layout, plan, Forces::ONE, interrupt)?;
+            let (scores, stop) = (beside.evaluation.scores, beside.evaluation.record.stop);
+            let own = stop.is_none();
+            let stop = stop.or_else(|| beside.stopped.into_iter().next().map(|(_, stop)| stop));
+            Ok(LawScores {
+                law: design.law,
                 focal_mean: scores.focal_mean,
                 protected_mean: scores.protected_mean,
                 contrast: scores.contrast.filter(|_| own),
                 focal_gain: scores.focal_gain.filter(|_| own),
                 protection: scores.protection.filter(|_| own),
                 step_s: plan.step,
-                stop: runs.iter().find_map(|run| run.record.stop.as_ref()).map(ToString::to_string),
-            }
+                stop: stop.map(|stop| stop.to_string()),
+            })
         })
-        .collect();
+        .collect::<Result<Vec<_>, EvaluatorError>>()?;
     let range = |of: fn(&LawScores) -> Option<f64>| {
         let values = || each.iter().filter_map(of);
         Some([values().reduce(f64::min)?, values().reduce(f64::max)?])

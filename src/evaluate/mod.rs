@@ -1,29 +1,33 @@
 //! One design to one outcome: proposes the lens, lays its baselines, simulates all of them alike, and scores them.
 //!
 //! - `plan`: step and window, chosen once for all arrangements; `stiffest`: what bounds the step
-//! - `compare`: the lens and its baselines, in parallel
+//! - `compare`: the lens and its baselines, in parallel; `beside`: one layout beside the uniform crystals alone
 //! - `decay`: how waves decay in the uniform crystals of a design
 //! - `traced`: what rays and first arrivals say, without a simulation
 //! - `batch`: many layouts at once, in vector lanes, for those who search; `blow`: what strikes them, straight or at an angle, and
-//!   what is built otherwise than drawn; `felt`: what is recorded beyond energies
+//!   what is built otherwise than drawn
+//! - `forces`: one score of several forces; `verdict`: better, equal or worse than what a lens has to beat
 //! - `glance`: what is guessed without a simulation; `laws`: one layout under several contact laws
 
 mod batch;
+mod beside;
 mod blow;
 mod compare;
 mod decay;
-mod felt;
+mod forces;
 mod glance;
 mod laws;
 mod plan;
 mod stiffest;
 mod traced;
+mod verdict;
 
-pub use batch::{Detail, Evaluator, EvaluatorError, Marks, common_plan};
+pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError, common_plan};
+pub use beside::{Beside, beside_uniform};
 pub use blow::{Blow, Case, Flaw};
 pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use decay::{calibrate, decay};
-pub use felt::Felt;
+pub use forces::{Forces, ForcesError};
 pub use glance::Glance;
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use plan::{Overrides, Plan, PlanError};
@@ -34,10 +38,11 @@ pub(crate) use stiffest::{Stiffest, divisor, overshoot};
 use std::sync::atomic::AtomicBool;
 
 use crate::contact::Pair;
-use crate::dem::rig::{Friction, RigError, simulate_as_rig};
-use crate::dem::{ContactRecord, Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, Record, simulate};
+use crate::dem::rig::{Friction, RigError, rig_step, simulate_as_rig};
+use crate::dem::{ContactRecord, Impact, Integrator, Mirror, OVERLAP_WARNING, OverlapAtRest, Record, simulate};
 use crate::design::Design;
 use crate::layout::Layout;
+use crate::outcome::{COMMIT, Method, VERSION};
 use crate::score::Scores;
 use crate::units::Dimension::{Length, Time};
 use crate::wave::Validity;
@@ -45,8 +50,10 @@ use crate::wave::Validity;
 /// One arrangement, simulated and scored.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// The numbers; ratios to baselines are not there yet.
+    /// The numbers; ratios to uniform crystals are not there yet.
     pub scores: Scores,
+    /// How it was simulated, where that is not as planned: contacts had to be found as they arose.
+    pub simulated: Option<(Integrator, f64)>,
     /// What each sphere and contact felt.
     pub record: Record<2>,
     /// What limits the trust in the numbers.
@@ -83,9 +90,30 @@ pub fn evaluate(
     interrupt: &AtomicBool,
 ) -> Result<Evaluation, EvaluateError> {
     let record = simulated(design, layout, plan, interrupt)?;
-    let scores = Scores::new(&record, &layout.lattice, &design.target);
+    let within = (&layout.lattice, &design.target);
+    let mut scores = Scores::of_energies(&record.max_kinetic, within.0, within.1);
+    let mass = |i: usize| layout.palette[usize::from(layout.materials[i])].sphere_mass(layout.lattice.diameter());
+    scores.add_records(&record, within, |site| [site; 2], 1.0, mass);
+    scores.add_layout(&layout.stats(|material| design.price(material)));
     let doubts = Doubts::of(&record, layout, design);
-    Ok(Evaluation { scores, record, doubts })
+    let again = record.missed_contact.is_some() && plan.integrator != Integrator::Verlet;
+    let simulated = again.then(|| (Integrator::Verlet, rig_step(plan.integrator, plan.step)));
+    Ok(Evaluation { scores, simulated, record, doubts })
+}
+
+/// With what, and how, a plan's runs are made.
+pub fn method(design: &Design, plan: &Plan) -> Method {
+    Method {
+        version: VERSION.to_owned(),
+        commit: COMMIT.to_owned(),
+        law: design.law_name(),
+        constants: design.constants.to_string(),
+        integrator: plan.integrator.to_string(),
+        step_s: plan.step,
+        step_reason: plan.step_reason.clone(),
+        window_s: plan.window,
+        window_reason: plan.window_reason.clone(),
+    }
 }
 
 /// What each sphere of a layout feels under a design's impact.

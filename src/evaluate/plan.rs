@@ -90,7 +90,11 @@ impl Plan {
     /// # Errors
     /// See [`PlanError`].
     pub fn new(design: &Design, overrides: Overrides, materials: &[Material]) -> Result<Self, PlanError> {
-        let integrator = overrides.integrator.unwrap_or(design.integrator);
+        // Friction is a rig's, and rigs are advanced with Verlet.
+        let integrator = match design.friction {
+            Some(_) => Integrator::Verlet,
+            None => overrides.integrator.unwrap_or(design.integrator),
+        };
         let diameter = design.lattice.diameter();
         let force = overshoot(design.law) * wave::contact_force(design.impact.force);
         let stiffest = Stiffest::find::<2>(

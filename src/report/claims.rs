@@ -1,6 +1,6 @@
 //! What Burgoyne (2016, section 5.3.3) says of an impact lens, measured on this outcome.
 //!
-//! The statements are about one lens under one impact; for another design the verdict says how that one behaves.
+//! The statements are about one lens under one impact, and are judged on no other: of other designs nothing is claimed.
 
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ pub struct Claim {
 
 /// Every claim that this outcome can decide; those whose baseline was not run are left out.
 pub fn claims(outcome: &Outcome) -> Vec<Claim> {
-    let Some(lens) = outcome.arrangements.first() else { return Vec::new() };
+    let Some(lens) = outcome.arrangements.first().filter(|_| outcome.is_published) else { return Vec::new() };
     let views: Vec<View> =
         (0..outcome.target.foci.len()).map(|focus| View { outcome, lens, focus, rows: rows(outcome, focus) }).collect();
     [
@@ -238,11 +238,12 @@ impl View<'_> {
 
     fn more_dissipated(&self) -> Option<Claim> {
         let uniform: Vec<_> = ["all-host", "all-lens"].into_iter().filter_map(|kind| self.kind(kind)).collect();
-        let own = self.lens.scores.dissipated;
-        let share = |a: &ArrangementOutcome| a.scores.dissipated / a.scores.work_in * 100.0;
+        let lost = |a: &ArrangementOutcome| a.scores.dissipated.unwrap_or(f64::NAN);
+        let own = lost(self.lens);
+        let share = |a: &ArrangementOutcome| a.scores.dissipation.unwrap_or(f64::NAN) * 100.0;
         let list: Vec<String> = uniform
             .iter()
-            .map(|a| format!("{} {} J ({} %)", a.name, significant(a.scores.dissipated, 4), significant(share(a), 3)))
+            .map(|a| format!("{} {} J ({} %)", a.name, significant(lost(a), 4), significant(share(a), 3)))
             .collect();
         (!uniform.is_empty()).then(|| Claim {
             claim: "The lens dissipates more energy in all than the uniform arrangements.",
@@ -253,7 +254,7 @@ impl View<'_> {
                 significant(share(self.lens), 3),
                 list.join(", ")
             ),
-            holds: uniform.iter().all(|a| own > a.scores.dissipated),
+            holds: uniform.iter().all(|a| own > lost(a)),
         })
     }
 
@@ -279,17 +280,18 @@ impl View<'_> {
 
     fn estimate_of_dissipation(&self) -> Option<Claim> {
         let scores = &self.lens.scores;
-        (scores.dissipated > 0.0).then(|| Claim {
+        let (estimate, lost) = (scores.eq_5_6?, scores.dissipated?);
+        (lost > 0.0).then(|| Claim {
             claim: "½ δ_max F_max approximates the energy dissipated at a contact.",
             source: "eq. 5.6",
             measured: format!(
                 "Summed over contacts {} J, dissipated by the ledger {} J, put in {} J: the estimate is {:.2} times the loss (taken to hold within 10 %).",
-                significant(scores.eq_5_6, 4),
-                significant(scores.dissipated, 4),
-                significant(scores.work_in, 4),
-                scores.eq_5_6 / scores.dissipated
+                significant(estimate, 4),
+                significant(lost, 4),
+                significant(scores.work_in.unwrap_or(f64::NAN), 4),
+                estimate / lost
             ),
-            holds: (scores.eq_5_6 / scores.dissipated - 1.0).abs() <= 0.1,
+            holds: (estimate / lost - 1.0).abs() <= 0.1,
         })
     }
 }

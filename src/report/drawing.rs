@@ -76,7 +76,7 @@ pub(super) fn spheres(svg: &mut Svg, crystal: &Crystal, materials: usize, layout
 pub(super) fn axis(svg: &mut Svg, crystal: &Crystal) {
     let (x, top, height) = (crystal.place([0.0, 0.0])[0], crystal.corner()[1], crystal.size()[1]);
     svg.line([x, top], [x, top + height + 8.0], r##"stroke="#222" stroke-width="1" stroke-dasharray="9 3 2 3""##);
-    svg.text([x, top + height + 20.0], 11.0, Anchor::Middle, "", "lens axis, x = 0");
+    svg.text([x, top + height + 20.0], 11.0, Anchor::Middle, "", "crystal axis, x = 0");
 }
 
 /// Materials with the number of spheres in the whole piece, then what the lines are.
@@ -84,7 +84,7 @@ fn legend(svg: &mut Svg, outcome: &Outcome, arrangement: &ArrangementOutcome, to
     let left = MARGIN[0] + 8.0;
     let mut y = top;
     for (index, name) in outcome.materials.iter().enumerate() {
-        let whole: usize = arrangement
+        let whole: u32 = arrangement
             .layout
             .iter()
             .zip(&outcome.sites)
@@ -94,7 +94,7 @@ fn legend(svg: &mut Svg, outcome: &Outcome, arrangement: &ArrangementOutcome, to
         if whole == 0 {
             continue;
         }
-        let role = ["host", "lens"].get(index).map_or(String::new(), |role| format!(" ({role})"));
+        let role = super::page::role(outcome, index);
         let style = format!(r##"fill="{}" stroke="#444" stroke-width="0.5""##, material(index));
         svg.circle([left, y], 8.0, &style);
         svg.text([left + 16.0, y + 4.0], 12.0, Anchor::Start, "", &format!("{name}{role}, {whole} spheres"));

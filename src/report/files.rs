@@ -1,12 +1,14 @@
 //! The files of a report, as text and on disk.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Serialize;
 
-use super::summary::{AGAINST, CONTRAST, DISSIPATED, FOCAL, GAIN, PROTECTED, PROTECTION, Pick, Spread, lines};
+use super::summary::{Spread, lines};
 use super::{drawing, maps, page, profiles, spots};
-use crate::outcome::{FORMAT, Outcome, Scores};
+use crate::outcome::{FORMAT, Method, Outcome, Proposal, Scores, Verdict};
+use crate::score::{Measure, Spreads};
 use crate::target::Target;
 
 /// Why a report could not be made.
@@ -115,24 +117,6 @@ fn write_all(files: &[(String, String)], directory: &Path) -> Result<(), ReportE
     Ok(())
 }
 
-/// Columns of `numbers.csv` after name, kind, seed and spheres; SI, as in the JSON files.
-const COLUMNS: [(&str, Pick); 14] = [
-    ("focal_mean_J", |s| Some(s.focal_mean)),
-    ("protected_mean_J", |s| Some(s.protected_mean)),
-    ("contrast", |s| s.contrast),
-    ("focal_gain", |s| s.focal_gain),
-    ("protection", |s| s.protection),
-    ("protected_ratio", |s| s.protected_ratio),
-    ("work_in_J", |s| Some(s.work_in)),
-    ("kinetic_J", |s| Some(s.kinetic)),
-    ("stored_J", |s| Some(s.stored)),
-    ("dissipated_J", |s| Some(s.dissipated)),
-    ("residual", |s| Some(s.residual)),
-    ("eq_5_6_J", |s| Some(s.eq_5_6)),
-    ("exit_momentum_kg_m_s", |s| Some(s.exit_momentum)),
-    ("exit_force_N", |s| Some(s.exit_force)),
-];
-
 /// The scores as CSV, one line per arrangement; a ratio without a denominator is an empty cell. With several foci a column each follows for
 /// F at it, and one for how evenly they are served.
 ///
@@ -142,8 +126,16 @@ pub fn numbers_csv(outcome: &Outcome) -> Result<String, ReportError> {
     let fail = |error: &dyn std::fmt::Display| ReportError::Csv(error.to_string());
     let mut writer = csv::Writer::from_writer(Vec::new());
     let foci = outcome.arrangements.iter().map(|a| a.scores.foci.len()).max().unwrap_or(0);
-    let mut head: Vec<String> =
-        ["name", "kind", "seed", "spheres"].into_iter().chain(COLUMNS.map(|c| c.0)).map(str::to_owned).collect();
+    // Balance stands with the foci, and what no arrangement has is left out.
+    let known = |measure: &Measure| outcome.arrangements.iter().any(|a| a.scores.get(*measure).is_some());
+    let always = [Measure::Contrast, Measure::FocalGain, Measure::Protection];
+    let columns: Vec<Measure> = Measure::ALL
+        .iter()
+        .copied()
+        .filter(|measure| *measure != Measure::Balance && (always.contains(measure) || known(measure)))
+        .collect();
+    let mut head: Vec<String> = ["name", "kind", "seed"].map(str::to_owned).to_vec();
+    head.extend(columns.iter().map(|measure| measure.column().to_owned()));
     head.extend((1..=foci).map(|k| format!("focus_{k}_mean_J")));
     if foci > 0 {
         head.push("balance".to_owned());
@@ -151,11 +143,14 @@ pub fn numbers_csv(outcome: &Outcome) -> Result<String, ReportError> {
     writer.write_record(&head).map_err(|e| fail(&e))?;
     for arrangement in &outcome.arrangements {
         let seed = arrangement.seed.map_or(String::new(), |seed| seed.to_string());
-        let mut cells = vec![arrangement.name.clone(), arrangement.kind.clone(), seed, arrangement.spheres.to_string()];
+        let mut cells = vec![arrangement.name.clone(), arrangement.kind.clone(), seed];
         let scores = &arrangement.scores;
         let by_focus = (0..foci).map(|k| scores.foci.get(k).copied()).chain((foci > 0).then_some(scores.balance));
-        let values =
-            COLUMNS.iter().map(|(_, of)| of(scores)).chain(by_focus).map(|value| value.filter(|v| v.is_finite()));
+        let values = columns
+            .iter()
+            .map(|&measure| scores.get(measure))
+            .chain(by_focus)
+            .map(|value| value.filter(|v| v.is_finite()));
         cells.extend(values.map(|value| value.map_or(String::new(), |v| v.to_string())));
         writer.write_record(&cells).map_err(|e| fail(&e))?;
     }
@@ -172,7 +167,16 @@ pub fn numbers(outcome: &Outcome) -> impl Serialize + '_ {
 struct Numbers<'a> {
     format: u32,
     name: &'a str,
-    version: &'a str,
+    #[serde(flatten)]
+    method: &'a Method,
+    /// The first arrangement against the best flat, uniform and random one, over these forces.
+    verdict: &'a [Verdict],
+    #[serde(rename = "forces_N")]
+    forces: &'a [f64],
+    /// Names of the materials, the host first, and of that of all-lens, strips and mixtures, to which Q refers.
+    materials: &'a [String],
+    reference: Option<&'a str>,
+    proposal: Option<serde_json::Value>,
     diameter_m: f64,
     half_width_m: f64,
     target: &'a Target,
@@ -187,24 +191,32 @@ struct Numbered<'a> {
     name: &'a str,
     kind: &'a str,
     seed: Option<u64>,
-    spheres: usize,
     scores: &'a Scores,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    over_forces: Option<&'a Spreads>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    simulated: Option<&'a (String, f64)>,
 }
 
 #[derive(Serialize)]
 struct OverSeeds<'a> {
     kind: &'a str,
     seeds: usize,
-    #[serde(rename = "focal_mean_J")]
-    focal_mean: Option<Spread>,
-    #[serde(rename = "protected_mean_J")]
-    protected_mean: Option<Spread>,
-    contrast: Option<Spread>,
-    focal_gain: Option<Spread>,
-    protection: Option<Spread>,
-    protected_ratio: Option<Spread>,
-    #[serde(rename = "dissipated_J")]
-    dissipated: Option<Spread>,
+    /// Below the column of each measure.
+    #[serde(flatten)]
+    measures: BTreeMap<&'static str, Spread>,
+}
+
+/// A proposal in numbers, without what is only drawn.
+fn without_lines(proposal: &Proposal) -> Option<serde_json::Value> {
+    let drawn =
+        |proposal: &Proposal| Proposal { faces: Vec::new(), rays: Vec::new(), spots: Vec::new(), ..proposal.clone() };
+    let mut value = serde_json::to_value(drawn(proposal)).ok()?;
+    let numbers = value.as_object_mut()?;
+    for key in ["faces_m", "rays_m"] {
+        numbers.remove(key);
+    }
+    Some(value)
 }
 
 impl<'a> Numbers<'a> {
@@ -212,7 +224,14 @@ impl<'a> Numbers<'a> {
         let arrangements = outcome
             .arrangements
             .iter()
-            .map(|a| Numbered { name: &a.name, kind: &a.kind, seed: a.seed, spheres: a.spheres, scores: &a.scores })
+            .map(|a| Numbered {
+                name: &a.name,
+                kind: &a.kind,
+                seed: a.seed,
+                scores: &a.scores,
+                over_forces: a.over_forces.as_ref(),
+                simulated: a.simulated.as_ref(),
+            })
             .collect();
         let over_seeds = lines(outcome)
             .iter()
@@ -220,19 +239,21 @@ impl<'a> Numbers<'a> {
             .map(|line| OverSeeds {
                 kind: line.name,
                 seeds: line.members.len(),
-                focal_mean: line.spread(&FOCAL),
-                protected_mean: line.spread(&PROTECTED),
-                contrast: line.spread(&CONTRAST),
-                focal_gain: line.spread(&GAIN),
-                protection: line.spread(&PROTECTION),
-                protected_ratio: line.spread(&AGAINST),
-                dissipated: line.spread(&DISSIPATED),
+                measures: Measure::ALL
+                    .iter()
+                    .filter_map(|&measure| Some((measure.column(), line.spread(measure)?)))
+                    .collect(),
             })
             .collect();
         Self {
             format: FORMAT,
             name: &outcome.manifest.name,
-            version: &outcome.manifest.version,
+            method: &outcome.manifest.method,
+            verdict: &outcome.verdict,
+            forces: &outcome.forces,
+            materials: &outcome.materials,
+            reference: outcome.reference.as_deref(),
+            proposal: outcome.proposal.as_ref().and_then(without_lines),
             diameter_m: outcome.diameter,
             half_width_m: outcome.half_width,
             target: &outcome.target,

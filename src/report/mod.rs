@@ -7,7 +7,8 @@
 //! - `svg`, `colour`, `digits`: a picture as text, colours for numbers, numbers for readers
 //! - `crystal`: the crystal on paper; `drawing`, `maps`, `profiles`: the pictures
 //! - `summary`: the comparison, random arrangements folded over seeds; `table`: it on a terminal
-//! - `claims`: what was published of such lenses, measured on this outcome
+//! - `verdict`: what the first arrangement beats
+//! - `claims`: what was published of the thesis's lens, measured on that lens and on no other
 //! - `page`, `files`: what is written
 //! - `contact_curve`: a contact law as a picture
 //! - `spots`: where rays pass the focal row
@@ -41,6 +42,7 @@ mod svg;
 mod table;
 mod trace;
 mod trial;
+mod verdict;
 
 pub use bed::{BedPictures, BedRecord, draw_bed};
 pub use claims::{Claim, claims};

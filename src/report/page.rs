@@ -9,15 +9,19 @@ use super::files::ReportError;
 use super::maps::{first_row_behind, kinetic_scale};
 use super::profiles::rows;
 use super::summary::{
-    AGAINST, CONTRAST, DISSIPATED, EQ_5_6, EXIT_FORCE, EXIT_MOMENTUM, FOCAL, GAIN, Line, PROTECTED, PROTECTION,
-    Quantity, RESIDUAL, lines, worst_residual,
+    AGAINST, CONTRAST, Column, DISSIPATED, EQ_5_6, FAR_FORCE, FAR_MOMENTUM, FOCAL, GAIN, Line, PIECE, PROTECTED,
+    PROTECTION, RESIDUAL, definitions, lines, worst_residual,
 };
-use crate::outcome::{Manifest, Outcome, Proposal};
+use super::{maps, profiles, verdict};
+use crate::layout::Bill;
+use crate::outcome::{Manifest, Outcome, Proposal, Verdict};
+use crate::score::Measure;
 use crate::target::{Focus, Region};
 use crate::units::Dimension;
 
 /// Columns of the comparison.
-const COLUMNS: [&Quantity; 11] = [
+const COLUMNS: [&Column; 12] = [
+    &PIECE,
     &FOCAL,
     &PROTECTED,
     &CONTRAST,
@@ -26,8 +30,8 @@ const COLUMNS: [&Quantity; 11] = [
     &AGAINST,
     &DISSIPATED,
     &EQ_5_6,
-    &EXIT_MOMENTUM,
-    &EXIT_FORCE,
+    &FAR_MOMENTUM,
+    &FAR_FORCE,
     &RESIDUAL,
 ];
 
@@ -50,13 +54,19 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
     // Text, ready to be read; the template escapes it.
     let content = context! {
         name => &manifest.name,
-        version => &manifest.version,
+        version => &manifest.method.version,
+        commit => &manifest.method.commit,
+        verdict => outcome.verdict.iter().map(judged).collect::<Vec<_>>(),
+        verdict_over => verdict::over(outcome),
+        definitions => definitions(&COLUMNS),
+        reference => &outcome.reference,
+        is_published => outcome.is_published,
         design_file => &manifest.design_file,
         design => &manifest.design,
         asked => asked(outcome),
         proposed => outcome.proposal.as_ref().map(|p| proposed(outcome, p)).unwrap_or_default(),
         validity => outcome.proposal.as_ref().map(|p| &p.validity),
-        headings => std::iter::once("spheres not host".to_owned()).chain(COLUMNS.map(heading)).collect::<Vec<_>>(),
+        headings => COLUMNS.map(Column::heading).to_vec(),
         comparison => all.iter().map(compared).collect::<Vec<_>>(),
         foci => foci(outcome),
         by_focus => all.iter().map(by_focus).collect::<Vec<_>>(),
@@ -75,8 +85,16 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
     Ok(environment.render_named_str("page.html", include_str!("page.html"), content)?)
 }
 
-fn heading(quantity: &Quantity) -> String {
-    if quantity.unit.is_empty() { quantity.name.to_owned() } else { format!("{} [{}]", quantity.name, quantity.unit) }
+/// A line of the verdict.
+fn judged(of: &Verdict) -> Vec<String> {
+    vec![
+        format!("{}, {}", verdict::symbol(of), of.measure),
+        significant(of.value, 3),
+        of.word.name().to_owned(),
+        format!("{}: {}", of.against, of.arrangement),
+        significant(of.best, 3),
+        of.spread.map_or(NONE.to_owned(), |spread| significant(spread, 2)),
+    ]
 }
 
 fn compared(line: &Line) -> Vec<String> {
@@ -84,7 +102,7 @@ fn compared(line: &Line) -> Vec<String> {
         1 => line.name.to_owned(),
         seeds => format!("{} ({seeds} seeds)", line.name),
     };
-    [name, line.spheres()].into_iter().chain(COLUMNS.iter().map(|column| line.show(column))).collect()
+    std::iter::once(name).chain(COLUMNS.iter().map(|column| line.show(column))).collect()
 }
 
 /// The columns of what came to each of several foci; none with a single one.
@@ -120,10 +138,8 @@ fn by_focus(line: &Line) -> Vec<String> {
 
 /// Where the work of the load went, with its share.
 fn ledger(line: &Line) -> Vec<String> {
-    let mean = |of: fn(&crate::outcome::Scores) -> f64| {
-        line.members.iter().map(|m| of(&m.scores)).sum::<f64>() / line.members.len() as f64
-    };
-    let work = mean(|s| s.work_in);
+    let mean = |measure: Measure| line.spread(measure).map_or(f64::NAN, |spread| spread.mean);
+    let work = mean(Measure::WorkIn);
     let shared = |value: f64| {
         if work > 0.0 {
             format!("{} ({} %)", significant(value, 4), significant(100.0 * value / work, 3))
@@ -134,9 +150,9 @@ fn ledger(line: &Line) -> Vec<String> {
     vec![
         line.name.to_owned(),
         significant(work, 5),
-        shared(mean(|s| s.dissipated)),
-        shared(mean(|s| s.kinetic)),
-        shared(mean(|s| s.stored)),
+        shared(mean(Measure::Dissipated)),
+        shared(mean(Measure::Kinetic)),
+        shared(mean(Measure::Stored)),
         line.show(&RESIDUAL),
     ]
 }
@@ -153,9 +169,8 @@ fn asked(outcome: &Outcome) -> Vec<Fact> {
     };
     let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0);
     let half_width = short(outcome.half_width / outcome.diameter);
-    let role = |k: usize| ["host", "lens"].get(k).map_or(String::new(), |role| format!(" ({role})"));
     let materials: Vec<String> =
-        outcome.materials.iter().enumerate().map(|(k, name)| format!("{name}{}", role(k))).collect();
+        outcome.materials.iter().enumerate().map(|(k, name)| format!("{name}{}", role(outcome, k))).collect();
     let foci = match &outcome.target.foci[..] {
         [one] => vec![pair("Focal region", region(&one.region))],
         several => {
@@ -170,6 +185,10 @@ fn asked(outcome: &Outcome) -> Vec<Fact> {
     head.chain([
         pair("Protected region", region(&outcome.target.protect)),
         pair("Materials", materials.join(", ")),
+        pair(
+            "Flat strips, mixtures and the crystal of Q",
+            outcome.reference.clone().unwrap_or_else(|| "none: the design names no material for them".to_owned()),
+        ),
         pair(
             "Crystal",
             format!(
@@ -219,14 +238,8 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
         pair("Thickness", diameters(proposal.prescription.thickness)),
         pair("Steepest angle of a face", degrees(proposal.prescription.rim_angle)),
         pair("Focal length of innermost rays", proposal.prescription.focal_length.map_or("none".to_owned(), diameters)),
-        pair("Spheres that are not of the host", format!("{} in the simulated half", proposal.spheres)),
-        pair("Their mass, both halves", Dimension::Mass.show(proposal.mass)),
-        pair(
-            "Cost of all spheres, both halves",
-            proposal.cost.map_or("no prices given".to_owned(), |cost| {
-                format!("{} (currency of [prices])", significant(cost, 4))
-            }),
-        ),
+        pair("The piece to be built", bill(proposal, &proposal.piece)),
+        pair("The simulated half", bill(proposal, &proposal.half)),
         pair(
             match outcome.target.foci.len() {
                 1 => "Struck width whose rays reach the focal region",
@@ -251,6 +264,27 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
     ]
 }
 
+/// Spheres of each material, mass and price.
+fn bill(proposal: &Proposal, bill: &Bill) -> String {
+    let counts: Vec<String> =
+        proposal.materials.iter().zip(&bill.counts).map(|(name, count)| format!("{count} {name}")).collect();
+    let cost = bill
+        .amount
+        .cost
+        .map_or(String::new(), |cost| format!(", cost {} in the currency of [prices]", significant(cost, 4)));
+    format!("{}; {}{cost}", counts.join(", "), Dimension::Mass.show(bill.amount.mass))
+}
+
+/// What a material is in this outcome.
+pub(super) fn role(outcome: &Outcome, index: usize) -> &'static str {
+    let is_lens = outcome.proposal.as_ref().and_then(|p| p.materials.get(1)) == outcome.materials.get(index);
+    match index {
+        0 => " (host)",
+        _ if is_lens => " (lens)",
+        _ => "",
+    }
+}
+
 fn millimetres(length: f64) -> String {
     format!("{} mm", significant(length * 1e3, 4))
 }
@@ -262,7 +296,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
         true => "The focal regions are outlined solid, the protected one dashed; faint lines part the materials.",
     };
     let beyond = format!(
-        "The scale ends where 99 % of the values behind the lens (from row {}) are below, at {} J; spheres above it, nearly all before and in the lens, take the top colour.",
+        "The scale ends where 99 % of the values from row {} on, behind the lens, are below, at {} J; spheres above it take the top colour.",
         first_row_behind(outcome),
         significant(kinetic_scale(outcome).high(), 2)
     );
@@ -276,6 +310,8 @@ fn caption(outcome: &Outcome, file: &str) -> String {
         })
         .collect();
     let shown = shown.join("; ");
+    let rays_shown = if outcome.proposal.is_some() { "; white: rays" } else { "" };
+    let peaks = peaks(outcome);
     let rays = if outcome.proposal.is_some() {
         " Blue: the ideal faces that the spheres approximate; red: rays refracted at them by Snell's law with the wave-speed bounds."
     } else {
@@ -283,20 +319,39 @@ fn caption(outcome: &Outcome, file: &str) -> String {
     };
     match file {
         "layout.svg" => format!("The lens as it would be built, both halves, spheres in true proportion.{rays}"),
-        "spots.svg" => "Spot diagram: where the rays pass the middle row of the focal region, or of each by the rays that are meant for it (across), by where they start (upwards); ticks below are the same places on one line. Rays of a perfect lens stand on one vertical line; a bend is spherical aberration, a jump a step between zones or parts. Rays know nothing of wavelength and decay: the simulated spot is some diameters wide all the same.".to_owned(),
+        "spots.svg" => "Spot diagram: where the rays pass the middle row of the focal region, or of each by the rays that are meant for it (across), by where they start (upwards); ticks below are the same places on one line. Rays of a perfect lens stand on one vertical line; a bend is spherical aberration, a jump a step between zones or parts. Rays know nothing of wavelength and decay.".to_owned(),
         "kinetic-lens.svg" => format!(
-            "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves. Where rays (white) gather, the energy behind the lens should be high; where they leave, low. The last rows are faster again because nothing stands behind them. {beyond} {regions}"
+            "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves{rays_shown}. {peaks} {beyond} {regions}"
         ),
         "kinetic.svg" => format!(
-            "The same for the lens and one arrangement of each kind it is compared with (of random ones the first seed), the simulated half only (axis at the left), all on one colour scale. A useful lens is brighter than its neighbours in the solid box and darker in the dashed one. {beyond}"
+            "The same for the lens and one arrangement of each kind it is compared with (of random ones the first seed), the simulated half only (axis at the left), all on one colour scale. {beyond} {regions}"
         ),
         "profiles.svg" => format!(
-            "Greatest kinetic energy across rows {shown}, from the axis to the rim. Arrangements without structure across x are flat lines; the lens should rise towards the axis and fall below them at the rim. Each panel row has its own energy scale."
+            "Greatest kinetic energy across rows {shown}, from the axis to the rim. {peaks} Each panel row has its own energy scale."
         ),
         "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
-        "forces.svg" => "Greatest net contact force on each sphere of the lens arrangement. Left: as it is, logarithmic; the decay with depth masks the focusing. Right: over the greatest of its row, which takes the decay away; a row where all is bright carries the force evenly. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left.".to_owned(),
+        "forces.svg" => "Greatest net contact force on each sphere of the lens arrangement. Left: as it is, logarithmic. Right: over the greatest of its row, which takes the decay with depth away. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left.".to_owned(),
         _ => String::new(),
     }
+}
+
+/// Where the first arrangement's energy is greatest in the middle row of each focal region.
+fn peaks(outcome: &Outcome) -> String {
+    let Some(first) = outcome.arrangements.first() else { return String::new() };
+    let of = |(k, focus): (usize, &Focus)| {
+        let row = rows(outcome, k)[1];
+        let sites = profiles::sites_of(outcome, row).into_iter();
+        let values = sites.filter_map(|i| Some((outcome.sites[i], maps::at(&first.record.max_kinetic, i)?)));
+        let (site, peak) = values.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, peak)| *peak > 0.0)?;
+        let inside = if focus.region.contains(&site, outcome.diameter) { "in" } else { "outside" };
+        Some(format!(
+            "In row {row} the greatest value of {}, {} J, is at x = {} D, {inside} the focal region.",
+            first.name,
+            significant(peak, 3),
+            short(site.x / outcome.diameter)
+        ))
+    };
+    outcome.target.foci.iter().enumerate().filter_map(of).collect::<Vec<_>>().join(" ")
 }
 
 fn repeat(manifest: &Manifest) -> Vec<Fact> {
@@ -307,12 +362,15 @@ fn repeat(manifest: &Manifest) -> Vec<Fact> {
         _ => format!("{first} to {} ({count} of each random kind)", first.saturating_add(count - 1)),
     };
     vec![
-        pair("granulens", &manifest.version),
-        pair("Step", format!("{}: {}", Dimension::Time.show(manifest.step_s), manifest.step_reason)),
-        pair("Window", format!("{}: {}", Dimension::Time.show(manifest.window_s), manifest.window_reason)),
-        pair("Integrator", &manifest.integrator),
-        pair("Contact law", &manifest.law),
-        pair("Fitted constants", &manifest.constants),
+        pair("granulens", format!("{}, commit {}", manifest.method.version, manifest.method.commit)),
+        pair("Step", format!("{}: {}", Dimension::Time.show(manifest.method.step_s), manifest.method.step_reason)),
+        pair(
+            "Window",
+            format!("{}: {}", Dimension::Time.show(manifest.method.window_s), manifest.method.window_reason),
+        ),
+        pair("Integrator", &manifest.method.integrator),
+        pair("Contact law", &manifest.method.law),
+        pair("Fitted constants", &manifest.method.constants),
         pair("Random seeds", seeds),
         pair("Begun", date(manifest.started_unix_s)),
         pair(

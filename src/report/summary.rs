@@ -5,7 +5,8 @@ use serde::Serialize;
 use super::digits::{NONE, decimals, significant};
 use super::profiles::random_kinds;
 use crate::chance::Mean;
-use crate::outcome::{ArrangementOutcome, Outcome, Scores};
+use crate::outcome::{ArrangementOutcome, Outcome};
+use crate::score::Measure;
 
 /// How many digits a quantity is shown with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,76 +17,57 @@ pub enum Digits {
     Decimals(usize),
 }
 
-/// Picks a number from the scores; none where a ratio has no denominator.
-pub type Pick = fn(&Scores) -> Option<f64>;
-
-/// A column of the comparison.
-pub struct Quantity {
-    /// Short name with its unit, for a terminal.
-    pub head: &'static str,
-    /// Symbol or name, for a page.
-    pub name: &'static str,
-    /// Unit; empty for ratios.
-    pub unit: &'static str,
-    /// What one unit is in SI.
-    pub scale: f64,
-    /// How it is shown.
+/// How a measure is shown: name, symbol and unit are the table's.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// What is shown.
+    pub measure: Measure,
+    /// With how many digits.
     pub digits: Digits,
-    /// Where it comes from.
-    pub of: Pick,
 }
 
-const fn energy(head: &'static str, name: &'static str, digits: usize, of: Pick) -> Quantity {
-    Quantity { head, name, unit: "J", scale: 1.0, digits: Digits::Significant(digits), of }
+const fn column(measure: Measure, digits: Digits) -> Column {
+    Column { measure, digits }
 }
 
-const fn ratio(name: &'static str, of: Pick) -> Quantity {
-    Quantity { head: name, name, unit: "", scale: 1.0, digits: Digits::Decimals(2), of }
-}
-
-/// F, mean over the focal region.
-pub const FOCAL: Quantity = energy("F [J]", "F", 3, |s| Some(s.focal_mean));
-/// P, mean over the protected region.
-pub const PROTECTED: Quantity = energy("P [J]", "P", 3, |s| Some(s.protected_mean));
-/// C = F/P.
-pub const CONTRAST: Quantity = ratio("C", |s| s.contrast);
-/// G = F/F of the host alone.
-pub const GAIN: Quantity = ratio("G", |s| s.focal_gain);
-/// Q = P/P of the lens material alone.
-pub const PROTECTION: Quantity = ratio("Q", |s| s.protection);
+/// F.
+pub const FOCAL: Column = column(Measure::FocalMean, Digits::Significant(3));
+/// P.
+pub const PROTECTED: Column = column(Measure::ProtectedMean, Digits::Significant(3));
+/// C.
+pub const CONTRAST: Column = column(Measure::Contrast, Digits::Decimals(2));
+/// G.
+pub const GAIN: Column = column(Measure::FocalGain, Digits::Decimals(2));
+/// Q.
+pub const PROTECTION: Column = column(Measure::Protection, Digits::Decimals(2));
 /// P of the lens over P of the arrangement.
-pub const AGAINST: Quantity = ratio("Plens/P", |s| s.protected_ratio);
+pub const AGAINST: Column = column(Measure::ProtectedRatio, Digits::Decimals(2));
 /// Dissipated energy.
-pub const DISSIPATED: Quantity = energy("lost [J]", "dissipated", 4, |s| Some(s.dissipated));
+pub const DISSIPATED: Column = column(Measure::Dissipated, Digits::Significant(4));
 /// The published estimate of the dissipated energy.
-pub const EQ_5_6: Quantity = energy("eq 5.6 [J]", "eq. 5.6", 4, |s| Some(s.eq_5_6));
+pub const EQ_5_6: Column = column(Measure::Estimate, Digits::Significant(4));
 /// Greatest momentum of the last row.
-pub const EXIT_MOMENTUM: Quantity = Quantity {
-    head: "exit p [kg m/s]",
-    name: "exit momentum",
-    unit: "kg m/s",
-    scale: 1.0,
-    digits: Digits::Significant(3),
-    of: |s| Some(s.exit_momentum),
-};
+pub const FAR_MOMENTUM: Column = column(Measure::FarMomentum, Digits::Significant(3));
 /// Greatest force on the last row.
-pub const EXIT_FORCE: Quantity = Quantity {
-    head: "exit [kN]",
-    name: "exit peak force",
-    unit: "kN",
-    scale: 1e3,
-    digits: Digits::Significant(3),
-    of: |s| Some(s.exit_force),
-};
-/// What the energy ledger leaves open, as a fraction of the work of the load.
-pub const RESIDUAL: Quantity = Quantity {
-    head: "residual",
-    name: "residual",
-    unit: "",
-    scale: 1.0,
-    digits: Digits::Significant(2),
-    of: |s| Some(s.residual),
-};
+pub const FAR_FORCE: Column = column(Measure::FarForce, Digits::Significant(3));
+/// What the energy ledger leaves open.
+pub const RESIDUAL: Column = column(Measure::Residual, Digits::Significant(2));
+/// Spheres of the piece that are not of the host.
+pub const PIECE: Column = column(Measure::PieceSpheres, Digits::Decimals(0));
+
+impl Column {
+    /// Symbol with unit: `F [J]`.
+    pub fn heading(&self) -> String {
+        let (symbol, unit) = (self.measure.symbol(), self.measure.unit().name());
+        if unit.is_empty() { symbol.to_owned() } else { format!("{symbol} [{unit}]") }
+    }
+}
+
+/// What symbols mean, for below a table: `F: mean over ...`; in the words of the table of measures.
+pub fn definitions(columns: &[&Column]) -> Vec<String> {
+    let of = |column: &&Column| format!("{}: {}", column.measure.symbol(), column.measure.definition());
+    columns.iter().map(of).collect()
+}
 
 /// A mean with its standard deviation, where several values gave it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -117,20 +99,14 @@ pub struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// A quantity over the members, in its unit.
-    pub fn spread(&self, quantity: &Quantity) -> Option<Spread> {
-        Spread::of(self.members.iter().filter_map(|m| (quantity.of)(&m.scores)).map(|v| v / quantity.scale))
+    /// A measure over the members.
+    pub fn spread(&self, measure: Measure) -> Option<Spread> {
+        Spread::of(self.members.iter().filter_map(|member| member.scores.get(measure)))
     }
 
-    /// A quantity as it is shown: `0.331`, `0.264±0.026` or a dash.
-    pub fn show(&self, quantity: &Quantity) -> String {
-        self.spread(quantity).map_or(NONE.to_owned(), |spread| show(spread, quantity.digits))
-    }
-
-    /// The number of spheres that are not of the host; a mean over seeds.
-    pub fn spheres(&self) -> String {
-        let spread = Spread::of(self.members.iter().map(|m| m.spheres as f64));
-        spread.map_or(NONE.to_owned(), |s| show(s, Digits::Decimals(0)))
+    /// A measure as it is shown: `0.331`, `0.264±0.026` or a dash.
+    pub fn show(&self, column: &Column) -> String {
+        self.spread(column.measure).map_or(NONE.to_owned(), |spread| show(spread, column.digits))
     }
 }
 
@@ -169,7 +145,8 @@ pub fn lines(outcome: &Outcome) -> Vec<Line<'_>> {
 
 /// The greatest residual of the energy ledger over all arrangements, without its sign.
 pub fn worst_residual(outcome: &Outcome) -> Option<f64> {
-    let residuals = outcome.arrangements.iter().map(|a| a.scores.residual.abs()).filter(|r| r.is_finite());
+    let residuals =
+        outcome.arrangements.iter().filter_map(|a| Some(a.scores.residual?.abs())).filter(|r| r.is_finite());
     residuals.max_by(f64::total_cmp)
 }
 

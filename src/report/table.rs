@@ -4,35 +4,48 @@ use std::fmt::Write as _;
 
 use super::digits::{short, significant};
 use super::summary::{
-    AGAINST, CONTRAST, DISSIPATED, FOCAL, GAIN, Line, PROTECTED, PROTECTION, Quantity, lines, worst_residual,
+    AGAINST, CONTRAST, Column, DISSIPATED, FOCAL, GAIN, Line, PIECE, PROTECTED, PROTECTION, lines, worst_residual,
 };
+use super::verdict;
 use crate::outcome::{Outcome, Scores};
+use crate::score::Measure;
 use crate::target::Focus;
 
-const COLUMNS: [&Quantity; 7] = [&FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &AGAINST, &DISSIPATED];
+const COLUMNS: [&Column; 8] = [&PIECE, &FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &AGAINST, &DISSIPATED];
 
 /// Longest name that keeps the table within a hundred columns.
 const NAME: usize = 18;
 /// Width of a terminal that any reader has (columns).
 const WIDTH: usize = 100;
 
-/// The comparison as aligned columns with what they mean below; ends with a line feed.
+/// The verdict, then the comparison as aligned columns with what they mean below; ends with a line feed.
 ///
 /// ```text
-/// arrangement         spheres        F (J)  ...
-/// lens                    139        0.331  ...
-/// random-lens-rows      102±8  0.264±0.026  ...
+/// verdict over 8 forces from 25.7 kN to 26.3 kN; ...
+///   C 2.44: better than flat-height (1.00 ±0.02), ...
+///
+/// arrangement         piece        F [J]  ...
+/// lens                  278        0.331  ...
+/// random-lens-rows    200±9  0.264±0.026  ...
 /// ```
 pub fn table(outcome: &Outcome) -> String {
     let lines = lines(outcome);
-    let head: Vec<String> =
-        ["arrangement", "spheres"].into_iter().chain(COLUMNS.iter().map(|c| c.head)).map(str::to_owned).collect();
+    let head = |column: &&Column| match column.measure {
+        Measure::PieceSpheres => "piece".to_owned(),
+        _ => column.heading(),
+    };
+    let head: Vec<String> = std::iter::once("arrangement".to_owned()).chain(COLUMNS.iter().map(head)).collect();
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(lines.iter().map(row)).collect();
     let widths: Vec<usize> =
         (0..rows[0].len()).map(|k| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0)).collect();
     // Two spaces between columns where they fit.
     let gap = if widths.iter().sum::<usize>() + 2 * (widths.len() - 1) <= WIDTH { "  " } else { " " };
     let mut text = String::new();
+    if !outcome.verdict.is_empty() {
+        let _ = writeln!(text, "verdict over {}:", verdict::over(outcome));
+        verdict::lines(outcome).iter().for_each(|line| text.push_str(&wrapped(line)));
+        text.push('\n');
+    }
     for row in &rows {
         let mut line = format!("{:<width$}", row[0], width = widths[0]);
         for (cell, width) in row.iter().zip(&widths).skip(1) {
@@ -63,18 +76,43 @@ pub fn table(outcome: &Outcome) -> String {
     if outcome.target.foci.len() > 1 {
         text.push_str(&by_focus(&lines));
     }
-    text.push_str("C = F/P; G = F/F(all-host); Q = P/P(all-lens); Plens/P: below 1 the lens protects better\nthan this arrangement; lost: dissipated in all contacts.\n");
-    text.push_str("Spheres (those not of the host) and energies are those of the simulated half.\n");
+    let reference = match &outcome.reference {
+        Some(material) => format!("all-lens, flat strips and mixtures: {material}, by the design"),
+        None => "no Q, strips and mixtures: the design names no material for them (lens.material or compare.material)"
+            .to_owned(),
+    };
+    let _ = writeln!(text, "C = F/P; G = F/F(all-host); Q = P/P(all-lens); {reference}.");
+    text.push_str("Plens/P: below 1 the first protects better than this arrangement; lost: in all contacts.\n");
+    text.push_str(
+        "piece: spheres to be built, both halves, that are not of the host; energies: of the simulated half.\n",
+    );
     if let Some(seeds) = lines.iter().map(|line| line.members.len()).max().filter(|&n| n > 1) {
         let _ = writeln!(text, "±: standard deviation over {seeds} seeds.");
     }
     if let Some(residual) = worst_residual(outcome) {
         let _ = writeln!(text, "Energy ledger closes to {} of the work put in.", significant(residual, 2));
     }
+    let _ = writeln!(text, "{}", outcome.manifest.method.words());
     for warning in &outcome.warnings {
         let _ = writeln!(text, "warning: {warning}");
     }
     text
+}
+
+/// A line of the verdict within the width of a terminal, indented, broken behind commas.
+fn wrapped(line: &str) -> String {
+    let (mut text, mut at) = (String::from(" "), 1);
+    for part in line.split_inclusive(", ") {
+        let length = part.trim_end().chars().count();
+        if at + 1 + length > WIDTH {
+            text.truncate(text.trim_end().len());
+            text.push_str("\n     ");
+            at = 5;
+        }
+        let _ = write!(text, " {}", part.trim_end());
+        at += 1 + length;
+    }
+    text + "\n"
 }
 
 fn row(line: &Line) -> Vec<String> {
@@ -83,7 +121,7 @@ fn row(line: &Line) -> Vec<String> {
     } else {
         line.name.to_owned()
     };
-    [name, line.spheres()].into_iter().chain(COLUMNS.iter().map(|column| line.show(column))).collect()
+    std::iter::once(name).chain(COLUMNS.iter().map(|column| line.show(column))).collect()
 }
 
 /// F of each focus and how evenly they are served, an arrangement a line.

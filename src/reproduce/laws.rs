@@ -144,7 +144,7 @@ fn layouts() -> Result<Vec<Layout>, RowError> {
         stored(&lens, include_str!("../../studies/two-materials-5000-best.csv"))?,
         stored(&lens, include_str!("../../studies/four-materials-5000-best.csv"))?,
     ];
-    let uniform = [Baseline::AllHost, Baseline::AllLens].map(|baseline| baseline.layout(&lens, [5, 16]));
+    let uniform = [Baseline::AllHost, Baseline::AllLens].map(|baseline| baseline.layout(&lens, [5, 16], 1));
     Ok(std::iter::once(lens).chain(found).chain(uniform).collect())
 }
 

@@ -214,7 +214,7 @@ fn published(layout: Layout, interrupt: &AtomicBool) -> Result<Felt, RowError> {
 }
 
 fn baseline(baseline: Baseline) -> Result<Layout, RowError> {
-    Ok(baseline.layout(&lens()?, LENS_ROWS))
+    Ok(baseline.layout(&lens()?, LENS_ROWS, 1))
 }
 
 impl Felt {

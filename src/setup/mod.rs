@@ -31,7 +31,7 @@ pub use lens::SetupError;
 pub use plan::RunPlan;
 pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region};
 
-use crate::dem::rig::{Body, Rig};
+use crate::dem::rig::{Body, Law, LawBook, Rig};
 use crate::design::Design;
 use crate::document::{self, DocumentError};
 
@@ -105,6 +105,26 @@ impl<const D: usize> Bench<D> {
 }
 
 impl<const D: usize> Bench<D> {
+    /// The contact law by name, with friction where there is some; `several` where pairs have laws of their own.
+    pub fn law_name(&self) -> String {
+        let (name, friction) = match &self.rig.laws {
+            LawBook::Materials { pairs, .. } if !pairs.is_empty() => ("several".to_owned(), None),
+            LawBook::Materials { law: Law::Named(law), friction, .. } => (law.to_string(), friction.as_ref()),
+            LawBook::Materials { law: Law::Tabulated(_), friction, .. } => ("tabulated".to_owned(), friction.as_ref()),
+            LawBook::Materials { friction, .. } => ("spring-dashpot".to_owned(), friction.as_ref()),
+            LawBook::Dashpot { .. } => ("dashpot".to_owned(), None),
+        };
+        if friction.is_some() { format!("{name}, with friction") } else { name }
+    }
+
+    /// The set of fitted constants, where the law is one of those that have one.
+    pub fn constants_name(&self) -> Option<String> {
+        match &self.rig.laws {
+            LawBook::Materials { law: Law::Named(_), constants, .. } => Some(constants.to_string()),
+            _ => None,
+        }
+    }
+
     /// The intruder to which a sphere belongs.
     pub fn intruder_of(&self, sphere: usize) -> Option<&Intruder> {
         self.intruders.iter().find(|intruder| intruder.members.contains(&sphere))

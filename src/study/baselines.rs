@@ -4,11 +4,12 @@ use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use super::rung::Summary;
+use super::over::summary;
 use super::{Entry, Study, StudyError};
 use crate::chance::Mean;
 use crate::evaluate::Evaluator;
 use crate::layout::{Baseline, Layout};
+use crate::score::{Measure, Scores};
 use crate::search::Dice;
 
 /// One baseline, or several of a kind that differ by their seed.
@@ -19,13 +20,13 @@ pub struct BaselineScores {
     /// How many seeds; 1 where nothing is random.
     pub seeds: u64,
     /// C = F/P
-    #[serde(rename = "C")]
+    #[serde(alias = "C")]
     pub contrast: Option<Spread>,
     /// G
-    #[serde(rename = "G")]
+    #[serde(alias = "G")]
     pub focal_gain: Option<Spread>,
     /// Q
-    #[serde(rename = "Q")]
+    #[serde(alias = "Q")]
     pub protection: Option<Spread>,
 }
 
@@ -63,9 +64,11 @@ pub(super) fn layouts(study: &Study) -> Vec<(String, Vec<u8>)> {
     let of_start = rows(&mut (0..sites.len()).filter(|&i| start.materials[i] != 0));
     let free = rows(&mut study.free.iter().copied()).unwrap_or([1, lattice.rows()]);
     let mut named: Vec<(String, Vec<u8>)> = Vec::new();
-    if study.palette.len() > 1 {
+    let reference = design.reference().and_then(|of| study.palette.iter().position(|material| material == of));
+    if let Some(reference) = reference {
         for baseline in Baseline::set(design.first_seed, design.seeds) {
-            named.push((baseline.kind().to_owned(), baseline.layout(&start, of_start.unwrap_or(free)).materials));
+            let layout = baseline.layout(&start, of_start.unwrap_or(free), reference as u8);
+            named.push((baseline.kind().to_owned(), layout.materials));
         }
     }
     for (letter, &place) in (0..).zip(&study.letters) {
@@ -87,33 +90,32 @@ pub(super) fn evaluate(
 ) -> Result<Vec<BaselineScores>, StudyError> {
     let named = layouts(study);
     let layouts: Vec<Vec<u8>> = named.iter().map(|(_, layout)| layout.clone()).collect();
-    let marks = evaluator.marks(&layouts, interrupt)?;
-    let summaries: Vec<Option<Summary>> = marks
+    let runs = evaluator.scores(&layouts, interrupt)?;
+    let summaries: Vec<Option<Scores>> = runs
         .iter()
         .zip(&layouts)
-        .map(|(marks, layout)| {
-            let entry = Entry::new(String::new(), String::new(), marks);
-            entry.stop.is_none().then(|| Summary::new(study, &entry, study.loom.fabric(layout)))
+        .map(|(runs, layout)| {
+            let entry = Entry::new(String::new(), String::new(), &study.by_impact(runs));
+            entry.stop.is_none().then(|| summary(&entry, &study.counter.stats(layout), study.objective.over))
         })
         .collect();
     let mut names: Vec<&String> = named.iter().map(|(name, _)| name).collect();
     names.dedup();
     let scores = |name: &String| {
-        let of_kind: Vec<&Summary> = named
+        let of_kind: Vec<&Scores> = named
             .iter()
             .zip(&summaries)
             .filter(|((kind, _), _)| kind == name)
             .filter_map(|(_, s)| s.as_ref())
             .collect();
-        let spread = |score: fn(&Summary) -> Option<f64>| {
-            Spread::of(&of_kind.iter().filter_map(|summary| score(summary)).collect::<Vec<_>>())
-        };
+        let spread =
+            |measure: Measure| Spread::of(&of_kind.iter().filter_map(|scores| scores.get(measure)).collect::<Vec<_>>());
         BaselineScores {
             name: name.clone(),
             seeds: named.iter().filter(|(kind, _)| kind == name).count() as u64,
-            contrast: spread(|s| s.contrast),
-            focal_gain: spread(|s| s.focal_gain),
-            protection: spread(|s| s.protection),
+            contrast: spread(Measure::Contrast),
+            focal_gain: spread(Measure::FocalGain),
+            protection: spread(Measure::Protection),
         }
     };
     Ok(names.into_iter().map(scores).collect())

@@ -35,8 +35,8 @@ pub fn costs(study: &Study, interrupt: &AtomicBool) -> Result<Vec<StageCost>, St
                 .recording(study.detail());
             let begun = Instant::now();
             match &one {
-                Ok(pool) => pool.install(|| evaluator.marks(&batch, interrupt))?,
-                Err(_) => evaluator.marks(&batch, interrupt)?,
+                Ok(pool) => pool.install(|| evaluator.scores(&batch, interrupt))?,
+                Err(_) => evaluator.scores(&batch, interrupt)?,
             };
             Ok((evaluator.plan().step, begun.elapsed().as_secs_f64() / lanes as f64))
         })

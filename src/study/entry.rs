@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluate::{Felt, Marks};
+use crate::evaluate::Evaluated;
+use crate::score::{Measure, Scores, Spreads, over_forces};
 
 /// One evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -11,59 +12,134 @@ pub struct Entry {
     pub key: String,
     /// The letters of the free sites, in hexadecimal: four sites to a digit for two letters, two for up to four, else one.
     pub layout: String,
-    /// The scores under each impact, in the study's order.
-    pub impacts: Vec<Scored>,
+    /// The scores under each impact, in the study's order; over several forces where the study asks for them.
+    #[serde(with = "lines")]
+    pub impacts: Vec<Scores>,
+    /// How the scores of single forces scatter under each impact; empty with one force.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub over_forces: Vec<Spreads>,
     /// Why a run ended early, if one did.
     pub stop: Option<String>,
 }
 
-/// The scores under one impact.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scored {
-    /// F (J)
-    #[serde(rename = "F")]
-    pub focal_mean: f64,
-    /// P (J)
-    #[serde(rename = "P")]
-    pub protected_mean: f64,
-    /// C = F/P
-    #[serde(rename = "C")]
-    pub contrast: Option<f64>,
-    /// G = F/F(all host), under the same impact
-    #[serde(rename = "G")]
-    pub focal_gain: Option<f64>,
-    /// Q = P/P(all lens material), under the same impact
-    #[serde(rename = "Q")]
-    pub protection: Option<f64>,
-    /// How evenly several foci are served, where there are several
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub balance: Option<f64>,
-    /// P over the least P of all baselines under the same impact, where the study asks for it
-    #[serde(rename = "Q_best", default, skip_serializing_if = "Option::is_none")]
-    pub against_best: Option<f64>,
-    /// What else was felt, where the study asks for it.
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub felt: Option<Felt>,
+/// The scores of a journal, whose lines are many: only what a study knows, below short keys.
+mod lines {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use crate::score::Scores;
+
+    #[derive(Serialize, Deserialize)]
+    struct Line {
+        #[serde(rename = "F")]
+        focal_mean: f64,
+        #[serde(rename = "P")]
+        protected_mean: f64,
+        #[serde(rename = "C")]
+        contrast: Option<f64>,
+        #[serde(rename = "G")]
+        focal_gain: Option<f64>,
+        #[serde(rename = "Q")]
+        protection: Option<f64>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        balance: Option<f64>,
+        #[serde(rename = "Q_best", default, skip_serializing_if = "Option::is_none")]
+        protection_best: Option<f64>,
+        #[serde(flatten, skip_serializing_if = "Option::is_none")]
+        felt: Option<Felt>,
+    }
+
+    /// What needs full records; pairs are of the focal and the protected region.
+    #[derive(Serialize, Deserialize)]
+    struct Felt {
+        #[serde(rename = "momentum_kg_m_s")]
+        momentum: [f64; 2],
+        #[serde(rename = "force_N")]
+        force: [f64; 2],
+        #[serde(rename = "arrival_s")]
+        arrival: [Option<f64>; 2],
+        #[serde(rename = "far_momentum_kg_m_s")]
+        far_momentum: f64,
+        #[serde(rename = "far_force_N")]
+        far_force: f64,
+        dissipation: f64,
+    }
+
+    impl Line {
+        fn of(scores: &Scores) -> Self {
+            let felt = || {
+                Some(Felt {
+                    momentum: [scores.focal_momentum?, scores.protected_momentum?],
+                    force: [scores.focal_force?, scores.protected_force?],
+                    arrival: [scores.focal_arrival, scores.protected_arrival],
+                    far_momentum: scores.far_momentum?,
+                    far_force: scores.far_force?,
+                    dissipation: scores.dissipation?,
+                })
+            };
+            Self {
+                focal_mean: scores.focal_mean,
+                protected_mean: scores.protected_mean,
+                contrast: scores.contrast,
+                focal_gain: scores.focal_gain,
+                protection: scores.protection,
+                balance: scores.balance,
+                protection_best: scores.protection_best,
+                felt: felt(),
+            }
+        }
+
+        fn scores(self) -> Scores {
+            let mut scores = Scores {
+                focal_mean: self.focal_mean,
+                protected_mean: self.protected_mean,
+                contrast: self.contrast,
+                focal_gain: self.focal_gain,
+                protection: self.protection,
+                balance: self.balance,
+                protection_best: self.protection_best,
+                ..Scores::default()
+            };
+            if let Some(felt) = self.felt {
+                [scores.focal_momentum, scores.protected_momentum] = felt.momentum.map(Some);
+                [scores.focal_force, scores.protected_force] = felt.force.map(Some);
+                [scores.focal_arrival, scores.protected_arrival] = felt.arrival;
+                (scores.far_momentum, scores.far_force) = (Some(felt.far_momentum), Some(felt.far_force));
+                scores.dissipation = Some(felt.dissipation);
+            }
+            scores
+        }
+    }
+
+    pub fn serialize<S: Serializer>(scores: &[Scores], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(scores.iter().map(Line::of))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Scores>, D::Error> {
+        Ok(Vec::<Line>::deserialize(deserializer)?.into_iter().map(Line::scores).collect())
+    }
+
+    /// What the lines of a journal keep of scores, and so what replaying it gives: the same whether it was just simulated or read back.
+    pub fn kept(scores: &Scores) -> Scores {
+        Line::of(scores).scores()
+    }
 }
 
 impl Entry {
-    /// Of an evaluation that was not interrupted.
-    pub fn new(key: String, layout: String, marks: &[Marks]) -> Self {
+    /// Of an evaluation that was not interrupted: of each impact its runs, one for each force.
+    pub fn new(key: String, layout: String, impacts: &[&[Evaluated]]) -> Self {
         // JSON has no infinity; a run that a guard stopped may hold some.
-        let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let ratio = |value: Option<f64>| value.filter(|value| value.is_finite());
-        let scored = |marks: &Marks| Scored {
-            focal_mean: finite(marks.focal_mean),
-            protected_mean: finite(marks.protected_mean),
-            contrast: ratio(marks.contrast),
-            focal_gain: ratio(marks.focal_gain),
-            protection: ratio(marks.protection),
-            balance: ratio(marks.balance),
-            against_best: ratio(marks.against_best),
-            felt: marks.felt,
+        let sound = |scores: &Scores| {
+            let mut kept = lines::kept(scores);
+            for &measure in Measure::ALL {
+                kept.set(measure, kept.get(measure).filter(|value| value.is_finite()));
+            }
+            kept
         };
-        let stop = marks.iter().find_map(|marks| marks.stop.as_ref()).map(ToString::to_string);
-        Self { key, layout, impacts: marks.iter().map(scored).collect(), stop }
+        let runs = |runs: &&[Evaluated]| runs.iter().map(|run| sound(&run.scores)).collect::<Vec<_>>();
+        let (scores, spreads): (Vec<_>, Vec<_>) = impacts.iter().map(|impact| over_forces(&runs(impact))).unzip();
+        let stop = impacts.iter().copied().flatten().find_map(|run| run.stop.as_ref()).map(ToString::to_string);
+        let several = impacts.iter().any(|runs| runs.len() > 1);
+        Self { key, layout, impacts: scores, over_forces: if several { spreads } else { Vec::new() }, stop }
     }
 
     /// The letters of `count` free sites; none if the entry belongs to something else.

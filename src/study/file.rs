@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::family::RayNotes;
-use super::measure::{Loom, Measure, Over};
+use super::over::Over;
 use super::prices;
 use super::set::{self, ImpactFile, Tolerance, ToleranceFile};
 use super::source::Source;
@@ -13,12 +13,13 @@ use super::stage::{self, MOST_EVALUATIONS, Stage, StageFile, Work};
 use super::start::{self, Start};
 use super::{Objective, StudyError};
 use crate::design::Design;
-use crate::evaluate::{Blow, Detail, Overrides, Plan, PlanError, common_plan};
+use crate::evaluate::{Blow, Detail, Forces, Overrides, Plan, PlanError, common_plan};
 use crate::lattice::Site;
-use crate::layout::Layout;
+use crate::layout::{Layout, LayoutCounter};
 use crate::material::Material;
+use crate::score::{Measure, Needs};
 use crate::search::{Choice, Dice, Method, MethodError, Space, level_set};
-use crate::units::Dimension::Time;
+use crate::units::Dimension::{Fraction, Time};
 
 /// More materials have more kinds of pairs than the evaluator's tables hold.
 const MOST_MATERIALS: usize = 5;
@@ -47,6 +48,8 @@ struct StudyFile {
     step: Option<String>,
     window: Option<String>,
     time: Option<String>,
+    forces: Option<usize>,
+    band: Option<String>,
     #[serde(default)]
     over: Over,
     #[serde(default)]
@@ -109,8 +112,10 @@ pub struct Study {
     pub time: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
-    /// Who touches whom in the lattice.
-    pub loom: Loom,
+    /// The forces about that of each impact, over which a layout is judged.
+    pub forces: Forces,
+    /// Who touches whom in the lattice, and what weighs what.
+    pub counter: LayoutCounter,
 }
 
 impl Study {
@@ -166,11 +171,9 @@ impl Study {
         if named.is_empty() {
             return Err(source.fail("materials", "materials is empty; name at least one, better two.".to_owned()));
         }
-        // Host first, then what Q refers to: the design's lens material or the first other one.
-        let other = named.iter().find(|&material| *material != design.host).cloned();
-        let reference = design.lens.as_ref().map(|lens| lens.material.clone()).or(other);
+        // Host first, then what Q refers to.
         let mut palette = vec![design.host.clone()];
-        for material in reference.iter().chain(&named) {
+        for material in design.reference().into_iter().chain(&named) {
             if !palette.contains(material) {
                 palette.push(material.clone());
             }
@@ -219,7 +222,9 @@ impl Study {
         };
         let (window, time) = (time("window", &file.window)?, time("time", &file.time)?);
         let prices = prices::read(&source, file.prices.as_ref(), &design, &palette, &objective)?;
-        let loom = Loom::new(&lattice, &free, &palette, &prices);
+        let counter =
+            LayoutCounter::new(&lattice, Some(&free), &palette, |material| prices.get(&material.name).copied());
+        let forces = read_forces(&source, &file)?;
         let mut study = Self {
             path: path.to_owned(),
             design,
@@ -236,7 +241,8 @@ impl Study {
             window,
             time,
             seed,
-            loom,
+            forces,
+            counter,
         };
         study.begin(&source)?;
         Ok(study)
@@ -306,18 +312,19 @@ impl Study {
     /// # Errors
     /// A step or window with which an impact cannot be simulated.
     pub fn plan(&self, rung: usize) -> Result<Plan, PlanError> {
-        common_plan(&self.design, &self.impacts, self.overrides(rung), &self.palette)
+        let blows: Vec<Blow> = self.cases().into_iter().map(|case| case.blow).collect();
+        common_plan(&self.design, &blows, self.overrides(rung), &self.palette)
     }
 
     /// How much has to be recorded for what is wanted.
     pub fn detail(&self) -> Detail {
-        let felt = self.objective.wishes.iter().any(|wish| wish.measure.is_felt());
+        let felt = self.objective.wishes.iter().any(|wish| wish.measure.needs() == Needs::Records);
         if felt { Detail::Everything } else { Detail::Energies }
     }
 
     /// Whether a measure compares layouts with the baselines, which then have to be simulated first.
     pub fn has_rivals(&self) -> bool {
-        self.objective.wishes.iter().any(|wish| wish.measure == Measure::AgainstBest)
+        self.objective.wishes.iter().any(|wish| wish.measure == Measure::ProtectionBest)
     }
 
     /// What is searched.
@@ -341,6 +348,20 @@ impl Study {
         }
         Layout { lattice: self.design.lattice, palette: self.palette.clone(), materials }
     }
+}
+
+/// The forces about each impact's own.
+fn read_forces(source: &Source<'_>, file: &StudyFile) -> Result<Forces, StudyError> {
+    let band = match &file.band {
+        Some(text) => source.quantity(Fraction, "band", text, |message| source.fail("band", message))?,
+        None => Forces::USUAL.band(),
+    };
+    let Some(count) = file.forces else {
+        let alone = file.band.is_some();
+        let message = "band has no use without forces, such as forces = 8.";
+        return if alone { Err(source.fail("band", message.to_owned())) } else { Ok(Forces::ONE) };
+    };
+    Forces::new(count, band).map_err(|error| source.fail("forces", format!("forces: {error}.")))
 }
 
 /// The stages, or the one that method, budget and step at the top stand for.

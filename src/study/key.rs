@@ -28,7 +28,10 @@ impl Key {
         for (k, law) in study.impacts.iter().enumerate().filter_map(|(k, impact)| Some((k, impact.law?))) {
             key.add(format!("{k} {law}").as_bytes());
         }
-        for case in study.cases().into_iter().skip(study.impacts.len()) {
+        if !study.forces.is_one() {
+            key.add(format!("forces {} {}", study.forces.count(), study.forces.band().to_bits()).as_bytes());
+        }
+        for case in study.cases().into_iter().skip(study.impacts.len() * study.forces.count()) {
             key.add(format!("{:?}", case.flaw.wrong).as_bytes());
             case.flaw.radii.iter().for_each(|radius| key.add(&radius.to_bits().to_le_bytes()));
         }
@@ -57,7 +60,7 @@ impl Key {
     /// The entries of a journal that belong to the study as it is now, by choice.
     pub fn own<'a>(self, study: &Study, entries: &'a [Entry]) -> Vec<(Choice, &'a Entry)> {
         let letters = study.letters.len() as u8;
-        let cases = study.cases().len();
+        let cases = study.cases().len() / study.forces.count();
         let own = |entry: &'a Entry| {
             let choice = entry.choice(study.free.len(), letters)?;
             (self.of(&study.layout(&choice).materials) == entry.key && entry.impacts.len() == cases)

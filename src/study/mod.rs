@@ -7,7 +7,7 @@
 //! - `file`: the study file, as written, then as checked; `source`: its text, and complaints about it; `stage`: what is done
 //!   one after the other; `start`: where that begins; `family`: the
 //!   design's lens as real parameters
-//! - `measure`: what can be measured of a layout; `objective`: measures to one number, or to several that are traded
+//! - `over`: scores under several impacts to one; `objective`: measures to one number, or to several that are traded
 //! - `set`: impacts, and crystals that are not built as drawn; `tolerance`: what a layout loses then; `prices`: what spheres cost
 //! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
 //! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with
@@ -20,8 +20,8 @@ mod family;
 mod file;
 mod journal;
 mod key;
-mod measure;
 mod objective;
+mod over;
 mod prices;
 mod run;
 mod rung;
@@ -34,18 +34,18 @@ mod tolerance;
 
 pub use baselines::{BaselineScores, Spread};
 pub use cost::{StageCost, costs};
-pub use entry::{Entry, Scored};
+pub use entry::Entry;
 pub use file::Study;
 pub use journal::{Journal, Loaded};
 pub use key::Key;
-pub use measure::{Fabric, Loom, Measure, Over};
 pub use objective::{Aim, Objective, Wish};
+pub use over::{Over, summary};
 pub use run::{Watch, run};
-pub use rung::{Judged, Rung, Summary};
+pub use rung::{Judged, Rung};
 pub use set::Tolerance;
 pub use stage::{Stage, Work};
 pub use start::Start;
-pub use state::{Ended, Found, Front, GlanceState, Improvement, RungState, StageState, State};
+pub use state::{Ended, Found, Front, GlanceState, Improvement, RungState, StageState, State, front_of};
 pub use tolerance::{Loses, Quantiles};
 
 use std::path::PathBuf;

@@ -3,10 +3,12 @@
 use serde::Deserialize;
 use toml::Table;
 
-use super::measure::{Fabric, Measure, Over, Side, value};
+use super::over::{Over, Side, value};
 use super::source::Source;
 use super::{Entry, StudyError};
+use crate::layout::LayoutStats;
 use crate::real::Number;
+use crate::score::{Measure, Unit};
 use crate::search::Loss;
 
 /// What is wanted of a measure.
@@ -56,7 +58,7 @@ struct WishFile {
 }
 
 /// What to write, for those who wrote something else.
-const LIKE: &str = "Write it like contrast = { maximise = 1 } or focal-gain = { min = 1.3 }: maximise and minimise take a \
+const LIKE: &str = "Write it like contrast = { maximise = 1 } or focal_gain = { min = 1.3 }: maximise and minimise take a \
                     weight, target a value and its weight beside it.";
 
 impl Objective {
@@ -64,14 +66,18 @@ impl Objective {
     pub(super) fn read(source: &Source<'_>, table: &Table, over: Over) -> Result<Self, StudyError> {
         let mut wishes = Vec::new();
         for (name, written) in table {
-            let Some(&(_, measure)) = Measure::NAMES.iter().find(|(known, _)| known == name) else {
-                let known = Measure::NAMES.map(|(name, _)| name).join(", ");
+            let Some(measure) = Measure::find(name).filter(|measure| *measure != Measure::ProtectedRatio) else {
+                let known: Vec<&str> = Measure::ALL.iter().map(|measure| measure.name()).collect();
+                let known = known.join(", ");
                 return Err(source.fail(name, format!("objective: unknown measure {name}; known are {known}.")));
             };
             let fail = |message: String| source.fail(name, format!("objective.{name}: {message}"));
             let wish: WishFile = written.clone().try_into().map_err(|error: toml::de::Error| {
                 fail(format!("{}. {LIKE}", error.message().trim_end_matches('.').replace('\n', " ")))
             })?;
+            if wishes.iter().any(|known: &Wish| known.measure == measure) {
+                return Err(fail(format!("{} is asked for twice.", measure.name())));
+            }
             wishes.push(wish.check(measure).map_err(fail)?);
         }
         if wishes.iter().all(|wish| wish.aim.is_none()) {
@@ -81,8 +87,8 @@ impl Objective {
     }
 
     /// Whether all limits are kept.
-    pub fn is_met(&self, entry: &Entry, fabric: &Fabric) -> bool {
-        entry.stop.is_none() && self.loss(entry, fabric).miss == 0.0
+    pub fn is_met(&self, entry: &Entry, stats: &LayoutStats) -> bool {
+        entry.stop.is_none() && self.loss(entry, stats).miss == 0.0
     }
 
     /// The numbers to make small. Each aim gives ln of what is to be small, -ln of what is to be great, |ln| of what
@@ -93,18 +99,18 @@ impl Objective {
     ///
     /// which is continuous, so that a search may pass through what is not allowed, and rises from its first moment by more
     /// than an aim commonly gains there, so that it does not stay. Failed is what a guard stopped.
-    pub fn loss(&self, entry: &Entry, fabric: &Fabric) -> Loss {
-        self.finite_loss(entry, fabric)
+    pub fn loss(&self, entry: &Entry, stats: &LayoutStats) -> Loss {
+        self.finite_loss(entry, stats)
             .filter(|loss| entry.stop.is_none() && loss.is_finite())
             .unwrap_or_else(Loss::failed)
     }
 
-    fn finite_loss(&self, entry: &Entry, fabric: &Fabric) -> Option<Loss> {
+    fn finite_loss(&self, entry: &Entry, stats: &LayoutStats) -> Option<Loss> {
         let mut loss = Loss { total: 0.0, miss: 0.0, parts: Vec::new() };
         for wish in &self.wishes {
-            let value = |side: Side| value(wish.measure, entry, fabric, self.over, side);
+            let value = |side: Side| value(wish.measure, entry, stats, self.over, side);
             let ln = |value: f64| {
-                let value = if wish.measure.is_count() { 1.0 + value } else { value };
+                let value = if wish.measure.unit() == Unit::Count { 1.0 + value } else { value };
                 if value.is_normal() && value > 0.0 { Number::ln(value) } else { f64::NAN }
             };
             if let Some(aim) = wish.aim {
@@ -145,7 +151,7 @@ impl Objective {
 
 impl WishFile {
     fn check(self, measure: Measure) -> Result<Wish, String> {
-        let counted = measure.is_count();
+        let counted = measure.unit() == Unit::Count;
         let sound = |name: &str, value: Option<f64>| match value {
             Some(value) if !(value.is_finite() && (value > 0.0 || (counted && value == 0.0))) => {
                 Err(format!("{name} = {value} must be positive."))

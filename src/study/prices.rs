@@ -5,20 +5,21 @@ use std::collections::BTreeMap;
 use toml::Table;
 
 use super::source::Source;
-use super::{Measure, Objective, StudyError};
+use super::{Objective, StudyError};
 use crate::design::{Design, add_price};
 use crate::material::Material;
+use crate::score::Measure;
 
-/// The price of a sphere of each material of the palette, in whatever currency: the study's, and where it has none the
-/// design's. 0 for all where no cost is asked for.
+/// The price of a sphere of each material of the palette by its name, in whatever currency: the study's, and where it has none the
+/// design's; all of them where a cost is asked for.
 pub(super) fn read(
     source: &Source<'_>,
     table: Option<&Table>,
     design: &Design,
     palette: &[Material],
     objective: &Objective,
-) -> Result<Vec<f64>, StudyError> {
-    let asked = objective.wishes.iter().any(|wish| wish.measure == Measure::Cost);
+) -> Result<BTreeMap<String, f64>, StudyError> {
+    let asked = objective.wishes.iter().any(|wish| matches!(wish.measure, Measure::HalfCost | Measure::PieceCost));
     let mut own = BTreeMap::new();
     for (name, price) in table.into_iter().flatten() {
         let fail = |message: String| source.fail("prices", format!("prices.{name} = {price} {message}"));
@@ -47,5 +48,6 @@ pub(super) fn read(
         );
         return Err(source.fail("cost", message));
     }
-    Ok(palette.iter().map(|material| price(material).unwrap_or_default()).collect())
+    let known = palette.iter().filter_map(|material| Some((material.name.clone(), price(material)?)));
+    Ok(known.collect())
 }

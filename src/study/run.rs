@@ -7,13 +7,14 @@ use std::time::{Duration, Instant};
 
 use super::entry::pack;
 use super::family::RayNotes;
-use super::rung::{Judged, Rung, Summary, order};
+use super::rung::{Judged, Rung, order};
 use super::stage::{Stage, Work};
 use super::state::{self, Ended, Found, RungState, StageState, State};
 use super::tolerance::{self, Loses};
-use super::{Entry, Improvement, Journal, Key, Measure, Study, StudyError, baselines};
+use super::{Entry, Improvement, Journal, Key, Study, StudyError, baselines};
 use crate::dem::Stop;
-use crate::evaluate::Evaluator;
+use crate::evaluate::{Evaluated, Evaluator};
+use crate::score::Measure;
 use crate::search::{Choice, Dice, Loss, Method, Painter, Proof, Rounds, Search as _};
 
 /// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
@@ -286,19 +287,16 @@ impl Run<'_> {
         let unknown: Vec<&Choice> =
             fresh.iter().copied().filter(|choice| !self.cache[rung].contains_key(*choice)).collect();
         let layouts: Vec<Vec<u8>> = unknown.iter().map(|choice| self.study.layout(choice).materials).collect();
-        let marks = self.evaluators[rung].marks(&layouts, self.interrupt)?;
+        let runs = self.evaluators[rung].scores(&layouts, self.interrupt)?;
         // Only what comes before the first interrupted one is kept, so that the journal's order is that of the search.
-        let is_interrupted = |marks: &Vec<crate::evaluate::Marks>| {
-            marks.iter().any(|marks| matches!(marks.stop, Some(Stop::Interrupted { .. })))
-        };
-        let whole = marks.iter().position(is_interrupted).unwrap_or(marks.len());
+        let is_interrupted =
+            |runs: &Vec<Evaluated>| runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. })));
+        let whole = runs.iter().position(is_interrupted).unwrap_or(runs.len());
         let letters = self.study.letters.len() as u8;
-        let new: Vec<Entry> = marks[..whole]
-            .iter()
-            .zip(&layouts)
-            .zip(&unknown)
-            .map(|((marks, layout), choice)| Entry::new(self.keys[rung].of(layout), pack(choice, letters), marks))
-            .collect();
+        let entry = |((runs, layout), choice): ((&Vec<Evaluated>, &Vec<u8>), &&Choice)| {
+            Entry::new(self.keys[rung].of(layout), pack(choice, letters), &self.study.by_impact(runs))
+        };
+        let new: Vec<Entry> = runs[..whole].iter().zip(&layouts).zip(&unknown).map(entry).collect();
         self.journal.append(&new)?;
         let simulated = new.len();
         let mut new = new.into_iter();
@@ -312,7 +310,7 @@ impl Run<'_> {
             };
             self.judge(k, choice, entry);
         }
-        if whole < marks.len() {
+        if whole < runs.len() {
             return Ok((Batch::Interrupted, simulated));
         }
         let losses =
@@ -368,7 +366,7 @@ impl Run<'_> {
             .filter(|judged| judged.loss.is_finite())
             .min_by(|a, b| order(&a.loss).partial_cmp(&order(&b.loss)).unwrap_or(std::cmp::Ordering::Equal));
         let stage = &mut self.state.stages[k];
-        stage.best = best.map(|judged| Summary::new(self.study, &judged.entry, judged.fabric));
+        stage.best = best.map(|judged| judged.scores(self.study));
         stage.within_limits = best.is_some_and(|judged| judged.loss.miss == 0.0);
     }
 }

@@ -3,12 +3,13 @@
 use std::collections::HashMap;
 
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use super::family::RayNotes;
-use super::measure::{Fabric, Measure, Side, value};
+use super::over::summary;
 use super::{Entry, GlanceState, Study};
 use crate::evaluate::Glance;
+use crate::layout::LayoutStats;
+use crate::score::Scores;
 use crate::search::{Choice, Loss, rank_correlation};
 
 /// Layouts that are guessed at, so that it takes a second or two.
@@ -22,9 +23,16 @@ pub struct Judged {
     /// Its scores.
     pub entry: Entry,
     /// What the layout itself says.
-    pub fabric: Fabric,
+    pub stats: LayoutStats,
     /// What it costs.
     pub loss: Loss,
+}
+
+impl Judged {
+    /// All measures, each the value that counts over all impacts.
+    pub fn scores(&self, study: &Study) -> Scores {
+        summary(&self.entry, &self.stats, study.objective.over)
+    }
 }
 
 /// The evaluations at one step, in the order in which they were asked for.
@@ -37,10 +45,10 @@ pub struct Rung {
 impl Rung {
     /// Adds an evaluation of a choice that is new here.
     pub fn add(&mut self, study: &Study, choice: &Choice, entry: Entry) -> &Judged {
-        let fabric = study.loom.fabric(&study.layout(choice).materials);
-        let loss = study.objective.loss(&entry, &fabric);
+        let stats = study.counter.stats(&study.layout(choice).materials);
+        let loss = study.objective.loss(&entry, &stats);
         self.place.insert(choice.clone(), self.all.len());
-        self.all.push(Judged { choice: choice.clone(), entry, fabric, loss });
+        self.all.push(Judged { choice: choice.clone(), entry, stats, loss });
         &self.all[self.all.len() - 1]
     }
 
@@ -107,34 +115,4 @@ impl Rung {
 /// What keeps the limits comes first, by its loss; then what misses them, by its loss with the penalties.
 pub fn order(loss: &Loss) -> (bool, f64) {
     (loss.miss > 0.0, loss.total)
-}
-
-/// A layout's scores in numbers, each the value that counts over all impacts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
-    /// C = F/P, the least
-    #[serde(rename = "C")]
-    pub contrast: Option<f64>,
-    /// G, the least
-    #[serde(rename = "G")]
-    pub focal_gain: Option<f64>,
-    /// Q, the greatest
-    #[serde(rename = "Q")]
-    pub protection: Option<f64>,
-    /// What the layout itself says.
-    #[serde(flatten)]
-    pub fabric: Fabric,
-}
-
-impl Summary {
-    /// Of an evaluation of a study.
-    pub fn new(study: &Study, entry: &Entry, fabric: Fabric) -> Self {
-        let of = |measure, side| value(measure, entry, &fabric, study.objective.over, side);
-        Self {
-            contrast: of(Measure::Contrast, Side::Least),
-            focal_gain: of(Measure::FocalGain, Side::Least),
-            protection: of(Measure::Protection, Side::Most),
-            fabric,
-        }
-    }
 }

@@ -10,7 +10,7 @@ use super::{Study, StudyError};
 use crate::contact::LawKind;
 use crate::dem::ForcePulse;
 use crate::design::Design;
-use crate::evaluate::{Blow, Case, Flaw};
+use crate::evaluate::{Blow, Case, Evaluated, Flaw};
 use crate::search::Dice;
 use crate::units::Dimension::{Angle, Force, Fraction, Length, Time};
 
@@ -174,7 +174,8 @@ impl Tolerance {
 }
 
 impl Study {
-    /// What every layout is judged by: each impact on the crystal as drawn, then on each of the tolerance's members.
+    /// What every layout is judged by: each impact on the crystal as drawn, then on each of the tolerance's members; where several
+    /// forces are asked for, each of these with every one of them.
     pub fn cases(&self) -> Vec<Case> {
         let members = self.tolerance.map_or(0, |tolerance| tolerance.members);
         let mut flaws = vec![Flaw::default()];
@@ -184,9 +185,20 @@ impl Study {
 
     /// Flaws under each impact, one flaw after the other.
     pub(super) fn under_each_impact(&self, flaws: &[Flaw]) -> Vec<Case> {
-        let of =
-            |flaw: &Flaw| -> Vec<Case> { self.impacts.iter().map(|&blow| Case { blow, flaw: flaw.clone() }).collect() };
+        let under = |blow: &Blow| -> Vec<Blow> {
+            let with = |force| Blow { pulse: ForcePulse { force, ..blow.pulse }, ..*blow };
+            self.forces.about(blow.pulse.force).into_iter().map(with).collect()
+        };
+        let of = |flaw: &Flaw| -> Vec<Case> {
+            let blows = self.impacts.iter().flat_map(under);
+            blows.map(|blow| Case { blow, flaw: flaw.clone() }).collect()
+        };
         flaws.iter().flat_map(of).collect()
+    }
+
+    /// Runs in all cases, parted by impact: each part has a run for every force.
+    pub fn by_impact<'a>(&self, runs: &'a [Evaluated]) -> Vec<&'a [Evaluated]> {
+        runs.chunks(self.forces.count()).collect()
     }
 
     /// `count` crystals that are not as drawn; those of different streams have nothing in common.

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::rung::{Judged, Rung, Summary};
+use super::rung::{Judged, Rung};
 use super::{BaselineScores, Entry, Loses, Study};
+use crate::score::Scores;
 use crate::search::{Proof, front, hypervolume, knee};
 
 /// A layout that was found.
@@ -11,7 +12,7 @@ use crate::search::{Proof, front, hypervolume, knee};
 pub struct Found {
     /// Its scores, over all impacts.
     #[serde(flatten)]
-    pub summary: Summary,
+    pub scores: Scores,
     /// Its evaluation.
     #[serde(flatten)]
     pub entry: Entry,
@@ -31,7 +32,7 @@ impl Found {
     /// One of a rung's evaluations.
     pub fn new(study: &Study, rung: &Rung, judged: &Judged, proof: Proof) -> Self {
         Self {
-            summary: Summary::new(study, &judged.entry, judged.fabric),
+            scores: judged.scores(study),
             entry: judged.entry.clone(),
             loss: judged.loss.total,
             evaluation: rung.number(&judged.choice).unwrap_or(0),
@@ -69,7 +70,7 @@ pub struct StageState {
     /// Rounds of the method that have ended.
     pub rounds: u64,
     /// The best layout at this step when the stage ended.
-    pub best: Option<Summary>,
+    pub best: Option<Scores>,
     /// Whether that keeps the limits.
     pub within_limits: bool,
 }
@@ -169,7 +170,7 @@ impl State {
 }
 
 /// The front of a rung's evaluations; none where nothing is traded.
-pub(super) fn front_of(study: &Study, rung: &Rung, start: Option<&Judged>) -> Option<Front> {
+pub fn front_of(study: &Study, rung: &Rung, start: Option<&Judged>) -> Option<Front> {
     let measures: Vec<String> = study.objective.aims().map(|wish| wish.measure.name().to_owned()).collect();
     if measures.len() < 2 {
         return None;

@@ -4,9 +4,10 @@ use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use super::rung::Summary;
+use super::over::summary;
 use super::{Entry, Study, StudyError};
-use crate::evaluate::{Evaluator, Flaw, Marks};
+use crate::evaluate::{Evaluated, Evaluator, Flaw};
+use crate::score::{Measure, Scores};
 
 /// Losses over crystals that are built with flaws, each a part of what the crystal as drawn has; negative where something is
 /// gained.
@@ -17,13 +18,13 @@ pub struct Loses {
     /// How many of them a guard stopped; these count as having lost all.
     pub stopped: u64,
     /// Of C
-    #[serde(rename = "C")]
+    #[serde(alias = "C")]
     pub contrast: Option<Quantiles>,
     /// Of G
-    #[serde(rename = "G")]
+    #[serde(alias = "G")]
     pub focal_gain: Option<Quantiles>,
     /// Of Q: by how much it rises
-    #[serde(rename = "Q")]
+    #[serde(alias = "Q")]
     pub protection: Option<Quantiles>,
 }
 
@@ -60,27 +61,29 @@ pub(super) fn evaluate(
     let overrides = study.overrides(rung);
     let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, interrupt)?;
     let layout = study.layout(choice).materials;
-    let marks = evaluator.marks(std::slice::from_ref(&layout), interrupt)?.concat();
-    let fabric = study.loom.fabric(&layout);
-    let summary = |marks: &[Marks]| {
-        let entry = Entry::new(String::new(), String::new(), marks);
-        entry.stop.is_none().then(|| Summary::new(study, &entry, fabric))
+    let runs = evaluator.scores(std::slice::from_ref(&layout), interrupt)?.concat();
+    let stats = study.counter.stats(&layout);
+    let scores = |runs: &[Evaluated]| {
+        let entry = Entry::new(String::new(), String::new(), &study.by_impact(runs));
+        entry.stop.is_none().then(|| summary(&entry, &stats, study.objective.over))
     };
-    let mut built = marks.chunks(study.impacts.len()).map(summary);
+    let mut built = runs.chunks(study.impacts.len() * study.forces.count()).map(scores);
     let Some(drawn) = built.next().flatten() else { return Ok(None) };
-    let built: Vec<Option<Summary>> = built.collect();
-    let losses = |score: fn(&Summary) -> Option<f64>, lost: fn(f64) -> f64| {
-        let drawn = score(&drawn)?;
+    let built: Vec<Option<Scores>> = built.collect();
+    let losses = |measure: Measure, lost: fn(f64) -> f64| {
+        let drawn = drawn.get(measure)?;
         // What a guard stopped has lost all.
-        let of = |built: &Option<Summary>| built.as_ref().and_then(score).map_or(1.0, |value| lost(value / drawn));
+        let of = |built: &Option<Scores>| {
+            built.as_ref().and_then(|scores| scores.get(measure)).map_or(1.0, |value| lost(value / drawn))
+        };
         Quantiles::of(built.iter().map(of).collect())
     };
     Ok(Some(Loses {
         crystals: built.len() as u64,
         stopped: built.iter().filter(|built| built.is_none()).count() as u64,
-        contrast: losses(|summary| summary.contrast, |kept| 1.0 - kept),
-        focal_gain: losses(|summary| summary.focal_gain, |kept| 1.0 - kept),
-        protection: losses(|summary| summary.protection, |kept| kept - 1.0),
+        contrast: losses(Measure::Contrast, |kept| 1.0 - kept),
+        focal_gain: losses(Measure::FocalGain, |kept| 1.0 - kept),
+        protection: losses(Measure::Protection, |kept| kept - 1.0),
     }))
 }
 

@@ -210,7 +210,7 @@ impl Streams {
                         Quantity::Displacement => append(row, view.displacement(i)),
                         Quantity::Velocity => append(row, view.velocity(i)),
                         Quantity::Spin => append(row, view.spin(i)),
-                        Quantity::Force => append(row, view.net_force(i)),
+                        Quantity::Force => append(row, view.whole_force(i)),
                         Quantity::Maxima => append(row, [maxima[0][i], maxima[1][i]]),
                         Quantity::Dissipated => append(row, [dissipated[i]]),
                     }

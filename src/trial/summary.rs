@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::tables::threshold_name;
 use super::{Ending, TrialError, events, series};
+use crate::dem::Integrator;
 use crate::dem::rig::{EnergyLedger, Simulation};
 use crate::setup::{Bench, Intruder};
 
@@ -22,6 +23,18 @@ pub struct Summary {
     pub name: String,
     /// Version of the program.
     pub version: String,
+    /// The commit that it was built from.
+    #[serde(default)]
+    pub commit: String,
+    /// Contact law; `several` where pairs have laws of their own.
+    #[serde(default)]
+    pub law: String,
+    /// Set of fitted constants, where the law has one.
+    #[serde(default)]
+    pub constants: Option<String>,
+    /// The integrator: rigs are advanced with velocity Verlet.
+    #[serde(default)]
+    pub integrator: String,
     /// 1, 2 or 3
     pub dimension: usize,
     /// Number of spheres.
@@ -107,7 +120,11 @@ impl Summary {
         Self {
             format: FORMAT,
             name: bench.name.clone(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: crate::outcome::VERSION.to_owned(),
+            commit: crate::outcome::COMMIT.to_owned(),
+            law: bench.law_name(),
+            constants: bench.constants_name(),
+            integrator: Integrator::Verlet.to_string(),
             dimension: D,
             spheres: bench.sites.len(),
             layers: bench.layers,

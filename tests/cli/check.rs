@@ -59,6 +59,11 @@ fn the_lens_problem_takes_in_734_joules() {
     assert!(warnings.contains("the window ends before the wave reaches"), "{warnings}");
     let text = desk.run(&["check", &layout, "--design", &design, "--window", "60 us"]).ok();
     assert!(text.stdout.contains("contrast F/P       -"), "{}", text.stdout);
+    assert!(
+        text.stdout.contains("focal gain G       ") && text.stdout.contains("protection Q       "),
+        "{}",
+        text.stdout
+    );
     assert!(text.stderr.contains("warning: ") && !text.stdout.contains("warning: "));
 }
 
@@ -182,7 +187,12 @@ fn strict_asks_for_the_thresholds() {
     let check = |design: &str, more: &[&str]| desk.run(&[&["check", "small.csv", "--design", design], more].concat());
     let met = check("met.toml", &["--strict", "--json"]).ok().json();
     assert!(met["focal_gain"].as_f64().is_some(), "a threshold's baseline is simulated");
-    check("missed.toml", &[]).ok();
+    // Without --strict they are told, and the code is 0; all five scores are there either way.
+    let told = check("missed.toml", &["--json"]).ok().json();
+    let thresholds = told["thresholds"].as_array().unwrap();
+    assert!(thresholds.len() == 2 && thresholds.iter().all(|asked| asked["met"] == false), "{thresholds:?}");
+    assert!(["contrast", "focal_gain", "protection"].iter().all(|key| told[*key].is_f64()), "{told}");
+    assert!(check("missed.toml", &[]).ok().stdout.contains("threshold MISSED   contrast = "));
     let missed = check("missed.toml", &["--strict", "--quiet"]);
     assert_eq!(missed.code, 3);
     assert_eq!(missed.stderr.lines().filter(|line| line.starts_with("threshold not met: ")).count(), 2);

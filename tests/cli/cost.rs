@@ -19,9 +19,9 @@ fn nothing_is_written_and_every_part_has_its_cost() {
     let before = names(&desk.path("."));
     // Counts: the lens, four baselines that are certain and two by chance for each of two seeds; a layout; one run; the stages' evaluations; two rows; a bed that has to settle.
     for (command, counts) in [
-        (&["run", "small.toml"][..], &[9][..]),
-        (&["compare", "small.toml", "layout.csv"], &[9]),
-        (&["check", "layout.csv", "--design", "small.toml", "--spheres", "spheres.csv"], &[1]),
+        (&["run", "small.toml"][..], &[9, 72][..]),
+        (&["compare", "small.toml", "layout.csv"], &[9, 72]),
+        (&["check", "layout.csv", "--design", "small.toml", "--spheres", "spheres.csv"], &[3]),
         (&["simulate", "small.toml"], &[1]),
         (&["export", "small.toml", "--xyz", "frames.xyz", "--lammps", "deck"], &[1, 1]),
         (&["study", "run", "study.toml"], &[300, 10]),

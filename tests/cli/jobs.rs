@@ -28,8 +28,11 @@ const FILES: [&str; 14] = [
 fn run_writes_a_complete_report() {
     let desk = Desk::new();
     let ran = desk.run(&["run", "small.toml"]).ok();
-    assert!(ran.stdout.starts_with("arrangement") && ran.stdout.contains("\nrandom-behind"), "{}", ran.stdout);
-    for words in ["speeds: ", "impact: ", "lens: rows 2 to 5", "rays: ", "step: ", "report: reports/small/report.html"]
+    assert!(ran.stdout.starts_with("verdict over 8 forces"), "{}", ran.stdout);
+    for words in ["\narrangement", "\nrandom-behind", "by the design", "law thesis", "adams, step 167"] {
+        assert!(ran.stdout.contains(words), "{words} is missing: {}", ran.stdout);
+    }
+    for words in ["speeds: ", "impact: ", "lens: rows 2 to 5", "piece: ", "rays: ", "report: reports/small/report.html"]
     {
         assert!(ran.stderr.contains(words), "{words} is missing: {}", ran.stderr);
         assert!(!ran.stdout.contains(words), "{words} is no data");
@@ -43,9 +46,21 @@ fn run_writes_a_complete_report() {
         assert!(name == "manifest.json" || format == Some(&1.into()), "{name} has no format number");
     }
     let manifest = desk.json("reports/small/manifest.json");
-    for key in
-        ["name", "version", "design", "law", "step_s", "window_s", "seeds", "threads", "started_unix_s", "seconds"]
-    {
+    for key in [
+        "name",
+        "version",
+        "commit",
+        "design",
+        "law",
+        "integrator",
+        "constants",
+        "step_s",
+        "window_s",
+        "seeds",
+        "threads",
+        "started_unix_s",
+        "seconds",
+    ] {
         assert!(keys(&manifest).contains(&key), "{key}");
     }
     assert_eq!(manifest["design"], SMALL);
@@ -75,7 +90,7 @@ fn design_tells_what_it_proposes() {
     assert!(ran.stdout.contains("\nrow,column,x,z,diameter,material\n"));
     assert!(ran.stderr.contains("critical angle 36.0 deg"), "{}", ran.stderr);
     let json = desk.run(&["design", "small.toml", "--json"]).ok().json();
-    for key in ["speed_ratio", "critical_angle_rad", "validity", "radius_m", "fraction", "spheres"] {
+    for key in ["speed_ratio", "critical_angle_rad", "validity", "radius_m", "fraction", "piece", "half"] {
         assert!(!json["proposal"][key].is_null(), "{key}");
     }
     let named = desk.run(&["design", "small.toml", "--out", "small.csv"]).ok();
@@ -147,14 +162,23 @@ fn compare_takes_a_layout_of_ones_own() {
     let refused = desk.run(&["compare", "bare.toml"]);
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("bare.toml: [lens] is missing"), "{}", refused.stderr);
+    // Such a design may say what baselines are made of; if it does not, there is only the host to compare with, and no Q.
+    desk.write("told.toml", desk.read("bare.toml") + "material = \"brass-260\"\n");
+    let told = desk.run(&["compare", "told.toml", "small.csv", "--json"]).ok().json();
+    assert_eq!(scores(&told), scores(&own));
     let bare = desk.run(&["compare", "bare.toml", "small.csv", "--json"]).ok().json();
-    assert_eq!(scores(&bare), scores(&own));
-    // Strips and mixtures are made of what the layout is made of.
+    assert_eq!(scores(&bare).len(), 2);
+    let first = &bare["arrangements"][0]["scores"];
+    assert_eq!((&first["focal_gain"], &first["protection"]), (&scores(&own)[0]["focal_gain"], &Value::Null));
+    let said = desk.run(&["compare", "bare.toml", "small.csv"]).ok().stdout;
+    assert!(said.contains("the design names no material for them"), "{said}");
+    // Strips and mixtures are made of what the design says, whatever the layout is made of.
     desk.write("steel.csv", desk.read("small.csv").replace("brass-260", "stainless-302"));
     desk.run(&["compare", "small.toml", "steel.csv", "--quiet", "--out", "steel.json"]).ok();
     let outcome = desk.json("steel.json");
-    assert_eq!(outcome["materials"][1], "stainless-302");
+    assert_eq!((&outcome["materials"][1], &outcome["reference"]), (&"brass-260".into(), &"brass-260".into()));
     assert!(outcome["arrangements"][4]["layout"].as_array().unwrap().iter().all(|material| material == 1));
+    assert!(outcome["arrangements"][0]["layout"].as_array().unwrap().iter().any(|material| material == 2));
 }
 
 #[test]

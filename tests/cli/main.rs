@@ -6,7 +6,7 @@
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
 //! - `simulate`: rigs; `impact`: granular beds
 //! - `network`: network and motion, of files of any program
-//! - `cost`: what --dry-run says
+//! - `cost`: what --dry-run says; `truth`: the same numbers from every command
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption
 
@@ -23,6 +23,7 @@ mod simulate;
 mod studies;
 mod surface;
 mod trace;
+mod truth;
 
 use std::path::{Path, PathBuf};
 

@@ -44,7 +44,7 @@ fn a_study_runs_shows_and_exports_a_layout_that_checks() {
     }
     // The study's contrast is that of the full simulation, at the same step.
     let checked = desk.run(&["check", "best.csv", "--design", "small.toml", "--json"]).ok().json();
-    assert_eq!(checked["contrast"], ran["study"]["best"]["C"]);
+    assert_eq!(checked["contrast"], ran["study"]["best"]["contrast"]);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn events_are_lines_of_json_from_begin_to_end() {
     assert!(kinds[1..kinds.len() - 1].iter().all(|kind| *kind == "batch"), "{kinds:?}");
     let last = &lines[lines.len() - 2];
     assert_eq!((&last["evaluations"], &last["from_journal"]), (&40.into(), &0.into()));
-    assert_eq!(last["best"]["C"], lines[lines.len() - 1]["study"]["best"]["C"]);
+    assert_eq!(last["best"]["contrast"], lines[lines.len() - 1]["study"]["best"]["contrast"]);
     assert_eq!(ran.stderr, "");
 }
 
@@ -103,10 +103,10 @@ fn studies_are_compared_from_what_they_wrote() {
     assert_eq!(studies.len(), 3);
     assert_eq!(studies[0], studies[2]);
     assert_eq!(studies[0]["sites_different_from_first"], 0);
-    let contrast = |k: usize| studies[k]["C"].as_f64().unwrap();
+    let contrast = |k: usize| studies[k]["contrast"].as_f64().unwrap();
     let best = if contrast(0) > contrast(1) { 0 } else { 1 };
     assert!(studies[best]["evaluations_to_5_percent"].as_u64().is_some_and(|count| count <= 40));
-    assert_eq!(compared["C"]["range"][1], studies[best]["C"]);
+    assert_eq!(compared["contrast"]["range"][1], studies[best]["contrast"]);
     let table = desk.run(&["study", "compare", "s1", "s2"]).ok().stdout;
     assert!(table.lines().count() == 6 && table.contains("local"), "{table}");
     let refused = desk.run(&["study", "compare", "s1", "nowhere"]);
@@ -121,9 +121,9 @@ fn baselines_are_always_there() {
     let baselines = ran["study"]["baselines"].as_array().unwrap();
     let of =
         |name: &str| baselines.iter().find(|b| b["name"] == name).unwrap_or_else(|| panic!("{name}: {baselines:?}"));
-    assert_eq!(of("all-host")["G"]["mean"], 1.0);
-    assert_eq!(of("all-lens")["Q"]["mean"], 1.0);
-    assert!(of("flat-height")["C"]["half_width"].is_null());
-    assert!(of("random-rows")["C"]["half_width"].as_f64().is_some_and(|half| half > 0.0));
+    assert_eq!(of("all-host")["focal_gain"]["mean"], 1.0);
+    assert_eq!(of("all-lens")["protection"]["mean"], 1.0);
+    assert!(of("flat-height")["contrast"]["half_width"].is_null());
+    assert!(of("random-rows")["contrast"]["half_width"].as_f64().is_some_and(|half| half > 0.0));
     assert!(of("random-behind")["seeds"].as_u64().is_some_and(|seeds| seeds > 1));
 }

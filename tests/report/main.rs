@@ -93,7 +93,7 @@ fn assert_sound(files: &BTreeMap<String, String>) {
 #[test]
 fn every_file_is_written_and_sound() {
     let outcome = synthetic::outcome();
-    assert_eq!(outcome.arrangements[0].spheres, 139);
+    assert_eq!(outcome.arrangements[0].scores.half_spheres, Some(139));
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
     report::write(&outcome, &directory).unwrap();
     let files = files(&outcome);
@@ -153,9 +153,11 @@ fn spheres_that_never_moved_leave_dashes() {
         one.record.arrival = vec![None; count];
         let scores = &mut one.scores;
         (scores.contrast, scores.focal_gain, scores.protection) = (None, None, None);
-        (scores.focal_mean, scores.protected_mean, scores.work_in, scores.kinetic) = (0.0, 0.0, 0.0, 0.0);
-        (scores.stored, scores.dissipated, scores.eq_5_6, scores.residual) = (0.0, 0.0, 0.0, 0.0);
-        (scores.exit_momentum, scores.exit_force) = (0.0, 0.0);
+        (scores.focal_mean, scores.protected_mean) = (0.0, 0.0);
+        (scores.work_in, scores.kinetic) = (Some(0.0), Some(0.0));
+        (scores.stored, scores.dissipated) = (Some(0.0), Some(0.0));
+        (scores.eq_5_6, scores.residual) = (Some(0.0), Some(0.0));
+        (scores.far_momentum, scores.far_force) = (Some(0.0), Some(0.0));
     }
     assert_sound(&files(&outcome));
     let table = report::table(&outcome);
@@ -215,7 +217,7 @@ fn broken_numbers_are_shown_as_missing() {
     broken.record.dissipated.clear();
     broken.scores.focal_mean = f64::INFINITY;
     broken.scores.contrast = Some(f64::NAN);
-    broken.scores.dissipated = f64::NAN;
+    broken.scores.dissipated = Some(f64::NAN);
     assert_sound(&files(&outcome));
     assert_finite("table", &report::table(&outcome));
 }
@@ -262,7 +264,7 @@ fn several_foci_are_all_reported() {
     assert!(page.contains("F of focus 1 [J] (wanted 25.0 %)") && page.contains("F of focus 2 [J] (wanted 75.0 %)"));
     assert!(page.contains("<td>3.00 (75.0 %)</td><td>1.00 (25.0 %)</td><td>0.11</td>"));
     let mut table = files["numbers.csv"].lines();
-    assert!(table.next().unwrap().ends_with(",exit_force_N,focus_1_mean_J,focus_2_mean_J,balance"));
+    assert!(table.next().unwrap().ends_with(",focus_1_mean_J,focus_2_mean_J,balance"));
     assert!(table.all(|line| line.ends_with(&format!(",3,1,{}", 1.0 / 9.0))));
     let profiles = &files["profiles.svg"];
     for heading in ["row 32, in focal region 1", "row 21, in focal region 2"] {
@@ -281,7 +283,7 @@ fn numbers_hold_every_arrangement_with_units() {
     let outcome = synthetic::outcome();
     let files = files(&outcome);
     let csv = &files["numbers.csv"];
-    assert!(csv.starts_with("name,kind,seed,spheres,focal_mean_J,protected_mean_J,contrast,"));
+    assert!(csv.starts_with("name,kind,seed,focal_mean_J,protected_mean_J,contrast,"));
     assert_eq!(csv.lines().count(), 1 + outcome.arrangements.len());
     let numbers: serde_json::Value = serde_json::from_str(&files["numbers.json"]).unwrap();
     assert_eq!(numbers["format"], 1);

@@ -2,8 +2,9 @@
 //! alone (tests/data), and smooth or scattered stand-ins for what was not recorded there.
 
 use granulens::lattice::{HexagonalSheet, Site};
+use granulens::layout::{Amount, Bill};
 use granulens::lens::Prescription;
-use granulens::outcome::{ArrangementOutcome, FORMAT, Manifest, Outcome, Proposal, Scores, SphereRecord};
+use granulens::outcome::{ArrangementOutcome, FORMAT, Manifest, Method, Outcome, Proposal, Scores, SphereRecord};
 use granulens::target::{Region, Target};
 
 /// Sphere diameter [m].
@@ -49,7 +50,11 @@ pub fn outcome() -> Outcome {
         half_width: 16.5 * D,
         target,
         materials: vec!["stainless-440c".to_owned(), "brass-260".to_owned()],
-        proposal: Some(proposal(all[0].spheres)),
+        reference: Some("brass-260".to_owned()),
+        is_published: true,
+        forces: Vec::new(),
+        verdict: Vec::new(),
+        proposal: Some(proposal()),
         arrangements: all,
         warnings: vec!["the law used creates up to 6 % of energy in weak contacts; here 2.4e-4 of 674 J".to_owned()],
         sites,
@@ -140,25 +145,25 @@ fn arrangement(
         name: seed.map_or(kind.to_owned(), |seed| format!("{kind}-{seed}")),
         kind: kind.to_owned(),
         seed,
-        spheres: layout.iter().filter(|&&m| m == 1).count(),
         scores: Scores {
             focal_mean,
-            foci: Vec::new(),
-            balance: None,
             protected_mean,
             contrast: Some(focal_mean / protected_mean),
-            focal_gain: None,
-            protection: None,
-            protected_ratio: None,
-            work_in: 734.334_819,
-            kinetic: 734.334_819 - dissipated - 0.903_698,
-            stored: 0.903_698,
-            dissipated,
-            residual: 1.2e-5,
-            eq_5_6: dissipated * 1.388,
-            exit_momentum: 0.4 * focal_mean,
-            exit_force: 3580.0 * focal_mean,
+            work_in: Some(734.334_819),
+            kinetic: Some(734.334_819 - dissipated - 0.903_698),
+            stored: Some(0.903_698),
+            dissipated: Some(dissipated),
+            dissipation: Some(dissipated / 734.334_819),
+            residual: Some(1.2e-5),
+            eq_5_6: Some(dissipated * 1.388),
+            far_momentum: Some(0.4 * focal_mean),
+            far_force: Some(3580.0 * focal_mean),
+            half_spheres: Some(layout.iter().filter(|&&m| m == 1).count() as u64),
+            piece_spheres: Some(2 * layout.iter().filter(|&&m| m == 1).count() as u64),
+            ..Scores::default()
         },
+        over_forces: None,
+        simulated: None,
         layout,
         record,
         stop: None,
@@ -169,17 +174,20 @@ fn manifest() -> Manifest {
     Manifest {
         format: 1,
         name: "thesis-lens".to_owned(),
-        version: "0.1.0".to_owned(),
+        method: Method {
+            version: "0.1.0".to_owned(),
+            commit: "0123456789ab".to_owned(),
+            law: "thesis".to_owned(),
+            constants: "code of appendix A.2.1".to_owned(),
+            integrator: "verlet".to_owned(),
+            step_s: 1e-7,
+            step_reason: "holds F and P to 0.1 %".to_owned(),
+            window_s: 350e-6,
+            window_reason: "far edge of the regions and 10 rows at 791 m/s, and 120 us".to_owned(),
+        },
         design_file: "designs/thesis-lens.toml".to_owned(),
         design: "format = 1\nname = \"thesis-lens\"\n\n[impact]\nkind = \"force-pulse\"\nforce = \"26 kN\"\nduration = \"20 us\"\n".to_owned(),
         impact: "26 kN for 20 us on every sphere of row 1".to_owned(),
-        law: "thesis".to_owned(),
-        constants: "code of appendix A.2.1".to_owned(),
-        integrator: "verlet".to_owned(),
-        step_s: 1e-7,
-        step_reason: "holds F and P to 0.1 %".to_owned(),
-        window_s: 350e-6,
-        window_reason: "far edge of the regions and 10 rows at 791 m/s, and 120 us".to_owned(),
         seeds: [1, 5],
         threads: 2,
         started_unix_s: 1_767_225_599,
@@ -188,7 +196,7 @@ fn manifest() -> Manifest {
 }
 
 /// Rays bent once at the curved face by Snell's law with the wave-speed bounds, and once more at the flat one.
-fn proposal(spheres: usize) -> Proposal {
+fn proposal() -> Proposal {
     let (host, lens) = (1344.7, 791.1);
     let (apex, back, end) = (4.0 * SPACING, 15.0 * SPACING, 49.0 * SPACING);
     let radius = 16.5 / 60_f64.to_radians().sin();
@@ -221,14 +229,13 @@ fn proposal(spheres: usize) -> Proposal {
             thickness: 11.0 * SPACING * D,
             focal_length: Some(0.17),
         },
-        spheres,
         fraction: 0.41,
         fraction_without: 0.152,
         crossing: [Some(0.262), Some(0.148)],
         protected: [0.02, 0.27],
-        counts: vec![1405, 261],
-        mass: 0.298,
-        cost: None,
+        materials: ["stainless-440c", "brass-260"].map(str::to_owned).to_vec(),
+        piece: Bill { counts: vec![1397, 278], amount: Amount { spheres: 278, mass: 1.75, cost: None } },
+        half: Bill { counts: vec![711, 139], amount: Amount { spheres: 139, mass: 0.86, cost: None } },
         arrival: Some([1.7e-4, 1.8e-4]),
         predicted_gain: Some(2.5),
         parts: Vec::new(),

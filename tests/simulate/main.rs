@@ -7,6 +7,7 @@
 //! - `intruders`: bodies that strike, layouts as patterns, springs and dashpots
 //! - `refusals`: what a wrong rig file hears
 
+mod felt;
 mod intruders;
 mod records;
 mod refusals;

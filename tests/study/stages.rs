@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use granulens::study::{Entry, Over, Study, Summary};
+use granulens::study::{Entry, Over, Study, summary};
 
 use crate::{Desk, STAGED, evaluator};
 
@@ -13,24 +13,23 @@ fn several_impacts_are_scored_as_each_by_itself() {
     let study = desk.study();
     let layouts: Vec<Vec<u8>> = study.first().iter().map(|choice| study.layout(choice).materials).collect();
     let never = AtomicBool::new(false);
-    let together = evaluator(&study).marks(&layouts, &never).unwrap();
+    let together = evaluator(&study).scores(&layouts, &never).unwrap();
     for (k, impact) in study.impacts.iter().enumerate() {
         let alone = Study { impacts: vec![*impact], ..study.clone() };
-        let marks = evaluator(&alone).marks(&layouts, &never).unwrap();
-        for (both, one) in together.iter().zip(&marks) {
+        let runs = evaluator(&alone).scores(&layouts, &never).unwrap();
+        for (both, one) in together.iter().zip(&runs) {
             assert_eq!((both.len(), one.len()), (2, 1));
             assert_eq!(both[k], one[0]);
         }
     }
     assert_ne!(together[0][0], together[0][1]);
     // The mean of two, and the worse of two.
-    let entry = Entry::new(String::new(), String::new(), &together[0]);
-    let fabric = study.loom.fabric(&layouts[0]);
-    let contrast = |k: usize| together[0][k].contrast.unwrap();
-    assert_eq!(Summary::new(&study, &entry, fabric).contrast, Some((contrast(0) + contrast(1)) / 2.0));
-    let mut worst = study.clone();
-    worst.objective.over = Over::Worst;
-    assert_eq!(Summary::new(&worst, &entry, fabric).contrast, Some(contrast(0).min(contrast(1))));
+    let entry = Entry::new(String::new(), String::new(), &study.by_impact(&together[0]));
+    let stats = study.counter.stats(&layouts[0]);
+    let contrast = |k: usize| together[0][k].scores.contrast.unwrap();
+    let [mean, worst] = [Over::Mean, Over::Worst].map(|over| summary(&entry, &stats, over).contrast);
+    assert_eq!(mean, Some((contrast(0) + contrast(1)) / 2.0));
+    assert_eq!(worst, Some(contrast(0).min(contrast(1))));
 }
 
 /// A rung evaluates what was promoted to it, the best there is the study's, and steps agree about layouts.
@@ -52,9 +51,10 @@ fn stages_promote_the_best_and_steps_are_compared() {
     let choice = best.entry.choice(study.free.len(), 2).unwrap();
     let mut fine = study.clone();
     fine.rungs.remove(0);
-    let marks = evaluator(&fine).marks(&[study.layout(&choice).materials], &AtomicBool::new(false)).unwrap();
-    assert_eq!(best.entry.impacts[0].contrast, marks[0][0].contrast);
-    assert_eq!(best.summary.fabric, study.loom.fabric(&study.layout(&choice).materials));
+    let runs = evaluator(&fine).scores(&[study.layout(&choice).materials], &AtomicBool::new(false)).unwrap();
+    assert_eq!(best.entry.impacts[0].contrast, runs[0][0].scores.contrast);
+    let stats = study.counter.stats(&study.layout(&choice).materials);
+    assert_eq!((best.scores.half_mass, best.scores.lone), (Some(stats.half.mass), stats.lone));
 }
 
 /// Under an impact that is too strong for brass on the first row there is no Q: a study that does not ask for it goes on and
@@ -69,7 +69,7 @@ fn an_impact_too_strong_for_the_lens_material_leaves_no_protection() {
         "{:?}",
         told.warnings
     );
-    let best = state.best.unwrap().summary;
+    let best = state.best.unwrap().scores;
     assert!(best.contrast.is_some() && best.focal_gain.is_some() && best.protection.is_none());
     let desk = Desk::new(&strong.replace("[objective]", "[objective]\nprotection = { max = 2 }"));
     let refusal = desk.run().map(|_| ()).unwrap_err().to_string();

@@ -5,9 +5,10 @@ use std::sync::atomic::AtomicBool;
 
 use granulens::dem::Integrator;
 use granulens::design::Design;
-use granulens::evaluate::{Evaluator, Marks, Overrides};
+use granulens::evaluate::{Evaluated, Evaluator, Overrides};
 use granulens::layout;
 use granulens::material;
+use granulens::score::Measure;
 use granulens::study::Study;
 
 /// C, G and Q as they are quoted, at 5e-8 s.
@@ -44,9 +45,10 @@ fn stored_layouts_are_as_good_as_is_said() {
     for (step, tolerance) in [(5e-8, 1e-3), (2.5e-8, 1e-2)] {
         let overrides = Overrides { step: Some(step), window: Some(350e-6), ..Overrides::default() };
         let evaluator = Evaluator::new(&design, &[design.impact], palette.clone(), overrides, &never).unwrap();
-        for ((file, said), marks) in SAID.iter().zip(evaluator.marks(&layouts, &never).unwrap()) {
-            assert_eq!(marks[0].stop, None);
-            let found = [marks[0].contrast, marks[0].focal_gain, marks[0].protection];
+        for ((file, said), runs) in SAID.iter().zip(evaluator.scores(&layouts, &never).unwrap()) {
+            assert_eq!(runs[0].stop, None);
+            let scores = &runs[0].scores;
+            let found = [scores.contrast, scores.focal_gain, scores.protection];
             for (found, said) in found.into_iter().zip(said) {
                 let found = found.unwrap();
                 assert!((found / said - 1.0).abs() < tolerance, "{file} at {step}: {found} is not {said}");
@@ -69,11 +71,11 @@ fn a_stored_layout_stands_five_impacts() {
         ..Overrides::default()
     };
     let evaluator = Evaluator::new(&study.design, &study.cases(), layout.palette, overrides, &never).unwrap();
-    let marks = evaluator.marks(&[layout.materials], &never).unwrap().remove(0);
-    assert_eq!(marks.len(), 5);
-    assert!(marks.iter().all(|marks| marks.stop.is_none()));
-    let worst = |of: fn(&Marks) -> Option<f64>| marks.iter().map(|marks| of(marks).unwrap()).fold(f64::MAX, f64::min);
-    let found = [worst(|marks| marks.contrast), worst(|marks| marks.focal_gain)];
+    let runs: Vec<Evaluated> = evaluator.scores(&[layout.materials], &never).unwrap().remove(0);
+    assert_eq!(runs.len(), 5);
+    assert!(runs.iter().all(|run| run.stop.is_none()));
+    let worst = |measure| runs.iter().map(|run| run.scores.get(measure).unwrap()).fold(f64::MAX, f64::min);
+    let found = [worst(Measure::Contrast), worst(Measure::FocalGain)];
     for (found, said) in found.into_iter().zip(SAID_OF_FIVE) {
         assert!((found / said - 1.0).abs() < 1e-3, "{found} is not {said}");
     }

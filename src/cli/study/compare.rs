@@ -56,9 +56,9 @@ impl Compare {
             emit_json(&json!({
                 "format": granulens::outcome::FORMAT,
                 "studies": rows.iter().map(Row::json).collect::<Vec<_>>(),
-                "C": spread(&rows, |row| row.best()?.0),
-                "G": spread(&rows, |row| row.best()?.1),
-                "Q": spread(&rows, |row| row.best()?.2),
+                "contrast": spread(&rows, |row| row.best()?.0),
+                "focal_gain": spread(&rows, |row| row.best()?.1),
+                "protection": spread(&rows, |row| row.best()?.2),
             }));
         } else {
             emit(&table(&rows, same_step));
@@ -72,8 +72,8 @@ type Ratios = (Option<f64>, Option<f64>, Option<f64>);
 impl Row {
     /// C, G and Q of the best layout.
     fn best(&self) -> Option<Ratios> {
-        let summary = self.report.state.best.as_ref()?.summary;
-        Some((summary.contrast, summary.focal_gain, summary.protection))
+        let scores = &self.report.state.best.as_ref()?.scores;
+        Some((scores.contrast, scores.focal_gain, scores.protection))
     }
 
     fn methods(&self) -> String {
@@ -85,7 +85,7 @@ impl Row {
         let (contrast, gain, protection) = self.best().unwrap_or((None, None, None));
         json!({
             "folder": self.name, "methods": self.methods(), "seed": self.report.seed,
-            "evaluations": self.report.state.evaluations, "C": contrast, "G": gain, "Q": protection,
+            "evaluations": self.report.state.evaluations, "contrast": contrast, "focal_gain": gain, "protection": protection,
             "within_limits": self.report.state.best.is_some(), "evaluations_to_5_percent": self.soon,
             "sites_different_from_first": self.differs,
         })

@@ -6,7 +6,7 @@ use granulens::study::{State, Watch};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use super::words::scores;
+use super::words::of;
 use crate::cli::Common;
 use crate::cli::console::{emit, say};
 
@@ -49,7 +49,8 @@ impl Meter {
         let left = (rate > 0.0).then(|| self.budget.saturating_sub(state.evaluations) as f64 / rate);
         let best = state.found().map(|found| {
             json!({
-                "C": found.summary.contrast, "G": found.summary.focal_gain, "Q": found.summary.protection,
+                "contrast": found.scores.contrast, "focal_gain": found.scores.focal_gain,
+                "protection": found.scores.protection,
                 "loss": found.loss, "within_limits": found.within_limits,
             })
         });
@@ -87,7 +88,7 @@ impl Watch for Meter {
         }
         if let Some(best) = state.found() {
             let limits = if best.within_limits { "" } else { " (misses a limit)" };
-            self.bar.set_message(format!("best {}{limits}", scores(&best.summary)));
+            self.bar.set_message(format!("best {}{limits}", of(best)));
         }
     }
 }

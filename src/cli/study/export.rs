@@ -2,16 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
+use granulens::score::Measure;
+use granulens::study::{Found, Front, front_of};
+use serde_json::{Map, Value, json};
 
 use super::best_layout;
 use super::show::{Known, find};
 use super::table::{Table, journal};
-use super::words::scores;
-use crate::cli::Common;
+use super::words::of;
 use crate::cli::console::{emit_json, note};
 use crate::cli::failure::Failure;
 use crate::cli::folder::write_file;
+use crate::cli::{Band, Common};
 
 #[derive(clap::Args)]
 pub struct Export {
@@ -24,15 +26,29 @@ pub struct Export {
     /// granulens is built with the feature parquet
     #[arg(long, value_name = "FILE")]
     journal: Option<PathBuf>,
+    /// Write the layout at this place on the front in place of the best one: from 1 in the order of the first traded measure, best
+    /// first; only of studies that trade several
+    #[arg(long, value_name = "PLACE", requires = "layout")]
+    place: Option<usize>,
+    #[command(flatten)]
+    forces: Band,
 }
 
 impl Export {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let Known { study, rungs, best, .. } = find(&self.study, common)?;
+        let Known { study, rungs, best, .. } = find(&self.study, &self.forces, common)?;
+        let front = rungs
+            .iter()
+            .filter(|(_, rung)| !rung.ranked().is_empty())
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .and_then(|(_, rung)| front_of(&study, rung, None));
         if let Some(path) = &self.layout {
-            let best = best.ok_or_else(|| Failure::input("the journal holds no evaluation that came to its end"))?;
-            write_file(path, &best_layout(&study, &best.entry)?)?;
-            note(common, &format!("{}: {}", path.display(), scores(&best.summary)));
+            let found = match self.place {
+                None => best.ok_or_else(|| Failure::input("the journal holds no evaluation that came to its end"))?,
+                Some(place) => at(front.as_ref(), place)?,
+            };
+            write_file(path, &best_layout(&study, &found.entry)?)?;
+            note(common, &format!("{}: {}", path.display(), of(&found)));
         }
         let evaluations: usize = rungs.iter().map(|(_, rung)| rung.all().len()).sum();
         if let Some(path) = &self.journal {
@@ -40,13 +56,40 @@ impl Export {
             note(common, &format!("{}: {evaluations} evaluations", path.display()));
         }
         if common.json {
+            let front = front.map(|front| {
+                let each = |(k, found): (usize, &Found)| {
+                    let traded = front.measures.iter().filter_map(|name| Measure::find(name));
+                    let values: Map<String, Value> =
+                        traded.map(|m| (m.column().to_owned(), json!(found.scores.get(m)))).collect();
+                    json!({ "place": k + 1, "evaluation": found.evaluation, "traded": values })
+                };
+                let layouts: Vec<Value> = front.layouts.iter().enumerate().map(each).collect();
+                json!({ "measures": front.measures, "layouts": layouts })
+            });
             emit_json(&json!({
                 "format": granulens::outcome::FORMAT, "layout": self.layout, "journal": self.journal,
-                "evaluations": evaluations,
+                "evaluations": evaluations, "place": self.place, "front": front,
             }));
         }
         Ok(())
     }
+}
+
+/// The layout at a place on the front.
+fn at(front: Option<&Front>, place: usize) -> Result<Found, Failure> {
+    let Some(front) = front else {
+        return Err(Failure::input_with_help(
+            "--place: the study trades no measures, so that there is no front".to_owned(),
+            "Leave it out to export the best layout.",
+        ));
+    };
+    front.layouts.get(place.wrapping_sub(1)).cloned().ok_or_else(|| {
+        let count = front.layouts.len();
+        Failure::input_with_help(
+            format!("--place {place}: the front has {count} layouts"),
+            format!("Choose 1 to {count}."),
+        )
+    })
 }
 
 /// As the file's name says: CSV unless it ends with .parquet.

@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 use granulens::layout;
 use granulens::study::{Entry, Study as Studied};
 
-use super::Common;
 use super::failure::Failure;
+use super::{Band, Common};
 
 /// Search for the layout that a study file asks for
 ///
@@ -38,18 +38,11 @@ enum Job {
     /// Where no layout keeps the study's limits, nearest.csv takes the place of best.csv, and the exit code is 3.
     Run(run::Run),
     /// Show how many evaluations a study's journal holds, and the best of them
-    Show(Named),
+    Show(show::Show),
     /// Write a study's best layout, or its journal as a table
     Export(export::Export),
     /// Compare studies that have been run: what each came to, how fast, and how much their best layouts differ
     Compare(compare::Compare),
-}
-
-/// Which study.
-#[derive(clap::Args)]
-struct Named {
-    /// Study file
-    study: PathBuf,
 }
 
 impl Study {
@@ -61,11 +54,18 @@ impl Study {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         match self.job {
             Job::Run(run) => run.run(common),
-            Job::Show(named) => show::show(&named.study, common),
+            Job::Show(show) => show.run(common),
             Job::Export(export) => export.run(common),
             Job::Compare(compare) => compare.run(common),
         }
     }
+}
+
+/// Reads a study; seed and forces of the command line take the place of the file's.
+fn read(path: &Path, forces: &Band, common: &Common) -> Result<Studied, Failure> {
+    let mut study = Studied::read(path, common.seed)?;
+    study.forces = forces.or(study.forces)?;
+    Ok(study)
 }
 
 fn folder(common: &Common, study: &Path) -> PathBuf {

@@ -1,22 +1,23 @@
 //! `granulens study run`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use granulens::outcome::FORMAT;
-use granulens::study::{Ended, State, Study as Studied, costs, run};
+use granulens::evaluate::method;
+use granulens::outcome::{FORMAT, Method};
+use granulens::study::{Ended, State, StudyError, costs, run};
 use granulens::units::Dimension::Time;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::events::Meter;
 use super::words::words;
-use super::{best_layout, folder};
-use crate::cli::Common;
+use super::{best_layout, folder, read};
 use crate::cli::console::{emit, emit_json, interrupt, note, pretty};
 use crate::cli::cost::{Part, tell};
 use crate::cli::failure::Failure;
 use crate::cli::folder::write_file;
+use crate::cli::{Band, Common};
 
 #[derive(clap::Args)]
 pub struct Run {
@@ -25,6 +26,8 @@ pub struct Run {
     /// Print every step of the search as a line of JSON on stdout: begin, warning, batch, end
     #[arg(long)]
     events: bool,
+    #[command(flatten)]
+    forces: Band,
 }
 
 /// What `study.json` holds.
@@ -32,8 +35,18 @@ pub struct Run {
 pub struct Report {
     /// Format number of every JSON file of results.
     pub format: u32,
-    /// Version of granulens.
-    pub version: String,
+    /// With what, and how: step and window are those of the last stage.
+    #[serde(flatten)]
+    pub method: Option<Method>,
+    /// What Q and the baselines refer to.
+    #[serde(default)]
+    pub reference: Option<String>,
+    /// Forces about that of each impact, and how far the outermost lie from it.
+    #[serde(default)]
+    pub forces: usize,
+    /// As a part of it.
+    #[serde(default)]
+    pub band: f64,
     /// The study file, as it was named.
     pub study: String,
     /// Seed of everything random.
@@ -49,12 +62,13 @@ pub struct Report {
 
 impl Run {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        go(&self.study, self.events, common)
+        go(&self, common)
     }
 }
 
-fn go(path: &Path, events: bool, common: &Common) -> Result<(), Failure> {
-    let study = Studied::read(path, common.seed)?;
+fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
+    let (path, events) = (asked.study.as_path(), asked.events);
+    let study = read(path, &asked.forces, common)?;
     if common.dry_run {
         let parts: Vec<Part> = costs(&study, interrupt())?
             .iter()
@@ -72,9 +86,13 @@ fn go(path: &Path, events: bool, common: &Common) -> Result<(), Failure> {
     meter.finish();
     let seconds = begun.elapsed().as_secs_f64();
     let simulated = meter.simulated;
+    let last = study.stages.last().map_or(0, |stage| stage.rung);
     let report = Report {
         format: FORMAT,
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        method: Some(method(&study.design, &study.plan(last).map_err(StudyError::from)?)),
+        reference: study.design.reference().map(|material| material.name.clone()),
+        forces: study.forces.count(),
+        band: study.forces.band(),
         study: path.display().to_string(),
         seed: study.seed,
         sites: study.free.len(),

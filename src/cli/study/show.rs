@@ -1,18 +1,18 @@
 //! `granulens study show`: what a journal holds.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use granulens::search::Proof;
 use granulens::study::{Found, Journal, Key, Rung, Study as Studied, StudyError};
 use granulens::units::Dimension::Time;
 use serde_json::json;
 
-use super::folder;
-use super::words::scores;
-use crate::cli::Common;
+use super::words::of;
+use super::{folder, read};
 use crate::cli::console::{emit, emit_json, note};
 use crate::cli::failure::Failure;
+use crate::cli::{Band, Common};
 
 /// What a study's journal holds: its entries at each step, and the best at the finest.
 pub struct Known {
@@ -24,8 +24,16 @@ pub struct Known {
     warnings: Vec<String>,
 }
 
-pub fn find(path: &Path, common: &Common) -> Result<Known, Failure> {
-    let study = Studied::read(path, common.seed)?;
+#[derive(clap::Args)]
+pub struct Show {
+    /// Study file
+    study: PathBuf,
+    #[command(flatten)]
+    forces: Band,
+}
+
+pub fn find(path: &Path, forces: &Band, common: &Common) -> Result<Known, Failure> {
+    let study = read(path, forces, common)?;
     let loaded = Journal::read(&folder(common, path).join("journal.jsonl"))?;
     let mut rungs = Vec::new();
     let mut own = 0;
@@ -53,8 +61,14 @@ pub fn find(path: &Path, common: &Common) -> Result<Known, Failure> {
     Ok(Known { study, rungs, best, others, warnings: loaded.warnings })
 }
 
-pub fn show(path: &Path, common: &Common) -> Result<(), Failure> {
-    let Known { study, rungs, best, others, warnings } = find(path, common)?;
+impl Show {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        show(&self, common)
+    }
+}
+
+fn show(asked: &Show, common: &Common) -> Result<(), Failure> {
+    let Known { study, rungs, best, others, warnings } = find(&asked.study, &asked.forces, common)?;
     let evaluations: usize = rungs.iter().map(|(_, rung)| rung.all().len()).sum();
     if common.json {
         emit_json(&json!({
@@ -74,7 +88,7 @@ pub fn show(path: &Path, common: &Common) -> Result<(), Failure> {
     }
     if let Some(best) = best {
         let limits = if best.within_limits { "within the limits" } else { "MISSES A LIMIT" };
-        let _ = writeln!(text, "best   {}  evaluation {}, {limits}", scores(&best.summary), best.evaluation);
+        let _ = writeln!(text, "best   {}  evaluation {}, {limits}", of(&best), best.evaluation);
     }
     emit(&text);
     Ok(())

@@ -1,6 +1,7 @@
 //! A journal as a table: a line for each evaluation and each case it was judged by.
 
-use granulens::study::{Rung, Scored, Study};
+use granulens::score::{Measure, Needs, Scores, Unit};
+use granulens::study::{Rung, Study};
 
 /// The values of a column.
 enum Column {
@@ -18,7 +19,7 @@ struct Line<'a> {
     evaluation: usize,
     crystal: usize,
     case: &'a granulens::evaluate::Case,
-    scored: &'a Scored,
+    scores: Scores,
     judged: &'a granulens::study::Judged,
 }
 
@@ -29,10 +30,13 @@ pub fn journal(study: &Study, rungs: &[(f64, Rung)]) -> Table {
         .iter()
         .flat_map(|(step, rung)| rung.all().iter().enumerate().map(move |(k, judged)| (*step, k + 1, judged)))
         .flat_map(|(step, evaluation, judged)| {
-            let places = cases.iter().zip(&judged.entry.impacts).enumerate();
-            places.map(move |(place, (case, scored))| {
+            // Of several forces the line has the first, and scores over all of them.
+            let places = cases.iter().step_by(study.forces.count()).zip(&judged.entry.impacts).enumerate();
+            places.map(move |(place, (case, scores))| {
                 let crystal = place / study.impacts.len();
-                Line { step, evaluation, crystal, case, scored, judged }
+                let mut scores = scores.clone();
+                scores.add_layout(&judged.stats);
+                Line { step, evaluation, crystal, case, scores, judged }
             })
         })
         .collect();
@@ -42,7 +46,23 @@ pub fn journal(study: &Study, rungs: &[(f64, Rung)]) -> Table {
     };
     let number = |of: &dyn Fn(&Line) -> f64| maybe(&|line| Some(of(line)));
     let text = |of: &dyn Fn(&Line) -> Option<String>| Column::Text(lines.iter().map(of).collect());
-    Table(vec![
+    let value = |measure: Measure| {
+        let number = |line: &Line| line.scores.get(measure);
+        match measure.unit() {
+            Unit::Count => (measure.column(), whole(&|line| number(line).unwrap_or_default() as u64)),
+            _ => (measure.column(), maybe(&number)),
+        }
+    };
+    // Ledgers are not kept, and a ratio to the first has no first.
+    let kept = |measure: &&Measure| {
+        let ledger = measure.needs() == Needs::Records && measure.unit() == Unit::Joule;
+        !ledger && !matches!(measure, Measure::ProtectedRatio | Measure::Residual)
+    };
+    let measures = |layout: bool| {
+        let of = move |measure: &&Measure| (measure.needs() == Needs::Layout) == layout;
+        Measure::ALL.iter().filter(kept).filter(of).map(|&measure| value(measure)).collect::<Vec<_>>()
+    };
+    let mut table = vec![
         ("step_s", number(&|line| line.step)),
         ("evaluation", whole(&|line| line.evaluation as u64)),
         ("crystal", whole(&|line| line.crystal as u64)),
@@ -51,31 +71,14 @@ pub fn journal(study: &Study, rungs: &[(f64, Rung)]) -> Table {
         ("angle_rad", number(&|line| line.case.blow.angle)),
         ("x_from_m", maybe(&|line| Some(line.case.blow.place?[0]))),
         ("x_to_m", maybe(&|line| Some(line.case.blow.place?[1]))),
-        ("F_J", number(&|line| line.scored.focal_mean)),
-        ("P_J", number(&|line| line.scored.protected_mean)),
-        ("C", maybe(&|line| line.scored.contrast)),
-        ("G", maybe(&|line| line.scored.focal_gain)),
-        ("Q", maybe(&|line| line.scored.protection)),
-        ("Q_best", maybe(&|line| line.scored.against_best)),
-        ("focal_momentum_kg_m_s", maybe(&|line| Some(line.scored.felt?.momentum[0]))),
-        ("protected_momentum_kg_m_s", maybe(&|line| Some(line.scored.felt?.momentum[1]))),
-        ("focal_force_N", maybe(&|line| Some(line.scored.felt?.force[0]))),
-        ("protected_force_N", maybe(&|line| Some(line.scored.felt?.force[1]))),
-        ("focal_arrival_s", maybe(&|line| line.scored.felt?.arrival[0])),
-        ("protected_arrival_s", maybe(&|line| line.scored.felt?.arrival[1])),
-        ("far_momentum_kg_m_s", maybe(&|line| Some(line.scored.felt?.far_momentum))),
-        ("far_force_N", maybe(&|line| Some(line.scored.felt?.far_force))),
-        ("dissipation", maybe(&|line| Some(line.scored.felt?.dissipation))),
-        ("loss", number(&|line| line.judged.loss.total)),
-        ("miss", number(&|line| line.judged.loss.miss)),
-        ("mass_kg", number(&|line| line.judged.fabric.mass)),
-        ("cost", number(&|line| line.judged.fabric.cost)),
-        ("spheres", whole(&|line| line.judged.fabric.spheres)),
-        ("lone", whole(&|line| line.judged.fabric.lone)),
-        ("islands", whole(&|line| line.judged.fabric.islands)),
-        ("stop", text(&|line| line.judged.entry.stop.clone())),
-        ("layout", text(&|line| Some(line.judged.entry.layout.clone()))),
-    ])
+    ];
+    table.extend(measures(false));
+    table.push(("loss", number(&|line| line.judged.loss.total)));
+    table.push(("miss", number(&|line| line.judged.loss.miss)));
+    table.extend(measures(true));
+    table.push(("stop", text(&|line| line.judged.entry.stop.clone())));
+    table.push(("layout", text(&|line| Some(line.judged.entry.layout.clone()))));
+    Table(table)
 }
 
 impl Column {

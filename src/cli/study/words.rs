@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
-use granulens::study::{
-    BaselineScores, Ended, Fabric, Found, GlanceState, Loses, Quantiles, Spread, StageState, State, Summary,
-};
+use granulens::score::{Measure, Scores, Spreads};
+use granulens::study::{BaselineScores, Ended, Found, GlanceState, Loses, Quantiles, Spread, StageState, State};
 use granulens::units::Dimension::Time;
 
 /// What a study has come to.
@@ -18,18 +17,18 @@ pub fn words(state: &State) -> String {
     });
     if state.stages.len() > 1 {
         for stage in &state.stages {
-            let best = stage.best.as_ref().map_or_else(|| "-".to_owned(), scores);
+            let best = stage.best.as_ref().map_or_else(|| "-".to_owned(), |best| scores(best, None));
             let missed = if stage.within_limits { "" } else { "  (misses a limit)" };
             let StageState { method, evaluations, .. } = stage;
             let _ = writeln!(text, "  {method:13} {:>8} {evaluations:>7}  {best}{missed}", Time.show(stage.step));
         }
     }
     if let Some(start) = &state.start {
-        let _ = writeln!(text, "start  {}", scores(&start.summary));
+        let _ = writeln!(text, "start  {}", of(start));
     }
     if let Some(best) = state.found() {
         let name = if best.within_limits { "best  " } else { "none within the limits; the nearest to them" };
-        let _ = writeln!(text, "{name} {}", scores(&best.summary));
+        let _ = writeln!(text, "{name} {}", of(best));
         let _ = writeln!(text, "       {}", remarks(best));
     }
     if state.rungs.len() > 1 {
@@ -61,8 +60,15 @@ pub fn words(state: &State) -> String {
             front.measures.join(" and "),
             front.layouts.len()
         );
-        if let Some(knee) = front.knee.and_then(|knee| front.layouts.get(knee)) {
-            let _ = writeln!(text, "  knee {}", scores(&knee.summary));
+        let traded: Vec<Measure> = front.measures.iter().filter_map(|name| Measure::find(name)).collect();
+        for (place, found) in front.layouts.iter().enumerate() {
+            let value = |measure: &Measure| {
+                let value = found.scores.get(*measure).unwrap_or(f64::NAN);
+                format!("{} {value:.4}", measure.symbol()).trim_end().to_owned()
+            };
+            let values: Vec<String> = traded.iter().map(value).collect();
+            let knee = if front.knee == Some(place) { "  (knee)" } else { "" };
+            let _ = writeln!(text, "  place {:3}  {}{knee}", place + 1, values.join("  "));
         }
     }
     if let Some(loses) = &state.tolerance {
@@ -105,11 +111,32 @@ fn remarks(best: &Found) -> String {
         (true, _) => "; no flip of one sphere improves it (1-opt)",
         _ => "",
     };
-    let Fabric { spheres, lone, .. } = best.summary.fabric;
-    format!("evaluation {}, {limits}{proof}; {spheres} spheres not of the host, {lone} alone", best.evaluation)
+    let count = |measure: Measure| best.scores.get(measure).unwrap_or_default();
+    format!(
+        "evaluation {}, {limits}{proof}; {} spheres of the piece not of the host, {} of the half's alone",
+        best.evaluation,
+        count(Measure::PieceSpheres),
+        count(Measure::Lone)
+    )
 }
 
-pub fn scores(summary: &Summary) -> String {
-    let show = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.4}"));
-    format!("C {}  G {}  Q {}", show(summary.contrast), show(summary.focal_gain), show(summary.protection))
+/// C, G and Q of a layout that was found, with the spread of a single force's where there are several.
+pub fn of(found: &Found) -> String {
+    // Of several impacts each has a spread of its own.
+    let spread = match &found.entry.over_forces[..] {
+        [one] => Some(one),
+        _ => None,
+    };
+    scores(&found.scores, spread)
+}
+
+/// C, G and Q.
+fn scores(scores: &Scores, spreads: Option<&Spreads>) -> String {
+    let show = |measure: Measure| {
+        let spread = spreads.and_then(|spreads| spreads.deviation(measure));
+        let spread = spread.map_or(String::new(), |spread| format!(" ± {spread:.4}"));
+        scores.get(measure).map_or_else(|| "-".to_owned(), |value| format!("{value:.4}{spread}"))
+    };
+    let each = [Measure::Contrast, Measure::FocalGain, Measure::Protection];
+    each.map(|measure| format!("{} {}", measure.symbol(), show(measure))).join("  ")
 }

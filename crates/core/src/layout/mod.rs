@@ -1,10 +1,13 @@
 //! Which material sits on which site, and what lenses are compared with.
 //!
 //! - `baseline`: flat strips, uniform crystals and random mixtures
+//! - `count`: spheres, mass and price of the piece to be built and of the simulated half
 
 mod baseline;
+mod count;
 
 pub use baseline::{Baseline, random_choice};
+pub use count::{Amount, Bill, LayoutCounter, LayoutStats};
 
 use crate::lattice::{HexagonalSheet, Site};
 use crate::material::Material;

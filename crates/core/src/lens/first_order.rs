@@ -1,10 +1,6 @@
 //! Data of first order: what a reader wants to know of a lens before anything is simulated.
 
-use std::collections::BTreeMap;
-
 use serde::{Deserialize, Serialize};
-
-use crate::material::Material;
 
 /// Where a lens, or a part of one, lies and how it is shaped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,25 +31,12 @@ pub struct Prescription {
     pub focal_length: Option<f64>,
 }
 
-/// What is known of a lens besides, from its sites and its rays.
+/// What is known of a lens besides, from its rays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirstOrder {
-    /// Number of spheres of each material of the palette in the whole piece, both halves.
-    pub counts: Vec<usize>,
-    /// Mass of everything but the host in the whole piece (kg).
-    pub mass: f64,
     /// Earliest and latest time (s) at which rays come to the middle row of a focal region within it.
     pub arrival: Option<[f64; 2]>,
     /// How many times more rays pass the focal region than without a lens, less what faces reflect: the fraction's gain times
     /// 4 Z Z′/(Z + Z′)² for each of two faces, Z = ρ V. It knows nothing of decay, which in metals outweighs it.
     pub gain: Option<f64>,
-}
-
-impl FirstOrder {
-    /// What the spheres of the whole piece cost, host included, at `prices` of one sphere by the name of its material; none where the
-    /// price of a material that occurs is missing.
-    pub fn cost(&self, palette: &[Material], prices: &BTreeMap<String, f64>) -> Option<f64> {
-        let used = palette.iter().zip(&self.counts).filter(|(_, count)| **count > 0);
-        used.map(|(material, &count)| Some(count as f64 * prices.get(&material.name)?)).sum()
-    }
 }

@@ -167,13 +167,9 @@ impl Lens {
             .collect();
         let arrivals = foci.iter().filter_map(|focus| focus.arrival);
         let first_order = FirstOrder {
-            counts: counts(lattice, &palette, &materials),
-            mass: 0.0,
             arrival: arrivals.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]),
             gain: gain(&palette, &speeds, fraction, fraction_without),
         };
-        let mass =
-            (1..palette.len()).map(|k| first_order.counts[k] as f64 * palette[k].sphere_mass(lattice.diameter())).sum();
         let crossing = if by_fan {
             let bench = shape.bench(lattice, problem.speeds);
             let paraxial = shape.paraxial_crossing(lattice, problem.speeds).filter(|&depth| depth <= bench.end);
@@ -220,7 +216,7 @@ impl Lens {
             fraction_without,
             protected,
             crossing,
-            first_order: FirstOrder { mass, ..first_order },
+            first_order,
             warnings,
             palette,
             materials,
@@ -323,17 +319,6 @@ fn cell(form: &Form, palette: usize, [x, z]: [f64; 2], diameter: f64, half_width
     let lens: f64 = parts.iter().sum();
     parts[0] = whole - lens;
     parts.iter().map(|part| part / whole).collect()
-}
-
-/// Spheres of each material in both halves: those on a mirror line once.
-fn counts(lattice: &HexagonalSheet, palette: &[Material], materials: &[u8]) -> Vec<usize> {
-    let mut counts = vec![0; palette.len()];
-    let slack = 1e-9 * lattice.diameter();
-    for (site, &material) in lattice.sites().iter().zip(materials) {
-        let on_mirror = site.x < slack || site.x > lattice.half_width() - slack;
-        counts[usize::from(material)] += if on_mirror { 1 } else { 2 };
-    }
-    counts
 }
 
 /// Slope of a ray beside the lens's axis where it has left the lens.

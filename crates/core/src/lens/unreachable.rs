@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Family;
-use super::problem::{Candidate, Problem};
+use super::problem::{Candidate, LEAST_GAIN, Problem};
 use super::solve::Grid;
 use crate::units::Dimension::{Angle, Length};
 
@@ -67,7 +67,8 @@ pub struct Nearest {
     pub fraction: f64,
 }
 
-/// No lens within the limits sends more through the focal region than straight rays do.
+/// No lens within the limits serves the target: it sends less than 1 % of the struck width more through the focal region than straight
+/// rays do, or its material is not slower than its host, so that its faces spread a wave that they are to gather.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unreachable {
     /// Family of the lens.
@@ -84,6 +85,8 @@ pub struct Unreachable {
     pub fraction: Option<f64>,
     /// Fraction without a lens.
     pub fraction_without: f64,
+    /// Whether the material is slower than the host, or the family does not gather: otherwise fractions have no say.
+    pub may_gather: bool,
     /// Each of these limits, relaxed alone, would make the target reachable; if none would, the least set that does
     /// together.
     pub binding: Vec<Limit>,
@@ -99,9 +102,19 @@ impl fmt::Display for Unreachable {
         if let Some(focus) = self.focus {
             write!(f, "focus {}: ", focus + 1)?;
         }
+        if let ([reason], false) = (&self.binding[..], self.may_gather) {
+            // What such a lens sends through a region off the axis it has spread, and rays would count it as a success.
+            return write!(
+                f,
+                "unreachable: a {} lens of {} gathers nothing, since {reason}. Ask for a slower material, or for a family that spreads \
+                 or turns: plano-concave, prism.",
+                self.family.name(),
+                self.material
+            );
+        }
         write!(
             f,
-            "unreachable: no allowed {} of {} sends more of {} {} {low} to {high} off the axis at row {} than \
+            "unreachable: no allowed {} of {} sends at least {:.0} % more of {} {} {low} to {high} off the axis at row {} than \
              straight rays do ({:.1} %",
             match (self.family, self.focus) {
                 (Family::Shield, _) => "shield",
@@ -109,6 +122,7 @@ impl fmt::Display for Unreachable {
                 (_, Some(_)) => "part of a lens",
             },
             self.material,
+            100.0 * LEAST_GAIN,
             if self.focus.is_some() { "its strip" } else { "the struck width" },
             if self.family == Family::Shield { "past" } else { "through" },
             self.mid_row,
@@ -150,6 +164,7 @@ impl Unreachable {
             mid_row: problem.mid_row,
             fraction: best.map(|candidate| candidate.fraction),
             fraction_without: problem.without(),
+            may_gather: comparable,
             binding: if comparable { binding(problem) } else { vec![speed_ratio(problem)] },
             nearest: if comparable { nearest(problem) } else { None },
         }

@@ -71,7 +71,8 @@ fn compared() -> &'static Compared {
         let lens = layout(is_lens);
         let solve = |layout: &Layout| energies(layout, LawKind::Thesis, 26e3, 250e-6);
         // Fifty seeds of each random kind.
-        let baselines = Baseline::set(1, 50).into_par_iter().map(|b| (b, solve(&b.layout(&lens, [5, 16])))).collect();
+        let baselines =
+            Baseline::set(1, 50).into_par_iter().map(|b| (b, solve(&b.layout(&lens, [5, 16], 1)))).collect();
         Compared { energies: solve(&lens), lens, baselines }
     })
 }
@@ -211,7 +212,7 @@ fn two_published_claims_do_not_hold() {
     let gain = focal(&all.lens, &all.energies) / focal(&all.lens, all.of(Baseline::AllHost));
     assert!((gain - 0.907).abs() < 0.002, "{gain}");
     // The wave in brass reaches row 42 only after 250 µs.
-    let brass = Baseline::AllLens.layout(&all.lens, [5, 16]);
+    let brass = Baseline::AllLens.layout(&all.lens, [5, 16], 1);
     let solve = |layout: &Layout| row(layout, &energies(layout, LawKind::Thesis, 26e3, 350e-6), 42);
     let (behind, brass) = (solve(&all.lens), solve(&brass));
     let lower = behind.iter().zip(&brass).filter(|(lens, brass)| lens < brass).count();

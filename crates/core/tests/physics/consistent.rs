@@ -284,7 +284,7 @@ fn the_order_of_arrangements_does_not_depend_on_the_law() {
     use granulens_core::layout::Baseline;
     let lens = layout(is_lens);
     let others = [Baseline::AllHost, Baseline::FlatSameCount, Baseline::FlatSameHeight, Baseline::AllLens];
-    let mut arrangements: Vec<Layout> = others.into_iter().map(|baseline| baseline.layout(&lens, [5, 16])).collect();
+    let mut arrangements: Vec<Layout> = others.into_iter().map(|baseline| baseline.layout(&lens, [5, 16], 1)).collect();
     arrangements.insert(1, lens);
     let focal = |law| -> Vec<f64> {
         arrangements.par_iter().map(|layout| scores(&solve(layout, |i| i.law = law), layout)[0]).collect()

@@ -22,7 +22,7 @@ use reference::material;
 
 fn designs() -> Vec<Sample<2>> {
     let lens = layout(is_lens);
-    let mut layouts: Vec<Layout> = Baseline::set(1, 3).into_iter().map(|b| b.layout(&lens, [5, 16])).collect();
+    let mut layouts: Vec<Layout> = Baseline::set(1, 3).into_iter().map(|b| b.layout(&lens, [5, 16], 1)).collect();
     layouts.insert(0, lens);
     // A third material, so that tables and palettes differ between the designs of a group.
     let mut aluminium = layouts[3].clone();

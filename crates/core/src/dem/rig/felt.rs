@@ -39,11 +39,11 @@ pub(super) struct Felt {
     pub moved_before: Vec<f64>,
 }
 
-/// Square of the net contact force (N²) on the simulated part of a sphere.
+/// Square of the net contact force (N²) on the whole of a sphere, also where only a part of it is simulated.
 pub(super) fn net_force_squared<const D: usize>(i: usize, bodies: &Bodies<D>, sums: &Sums<D>) -> f64 {
     // Across a mirror that a sphere lies on its other half pushes back.
-    let mirrored = bodies.weight[i] < 1.0;
-    let felt = |k: usize| if mirrored && bodies.inverse_mass[i][k] == 0.0 { 0.0 } else { sums.force[i][k] };
+    let part = bodies.weight[i];
+    let felt = |k: usize| if part < 1.0 && bodies.inverse_mass[i][k] == 0.0 { 0.0 } else { sums.force[i][k] / part };
     let force: [f64; D] = std::array::from_fn(felt);
     dot(&force, &force)
 }

@@ -38,7 +38,7 @@ pub fn simulate_as_rig<const D: usize>(
         rig.velocity[i][D - 1] = speed;
     }
     let mass = rig.mass.clone();
-    let step = if impact.integrator == Integrator::Adams { 0.5 * impact.step } else { impact.step };
+    let step = rig_step(impact.integrator, impact.step);
     let mut simulation = Simulation::new(rig, step)?.watching(vec![Arrival::OwnMaximum(0.01)]);
     let (mut exit_momentum, mut exit_force) = (0.0_f64, 0.0_f64);
     let stop = simulation
@@ -63,8 +63,7 @@ pub fn simulate_as_rig<const D: usize>(
     let view = simulation.view();
     Ok(Record {
         max_kinetic: (0..spheres).zip(simulation.greatest_speed()).map(|(i, v)| 0.5 * mass[i] * v * v).collect(),
-        // The force on the simulated part is that part of the force on the whole.
-        max_net_force: (0..spheres).zip(simulation.greatest_force()).map(|(i, force)| force / view.part(i)).collect(),
+        max_net_force: simulation.greatest_force(),
         max_contact_force,
         arrival: simulation.arrivals(0),
         dissipated: simulation.dissipated(),
@@ -84,6 +83,11 @@ pub fn simulate_as_rig<const D: usize>(
         missed_contact: None,
         stop: stop.map(translate),
     })
+}
+
+/// The step (s) by which a rig, which knows velocity Verlet only, follows what was planned for an integrator and a step.
+pub fn rig_step(integrator: Integrator, step: f64) -> f64 {
+    if integrator == Integrator::Adams { 0.5 * step } else { step }
 }
 
 /// A rig's guard in the words of an impact; on a crystal without flats every body is a sphere.

@@ -45,7 +45,7 @@ pub use curve::{Curve, CurveError};
 pub use felt::Arrival;
 pub use flat::{Face, Flat};
 pub use guard::RigStop;
-pub use impact::simulate_as_rig;
+pub use impact::{rig_step, simulate_as_rig};
 pub use law::{Friction, Law, LawBook, Spring, SpringDashpot};
 pub use ledger::EnergyLedger;
 pub use simulation::Simulation;

@@ -80,8 +80,8 @@ impl<const D: usize> View<'_, D> {
     pub fn net_force(&self, sphere: usize) -> [f64; D] {
         self.engine.sums().force[sphere]
     }
-    /// Size of the net contact force (N) on the simulated part of a sphere; across a mirror that it lies on its other half
-    /// pushes back.
+    /// Size of the net contact force (N) on the whole of a sphere, also where only a part of it is simulated; across a mirror that it
+    /// lies on its other half pushes back.
     pub fn net_force_size(&self, sphere: usize) -> f64 {
         net_force_squared(sphere, self.engine.bodies(), self.engine.sums()).sqrt()
     }

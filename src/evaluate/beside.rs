@@ -1,0 +1,79 @@
+//! One layout beside the uniform crystals that G and Q refer to: what `check` says of it, in the numbers of `compare`.
+
+use std::sync::atomic::AtomicBool;
+
+use rayon::prelude::*;
+
+use super::forces::under_forces;
+use super::{EvaluateError, Evaluation, EvaluatorError, Forces, Plan, evaluate};
+use crate::dem::Stop;
+use crate::design::Design;
+use crate::layout::{Baseline, Layout};
+use crate::score::{Scores, Spreads, over_forces};
+
+/// A layout with G and Q.
+#[derive(Clone, Debug)]
+pub struct Beside {
+    /// The layout's own run, at the design's own force.
+    pub evaluation: Evaluation,
+    /// Uniform crystals that a guard stopped, and why: ratios to them are not there.
+    pub stopped: Vec<(String, Stop)>,
+    /// The forces that the layout was judged over (N); none with the design's own alone.
+    pub forces: Vec<f64>,
+    /// The scores over these, and how they scatter; none where a guard stopped one of the runs.
+    pub over_forces: Option<(Scores, Spreads)>,
+}
+
+/// Where in a layout's palette stands what the design's Q refers to; it joins the palette where it is not there.
+pub(super) fn reference(design: &Design, layout: &mut Layout) -> Option<u8> {
+    let reference = design.reference()?;
+    let place = layout.palette.iter().position(|material| material == reference).unwrap_or_else(|| {
+        layout.palette.push(reference.clone());
+        layout.palette.len() - 1
+    });
+    u8::try_from(place).ok()
+}
+
+/// Evaluates a layout beside the crystals of the host and of the design's lens material alone, which `compare` has among its
+/// baselines.
+///
+/// # Errors
+/// See [`EvaluatorError`].
+pub fn beside_uniform(
+    design: &Design,
+    layout: &Layout,
+    plan: &Plan,
+    forces: Forces,
+    interrupt: &AtomicBool,
+) -> Result<Beside, EvaluatorError> {
+    let mut subject = layout.clone();
+    let reference = reference(design, &mut subject);
+    let kinds = std::iter::once((Baseline::AllHost, 0)).chain(reference.map(|material| (Baseline::AllLens, material)));
+    let (names, baselines): (Vec<String>, Vec<Layout>) =
+        kinds.map(|(kind, material)| (kind.name(), kind.layout(&subject, [1, 1], material))).unzip();
+    let layouts: Vec<&Layout> = std::iter::once(&subject).chain(&baselines).collect();
+    let runs = layouts
+        .par_iter()
+        .map(|layout| evaluate(design, layout, plan, interrupt))
+        .collect::<Result<Vec<_>, EvaluateError>>()?;
+    let alone: Vec<bool> = runs.iter().map(|run| run.record.missed_contact.is_some()).collect();
+    let stopped = runs.iter().skip(1).zip(&names);
+    let stopped = stopped.filter_map(|(run, name)| Some((name.clone(), run.record.stop.clone()?))).collect();
+    let uniform = |k: usize| runs.get(k).filter(|run| run.record.stop.is_none()).map(|run| &run.scores);
+    let (host, lens) = (uniform(1).map(|host| host.focal_mean), uniform(2).map(|lens| lens.protected_mean));
+    let mut evaluation = runs[0].clone();
+    evaluation.scores.relate(host, lens);
+    if forces.is_one() || matches!(evaluation.record.stop, Some(Stop::Interrupted { .. })) {
+        return Ok(Beside { evaluation, stopped, forces: Vec::new(), over_forces: None });
+    }
+    let forces = forces.about(design.impact.force);
+    let runs = under_forces(design, plan, &layouts, |k| alone[k], &forces, interrupt)?;
+    let related = |force: usize| {
+        let run = |k: usize| runs.get(k).map(|runs| &runs[force]).filter(|run| run.stop.is_none());
+        let mut scores = run(0)?.scores.clone();
+        scores.relate(run(1).map(|run| run.scores.focal_mean), run(2).map(|run| run.scores.protected_mean));
+        Some(scores)
+    };
+    let scores: Option<Vec<Scores>> = (0..forces.len()).map(related).collect();
+    Ok(Beside { evaluation, stopped, forces, over_forces: scores.map(|scores| over_forces(&scores)) })
+}

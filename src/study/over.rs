@@ -1,0 +1,52 @@
+//! How the scores of a layout under several impacts become one.
+
+use serde::{Deserialize, Serialize};
+
+use super::Entry;
+use crate::layout::LayoutStats;
+use crate::score::{Better, Measure, Needs, Scores};
+
+/// How the scores under several impacts become one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Over {
+    /// The impact under which a score is worst for what is asked of it, for each score by itself.
+    #[default]
+    Worst,
+    /// The mean of all impacts.
+    Mean,
+}
+
+/// Which of several values counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The least.
+    Least,
+    /// The greatest.
+    Most,
+}
+
+/// A measure of one layout over all impacts: the value that counts, where every impact gives one.
+pub fn value(measure: Measure, entry: &Entry, stats: &LayoutStats, over: Over, side: Side) -> Option<f64> {
+    if measure.needs() == Needs::Layout {
+        let mut scores = Scores::default();
+        scores.add_layout(stats);
+        return scores.get(measure);
+    }
+    let values: Vec<f64> = entry.impacts.iter().map(|scores| scores.get(measure)).collect::<Option<_>>()?;
+    match (over, side) {
+        (Over::Mean, _) => (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64),
+        (Over::Worst, Side::Least) => values.into_iter().reduce(f64::min),
+        (Over::Worst, Side::Most) => values.into_iter().reduce(f64::max),
+    }
+}
+
+/// All measures of one layout over all impacts: of each the value under the impact where it is worst, or the mean.
+pub fn summary(entry: &Entry, stats: &LayoutStats, over: Over) -> Scores {
+    let mut scores = Scores::default();
+    for &measure in Measure::ALL {
+        let side = if measure.better() == Better::Greater { Side::Least } else { Side::Most };
+        scores.set(measure, value(measure, entry, stats, over, side));
+    }
+    scores
+}
