@@ -302,10 +302,10 @@ fn a_study_judges_under_each_law() {
     assert_eq!(laws, [Some(LawKind::Thesis), Some(LawKind::MdrStatic)]);
     assert!(plain.study().impacts.iter().all(|impact| impact.law.is_none()));
     let layout = layout(&study);
-    let both = marks(&study, &layout, &study.cases(), Detail::Energies);
+    let both = scores(&study, &layout, &study.cases(), Detail::Energies);
     let mut other = plain.study();
     other.design.law = LawKind::MdrStatic;
-    let alone = marks(&other, &layout, &other.cases(), Detail::Energies);
+    let alone = scores(&other, &layout, &other.cases(), Detail::Energies);
     assert_eq!(both[1], alone[0]);
     assert!((both[0].contrast.unwrap() / both[1].contrast.unwrap() - 1.0).abs() > 1e-3);
     let wrong = Desk::new(&format!("laws = [\"herz\"]\n{STUDY}"));
