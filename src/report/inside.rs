@@ -56,7 +56,7 @@ impl Sheet {
         let below = ROOM[1] + height + 14.0;
         let (from, to) = ([ROOM[0], below], [ROOM[0] + round * self.size, below]);
         svg.line(from, to, r##"stroke="#222" stroke-width="3""##);
-        svg.text([to[0] + 8.0, below + 4.0], 12.0, Anchor::Start, "", &format!("{round}"));
+        svg.text([to[0] + 8.0, below + 4.0], 12.0, Anchor::Start, "", &format!("{round} (unit of length)"));
         svg.finish()
     }
 }
