@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::file::{CompareFile, CrystalFile, DesignFile, EXAMPLES, ImpactFile, RunFile};
+use super::tuning::tuning;
 use super::{Accuracy, Design, DesignError, lens, prices, region, threshold};
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
@@ -161,7 +162,9 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
         }
         None => Constants::default(),
     };
-    let constants = Constants { tuning: super::tuning::tuning(scope, file)?, ..constants };
+    let CrystalFile { hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening, .. } = file;
+    let written = [hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening];
+    let constants = Constants { tuning: tuning(scope, written)?, ..constants };
     let friction = match scope.optional("friction", &file.friction) {
         Some(entry) => match entry.number()? {
             0.0 => None,

@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 pub use crate::document::DocumentError as DesignError;
 pub(crate) use prices::add as add_price;
 pub use threshold::Threshold;
+pub(crate) use tuning::tuning;
 
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;

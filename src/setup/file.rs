@@ -46,7 +46,10 @@ section!(IntruderFile: Written {
     name, shape, material, diameter, half_width, half_height, shell, mass, body, turns, velocity, gap, x, y
 });
 section!(MovingFile: Written { velocity, spin, layers, columns, x, y, z });
-section!(LawFile: Written { kind, table, constants, stiffness, restitution, damping, pull });
+section!(LawFile: Written {
+    kind, table, constants, stiffness, restitution, damping, pull,
+    hardness, unlike_hardness, spring_back, spring_back_growth, hardening
+});
 section!(PairFile: Written { materials, kind, table, stiffness, restitution, damping, pull });
 section!(FrictionFile: Written { coefficient, spring, damping });
 section!(GravityFile: Written { acceleration });
@@ -128,6 +131,11 @@ pub(super) const EXAMPLES: &[&str] = &[
     "law.kind = \"thesis\"",
     "law.table = \"contact.csv\"",
     "law.constants = \"code\"",
+    "law.hardness = 2.8",
+    "law.unlike_hardness = 1.2",
+    "law.spring_back = 5",
+    "law.spring_back_growth = 0",
+    "law.hardening = 0.1",
     "pair.materials = [\"brass-260\", \"440c\"]",
     "pair.kind = \"hertz\"",
     "pair.table = \"contact.csv\"",

@@ -6,6 +6,7 @@ use super::file::{FrictionFile, LawFile, PairFile};
 use super::pulse::{of_table, table};
 use crate::contact::{Constants, Dashpot, LawKind, Tabulated};
 use crate::dem::rig::{Friction, Law, LawBook, Spring, SpringDashpot};
+use crate::design::tuning;
 use crate::document::{DocumentError, Entry, Scope, Section, Sections, Written, chosen};
 use crate::material::Material;
 use crate::units::Dimension;
@@ -28,6 +29,11 @@ pub(super) fn laws(
             let known: Vec<_> = Constants::ALL.iter().map(|&set| (set.name(), set)).collect();
             book.1 = entry.choice("set of constants", &known)?;
         }
+        let LawFile { hardness, unlike_hardness, spring_back, spring_back_growth, hardening, .. } = file;
+        // A spring and dashpot has a restitution of its own.
+        let restitution = if book.0 == Law::Named(LawKind::Tsuji) { &file.restitution } else { &NOT_WRITTEN };
+        let written = [hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening];
+        book.1.tuning = tuning(&scope, written)?;
     }
     let mut named = Vec::new();
     for (scope, file) in top.sections("pair", pairs) {
@@ -48,6 +54,13 @@ pub(super) fn laws(
         let [m, n] = [a, b].map(|place| palette[place].sphere_mass(diameter));
         let law = one_law(&scope, &file.kind, &file.table, spring, m * n / (m + n))?;
         let law = law.ok_or_else(|| scope.fail("names no law", "Give kind or table."))?;
+        if law == Law::Named(LawKind::Tsuji)
+            && let Some(entry) = scope.optional("restitution", &file.restitution)
+        {
+            return Err(
+                entry.fail("is that of all pairs under this law", "Write it in [law], beside kind = \"tsuji\".")
+            );
+        }
         if named.iter().any(|(pair, _)| *pair == [a, b] || *pair == [b, a]) {
             return Err(entry.fail("has a law already", "Keep one [[pair]] for each two materials."));
         }
@@ -56,6 +69,9 @@ pub(super) fn laws(
     let friction = top.section("friction", friction).map(|(scope, file)| read_friction(&scope, file)).transpose()?;
     Ok(LawBook::Materials { law: book.0, constants: book.1, pairs: named, friction })
 }
+
+/// A key that is not there.
+static NOT_WRITTEN: Written = None;
 
 /// The keys of a spring and dashpot.
 #[derive(Clone, Copy)]
@@ -121,7 +137,8 @@ fn one_law(
     let entry = scope.optional("kind", kind);
     let is_spring = |entry: &Entry| entry.text().is_ok_and(|text| text == SPRING);
     if !entry.as_ref().is_some_and(is_spring) {
-        for (name, written) in spring.all() {
+        let is_tsuji = entry.as_ref().is_some_and(|entry| entry.text().is_ok_and(|text| text == LawKind::Tsuji.name()));
+        for (name, written) in spring.all().into_iter().filter(|(name, _)| !(is_tsuji && *name == "restitution")) {
             if let Some(stray) = scope.optional(name, written) {
                 let help = format!("Leave it out, or write kind = \"{SPRING}\".");
                 return Err(stray.fail("has no meaning for this law", &help));
