@@ -2,7 +2,7 @@
 
 use super::DesignError;
 use super::file::{BoundsFile, EXAMPLES, ThresholdsFile};
-use crate::document::{Entry, Scope, example};
+use crate::document::{Entry, Scope, did_you_mean, example, nearest};
 use crate::score::Measure;
 
 /// Bounds on one score, both included.
@@ -29,7 +29,9 @@ pub(super) fn read((scope, file): &(Scope, &ThresholdsFile)) -> Result<Vec<Thres
         let Some((place, bounds)) = scope.section(name.get_ref(), section) else { continue };
         let Some(measure) = Measure::find(name.get_ref()) else {
             let known: Vec<&str> = Measure::ALL.iter().map(|measure| measure.name()).collect();
-            return Err(place.fail("is the bound of no known measure", &format!("Known are {}.", known.join(", "))));
+            let near = did_you_mean(nearest(name.get_ref(), known.iter().copied()));
+            let help = format!("{near}Known in {} are {}.", scope.name(), known.join(", "));
+            return Err(place.fail("is no known key", &help));
         };
         if thresholds.iter().any(|known| known.measure == measure) {
             return Err(place.fail("bounds the same measure as another", "Name each measure once."));

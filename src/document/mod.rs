@@ -16,7 +16,7 @@ mod value;
 
 pub use error::DocumentError;
 
-pub(crate) use error::Source;
+pub(crate) use error::{Source, did_you_mean, nearest};
 #[cfg(test)]
 pub(crate) use keys::assert_examples;
 pub(crate) use keys::{OneOrSeveral, Section, Sections, Written, example, read, section};

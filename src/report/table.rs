@@ -42,8 +42,8 @@ pub fn table(outcome: &Outcome) -> String {
     let gap = if widths.iter().sum::<usize>() + 2 * (widths.len() - 1) <= WIDTH { "  " } else { " " };
     let mut text = String::new();
     if !outcome.verdict.is_empty() {
-        let _ = writeln!(text, "verdict over {}:", verdict::over(outcome));
-        verdict::lines(outcome).iter().for_each(|line| text.push_str(&wrapped(line)));
+        text.push_str(&wrapped(&format!("verdict over {}:", verdict::over(outcome)), ""));
+        verdict::lines(outcome).iter().for_each(|line| text.push_str(&wrapped(line, "  ")));
         text.push('\n');
     }
     for row in &rows {
@@ -92,27 +92,30 @@ pub fn table(outcome: &Outcome) -> String {
     if let Some(residual) = worst_residual(outcome) {
         let _ = writeln!(text, "Energy ledger closes to {} of the work put in.", significant(residual, 2));
     }
-    let _ = writeln!(text, "{}", outcome.manifest.method.words());
+    text.push_str(&wrapped(&outcome.manifest.method.words(), ""));
     for warning in &outcome.warnings {
         let _ = writeln!(text, "warning: {warning}");
     }
     text
 }
 
-/// A line of the verdict within the width of a terminal, indented, broken behind commas.
-fn wrapped(line: &str) -> String {
-    let (mut text, mut at) = (String::from(" "), 1);
-    for part in line.split_inclusive(", ") {
-        let length = part.trim_end().chars().count();
-        if at + 1 + length > WIDTH {
-            text.truncate(text.trim_end().len());
-            text.push_str("\n     ");
-            at = 5;
+/// A sentence within the width of a terminal, broken between words; what follows the first line stands further in.
+fn wrapped(sentence: &str, indent: &str) -> String {
+    let mut lines = vec![indent.to_owned()];
+    for word in sentence.split(' ') {
+        let line = lines.last().map_or(0, |line| line.chars().count());
+        let first = lines.last().is_some_and(|line| line.trim().is_empty());
+        if !first && line + 1 + word.chars().count() > WIDTH {
+            lines.push(format!("{indent}  "));
         }
-        let _ = write!(text, " {}", part.trim_end());
-        at += 1 + length;
+        if let Some(line) = lines.last_mut() {
+            if !line.trim().is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
     }
-    text + "\n"
+    lines.join("\n") + "\n"
 }
 
 fn row(line: &Line) -> Vec<String> {

@@ -24,13 +24,19 @@ const FILES: [&str; 14] = [
     "report.html",
 ];
 
+/// Text without its line breaks and columns.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 #[test]
 fn run_writes_a_complete_report() {
     let desk = Desk::new();
     let ran = desk.run(&["run", "small.toml"]).ok();
     assert!(ran.stdout.starts_with("verdict over 8 forces"), "{}", ran.stdout);
-    for words in ["\narrangement", "\nrandom-behind", "by the design", "law thesis", "adams, step 167"] {
-        assert!(ran.stdout.contains(words), "{words} is missing: {}", ran.stdout);
+    let told = one_line(&ran.stdout);
+    for words in [" arrangement ", " random-behind ", "brass-260, by the design", "law thesis", "adams, step 16"] {
+        assert!(told.contains(words), "{words} is missing: {}", ran.stdout);
     }
     for words in ["speeds: ", "impact: ", "lens: rows 2 to 5", "piece: ", "rays: ", "report: reports/small/report.html"]
     {
@@ -171,7 +177,7 @@ fn compare_takes_a_layout_of_ones_own() {
     let first = &bare["arrangements"][0]["scores"];
     assert_eq!((&first["focal_gain"], &first["protection"]), (&scores(&own)[0]["focal_gain"], &Value::Null));
     let said = desk.run(&["compare", "bare.toml", "small.csv"]).ok().stdout;
-    assert!(said.contains("the design names no material for them"), "{said}");
+    assert!(one_line(&said).contains("the design names no material for them"), "{said}");
     // Strips and mixtures are made of what the design says, whatever the layout is made of.
     desk.write("steel.csv", desk.read("small.csv").replace("brass-260", "stainless-302"));
     desk.run(&["compare", "small.toml", "steel.csv", "--quiet", "--out", "steel.json"]).ok();
