@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use granulens::dem::Stop;
 use granulens::design::{Design, Threshold};
-use granulens::evaluate::{Beside, Evaluation, Forces, Plan, beside_uniform, impact, method};
+use granulens::evaluate::{Beside, Evaluation, Forces, Plan, beside_uniform, impact, method, unnamed};
 use granulens::layout::Layout;
 use granulens::material::Material;
 use granulens::outcome::{Asked, Checked, FORMAT};
@@ -69,7 +69,7 @@ impl Check {
         probe(self.spheres.as_ref())?;
         probe(common.out.as_ref())?;
         let begun = Instant::now();
-        let Beside { evaluation, stopped, forces, over_forces } =
+        let Beside { evaluation, reference, stopped, forces, over_forces } =
             beside_uniform(&design, &layout, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
         let mut warnings = evaluation.warnings("this layout");
@@ -89,10 +89,8 @@ impl Check {
                 uniform => warnings.push(format!("FAILED: {name}: {uniform}")),
             }
         }
-        if design.reference().is_none() {
-            warnings.push(
-                "there is no Q: the design names no material for it (lens.material or compare.material)".to_owned(),
-            );
+        if let (None, Some(material)) = (design.reference(), &reference) {
+            warnings.push(unnamed(material));
         }
         if let Some(path) = &self.spheres {
             write_file(path, &spheres(&layout, &record))?;
@@ -114,7 +112,7 @@ impl Check {
             over_forces: spreads,
             forces,
             materials: layout.palette.iter().map(|material| material.name.clone()).collect(),
-            reference: design.reference().map(|material| material.name.clone()),
+            reference,
             piece: layout.piece(price),
             half: layout.half(price),
             method: method(&design, &plan),

@@ -145,7 +145,8 @@ impl Design {
     }
 
     /// What flat strips, random mixtures and the uniform crystal that Q refers to are made of, whatever layout is judged: the material of
-    /// `compare.material`, or of the lens. None where the design names neither; then there are no such baselines, and no Q.
+    /// `compare.material`, or of the lens. None where the design names neither; commands then take the first material that is not the
+    /// host, of the layout or of the study, and say so.
     pub fn reference(&self) -> Option<&Material> {
         self.compared_with.as_ref().or(self.lens.as_ref().map(|lens| &lens.material))
     }

@@ -16,6 +16,8 @@ use crate::score::{Scores, Spreads, over_forces};
 pub struct Beside {
     /// The layout's own run, at the design's own force.
     pub evaluation: Evaluation,
+    /// The material that Q refers to.
+    pub reference: Option<String>,
     /// Uniform crystals that a guard stopped, and why: ratios to them are not there.
     pub stopped: Vec<(String, Stop)>,
     /// The forces that the layout was judged over (N); none with the design's own alone.
@@ -24,14 +26,25 @@ pub struct Beside {
     pub over_forces: Option<(Scores, Spreads)>,
 }
 
-/// Where in a layout's palette stands what the design's Q refers to; it joins the palette where it is not there.
+/// Where in a layout's palette stands what Q refers to: what the design says, which joins the palette where it is not there. Where the
+/// design says nothing, the layout's first that is not the host.
 pub(super) fn reference(design: &Design, layout: &mut Layout) -> Option<u8> {
-    let reference = design.reference()?;
+    let Some(reference) = design.reference() else {
+        return layout.materials.iter().copied().find(|&material| material != 0);
+    };
     let place = layout.palette.iter().position(|material| material == reference).unwrap_or_else(|| {
         layout.palette.push(reference.clone());
         layout.palette.len() - 1
     });
     u8::try_from(place).ok()
+}
+
+/// What is said where the design does not say what Q refers to.
+pub fn unnamed(material: &str) -> String {
+    format!(
+        "the design names no material that Q, strips and mixtures refer to; taken is {material}, the first that is not the host. Name \
+         it as compare.material"
+    )
 }
 
 /// Evaluates a layout beside the crystals of the host and of the design's lens material alone, which `compare` has among its
@@ -51,6 +64,7 @@ pub fn beside_uniform(
     let kinds = std::iter::once((Baseline::AllHost, 0)).chain(reference.map(|material| (Baseline::AllLens, material)));
     let (names, baselines): (Vec<String>, Vec<Layout>) =
         kinds.map(|(kind, material)| (kind.name(), kind.layout(&subject, [1, 1], material))).unzip();
+    let reference = reference.map(|material| subject.palette[usize::from(material)].name.clone());
     let layouts: Vec<&Layout> = std::iter::once(&subject).chain(&baselines).collect();
     let runs = layouts
         .par_iter()
@@ -64,7 +78,7 @@ pub fn beside_uniform(
     let mut evaluation = runs[0].clone();
     evaluation.scores.relate(host, lens);
     if forces.is_one() || matches!(evaluation.record.stop, Some(Stop::Interrupted { .. })) {
-        return Ok(Beside { evaluation, stopped, forces: Vec::new(), over_forces: None });
+        return Ok(Beside { evaluation, reference, stopped, forces: Vec::new(), over_forces: None });
     }
     let forces = forces.about(design.impact.force);
     let runs = under_forces(design, plan, &layouts, |k| alone[k], &forces, interrupt)?;
@@ -75,5 +89,5 @@ pub fn beside_uniform(
         Some(scores)
     };
     let scores: Option<Vec<Scores>> = (0..forces.len()).map(related).collect();
-    Ok(Beside { evaluation, stopped, forces, over_forces: scores.map(|scores| over_forces(&scores)) })
+    Ok(Beside { evaluation, reference, stopped, forces, over_forces: scores.map(|scores| over_forces(&scores)) })
 }

@@ -5,7 +5,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use rayon::prelude::*;
 
-use super::beside::reference;
+use super::beside::{reference, unnamed};
 use super::forces::under_forces;
 use super::traced::spot_diagrams;
 use super::verdict::{Judged, verdict};
@@ -197,6 +197,9 @@ pub fn compare(
     };
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
     warnings.extend(doubts.words("some arrangements"));
+    if let (None, Some(material)) = (design.reference(), comparison.reference) {
+        warnings.push(unnamed(&comparison.subject.palette[usize::from(material)].name));
+    }
     let lattice = &design.lattice;
     Ok(Outcome {
         format: FORMAT,
@@ -217,7 +220,7 @@ pub fn compare(
         half_width: lattice.half_width(),
         target: design.target.clone(),
         materials: comparison.subject.palette.iter().map(|m| m.name.clone()).collect(),
-        reference: design.reference().map(|material| material.name.clone()),
+        reference: comparison.reference.map(|material| comparison.subject.palette[usize::from(material)].name.clone()),
         is_published: comparison.proposal.is_some() && design.is_published(),
         forces,
         verdict,

@@ -23,7 +23,7 @@ mod traced;
 mod verdict;
 
 pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError, common_plan};
-pub use beside::{Beside, beside_uniform};
+pub use beside::{Beside, beside_uniform, unnamed};
 pub use blow::{Blow, Case, Flaw};
 pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use decay::{calibrate, decay};

@@ -187,7 +187,7 @@ fn asked(outcome: &Outcome) -> Vec<Fact> {
         pair("Materials", materials.join(", ")),
         pair(
             "Flat strips, mixtures and the crystal of Q",
-            outcome.reference.clone().unwrap_or_else(|| "none: the design names no material for them".to_owned()),
+            outcome.reference.clone().unwrap_or_else(|| "none: there is but one material".to_owned()),
         ),
         pair(
             "Crystal",

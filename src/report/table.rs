@@ -77,9 +77,8 @@ pub fn table(outcome: &Outcome) -> String {
         text.push_str(&by_focus(&lines));
     }
     let reference = match &outcome.reference {
-        Some(material) => format!("all-lens, flat strips and mixtures: {material}, by the design"),
-        None => "no Q, strips and mixtures: the design names no material for them (lens.material or compare.material)"
-            .to_owned(),
+        Some(material) => format!("all-lens, flat strips and mixtures are of {material}"),
+        None => "no Q, strips and mixtures: there is but one material".to_owned(),
     };
     let _ = writeln!(text, "C = F/P; G = F/F(all-host); Q = P/P(all-lens); {reference}.");
     text.push_str("Plens/P: below 1 the first protects better than this arrangement; lost: in all contacts.\n");

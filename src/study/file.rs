@@ -141,7 +141,7 @@ impl Study {
         }
         let file: StudyFile = toml::from_str(&text).map_err(|error| source.toml(&error))?;
         let beside = |named: &Path| path.parent().unwrap_or(Path::new("")).join(named);
-        let design = Design::read(beside(&file.design))?;
+        let mut design = Design::read(beside(&file.design))?;
 
         let objective = Objective::read(&source, &file.objective, file.over)?;
         let lattice = design.lattice;
@@ -170,6 +170,10 @@ impl Study {
         }
         if named.is_empty() {
             return Err(source.fail("materials", "materials is empty; name at least one, better two.".to_owned()));
+        }
+        // Where the design does not say what Q refers to, it is the first of the study's materials that is not the host.
+        if design.reference().is_none() {
+            design.compared_with = named.iter().find(|&material| *material != design.host).cloned();
         }
         // Host first, then what Q refers to.
         let mut palette = vec![design.host.clone()];
