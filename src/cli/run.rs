@@ -40,6 +40,7 @@ impl Run {
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
         let folder = Folder::begin(&place)?;
         note(common, &super::design::words(&design, &lens));
+        note(common, &format!("step: {}", comparison.plan.step_reason));
 
         let bar = Bar::new(common, comparison.len());
         let outcome = compare(&comparison, interrupt(), &bar)?;

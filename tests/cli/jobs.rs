@@ -38,8 +38,15 @@ fn run_writes_a_complete_report() {
     for words in [" arrangement ", " random-behind ", "mixtures are of brass-260", "law thesis", "adams, step 16"] {
         assert!(told.contains(words), "{words} is missing: {}", ran.stdout);
     }
-    for words in ["speeds: ", "impact: ", "lens: rows 2 to 5", "piece: ", "rays: ", "report: reports/small/report.html"]
-    {
+    for words in [
+        "speeds: ",
+        "impact: ",
+        "lens: rows 2 to 5",
+        "piece: ",
+        "rays: ",
+        "step: ",
+        "report: reports/small/report.html",
+    ] {
         assert!(ran.stderr.contains(words), "{words} is missing: {}", ran.stderr);
         assert!(!ran.stdout.contains(words), "{words} is no data");
     }

@@ -24,7 +24,11 @@ fn wrong_study_files_hear_their_line() {
             "study.toml:5: objective.contrast: asks for none or for several",
         ),
         ("maximise = 1", "maximise = 0", "study.toml:5: objective.contrast: a weight of 0 must be positive"),
-        ("contrast", "colour", "study.toml:5: objective: unknown measure colour; known are contrast, focal-gain"),
+        (
+            "contrast",
+            "colour",
+            "study.toml:5: objective: unknown measure colour; known are focal_mean, protected_mean, contrast, focal_gain",
+        ),
         ("0.8", "-0.8", "study.toml:5: objective.focal-gain: min = -0.8 must be positive"),
         ("min = 0.8", "min = 2, max = 1", "study.toml:5: objective.focal-gain: min = 2 is above max = 1"),
         ("budget = 600", "budget = 0", "study.toml:6: budget = 0 must be 1"),
