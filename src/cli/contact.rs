@@ -29,9 +29,9 @@ pub struct Contact {
     #[arg(long, value_name = "A,B")]
     pair: String,
     /// thesis, consistent, mdr, linear, each also without rate as NAME-static; thornton, walton-braun, tsuji, storakers; hertz,
-    /// hertz-thesis
-    #[arg(long, default_value_t = LawKind::Thesis)]
-    law: LawKind,
+    /// hertz-thesis; thesis if left out
+    #[arg(long)]
+    law: Option<LawKind>,
     /// Diameter of both spheres, or of each: "6.35 mm,9.5 mm"
     #[arg(long, default_value = "6.35 mm", allow_hyphen_values = true)]
     diameter: String,
@@ -52,19 +52,26 @@ pub struct Contact {
 }
 
 impl Contact {
+    fn law(&self) -> LawKind {
+        self.law.unwrap_or(LawKind::Thesis)
+    }
+
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let pair = self.pair()?;
-        let law = AnyLaw::new(self.law, &pair);
+        if self.law.is_none() {
+            note(common, "no --law: the published one is taken, thesis; consistent never makes energy");
+        }
+        let law = AnyLaw::new(self.law(), &pair);
         if let Some(path) = &self.fit {
-            let fit = fit::of_file(path, self.law, &pair)?;
-            let json = fit::json(&fit, self.law);
+            let fit = fit::of_file(path, self.law(), &pair)?;
+            let json = fit::json(&fit, self.law());
             if common.out.is_some() {
                 write_json(common, &json)?;
             }
             if common.json {
                 emit_json(&json);
             } else {
-                emit(&fit::words(&fit, self.law));
+                emit(&fit::words(&fit, self.law()));
             }
             return Ok(());
         }
@@ -82,7 +89,7 @@ impl Contact {
                     "Let the name end in .svg.",
                 ));
             }
-            let title = format!("{} ({}, {} constants)", self.pair.replace(',', " on "), self.law, self.constants);
+            let title = format!("{} ({}, {} constants)", self.pair.replace(',', " on "), self.law(), self.constants);
             write_file(path, &report::contact_curve(&law, &pair, &title))?;
             note(common, &format!("curve: {}", path.display()));
         }
@@ -90,7 +97,7 @@ impl Contact {
         if common.json {
             emit_json(&json!({
                 "format": granulens::outcome::FORMAT,
-                "law": self.law.name(),
+                "law": self.law().name(),
                 "constants": self.constants.name(),
                 "effective_modulus_Pa": pair.modulus,
                 "effective_radius_m": pair.radius,
@@ -132,7 +139,7 @@ impl Contact {
         }
         match (common.json, &common.out) {
             (true, _) => {
-                emit_json(&json!({ "format": granulens::outcome::FORMAT, "law": self.law.name(), (what): rows }));
+                emit_json(&json!({ "format": granulens::outcome::FORMAT, "law": self.law().name(), (what): rows }));
             }
             (false, None) => emit(&csv),
             (false, Some(out)) => note(common, &format!("{what}: {}", out.display())),

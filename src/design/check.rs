@@ -100,6 +100,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         host: crystal.host,
         own_materials,
         prices,
+        notes: crystal.notes,
         law: crystal.law,
         friction: crystal.friction,
         constants: crystal.constants,
@@ -123,9 +124,14 @@ struct Opening {
     kind: Written,
 }
 
+/// What is said where a file or command names no contact law.
+pub(crate) const NO_LAW: &str =
+    "is left out: the published law is taken, thesis; to design, write \"consistent\", which never makes energy";
+
 struct Crystal {
     lattice: HexagonalSheet,
     host: Material,
+    notes: Vec<String>,
     law: LawKind,
     friction: Option<f64>,
     constants: Constants,
@@ -150,11 +156,15 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
     }
     scope.required("sides", &file.sides)?.choice("kind of sides", &[("mirror", ())])?;
     let host = document::chosen(&scope.required("host", &file.host)?, own)?;
+    let mut notes = Vec::new();
     let law = match scope.optional("law", &file.law) {
         Some(law) => {
             law.choice("contact law", &LawKind::ALL.iter().map(|&law| (law.name(), law)).collect::<Vec<_>>())?
         }
-        None => LawKind::Thesis,
+        None => {
+            notes.push(format!("crystal.law {NO_LAW}"));
+            LawKind::Thesis
+        }
     };
     let constants = match scope.optional("constants", &file.constants) {
         Some(set) => {
@@ -175,7 +185,7 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
         },
         None => None,
     };
-    Ok(Crystal { lattice, host, law, friction, constants })
+    Ok(Crystal { lattice, host, notes, law, friction, constants })
 }
 
 fn read_impact((scope, file): &(Scope, &ImpactFile)) -> Result<ForcePulse, DesignError> {

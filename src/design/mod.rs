@@ -21,6 +21,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 pub use crate::document::DocumentError as DesignError;
+pub(crate) use check::NO_LAW;
 pub(crate) use prices::add as add_price;
 pub use threshold::Threshold;
 pub(crate) use tuning::tuning;
@@ -52,6 +53,8 @@ pub struct Design {
     pub own_materials: Vec<Material>,
     /// Prices of one sphere by the name of its material, in one currency that the file does not name.
     pub prices: BTreeMap<String, f64>,
+    /// What the user should know about what the file leaves out.
+    pub notes: Vec<String>,
     /// Contact law.
     pub law: LawKind,
     /// Set of fitted constants of the law.

@@ -110,7 +110,7 @@ impl Plan {
         let accurate = stiffest.limit / divisor;
         let class = Fraction.show(design.accuracy.fraction());
         let limit = stiffest.words();
-        let mut warnings = Vec::new();
+        let mut warnings = design.notes.clone();
         let pulse = design.impact.duration;
         let (step, step_reason) = match overrides.step.or(design.step) {
             Some(step) if step > integrator.stability() * stiffest.limit => {

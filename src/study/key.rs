@@ -1,6 +1,7 @@
 //! What an evaluation depends on, hashed.
 
 use super::{Entry, Study};
+use crate::contact::LawKind;
 use crate::evaluate::{Detail, Plan};
 use crate::search::Choice;
 
@@ -73,5 +74,12 @@ impl Key {
 /// What a design's text says, whatever its comments, spaces and the order of its keys.
 fn said(text: &str) -> String {
     // A text that is no TOML is no design.
-    text.parse::<toml::Table>().map_or_else(|_| text.to_owned(), |table| format!("{table:?}"))
+    let Ok(mut table) = text.parse::<toml::Table>() else { return text.to_owned() };
+    // A design that names no law has this one.
+    if let Some(crystal) = table.get_mut("crystal").and_then(toml::Value::as_table_mut)
+        && crystal.get("law").and_then(toml::Value::as_str) == Some(LawKind::Thesis.name())
+    {
+        crystal.remove("law");
+    }
+    format!("{table:?}")
 }
