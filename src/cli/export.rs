@@ -106,9 +106,15 @@ impl Export {
             return Err(Failure::input_with_help(VERLET_ALONE, "Leave it out."));
         }
         bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
-        let step = self.motion.step.unwrap_or(bench.plan.step);
         let window = self.motion.window.unwrap_or(bench.plan.window);
-        self.write(common, |_| Ok(Run { rig: bench.rig.clone(), step, steps: steps_in(window, step) }))
+        self.write(common, |law| {
+            let step = self.motion.step.unwrap_or_else(|| match law {
+                // LAMMPS switches forces on and off between steps.
+                Some(_) => export::dividing_step(&bench.rig, bench.plan.step).unwrap_or(bench.plan.step),
+                None => bench.plan.step,
+            });
+            Ok(Run { rig: bench.rig.clone(), step, steps: steps_in(window, step) })
+        })
     }
 
     /// One run for each law that is needed, and the files that are asked for.

@@ -106,6 +106,24 @@ struct Push {
     steps: u64,
 }
 
+/// Whether a pulse covers whole steps.
+fn is_whole(duration: f64, step: f64) -> bool {
+    let whole = (duration / step).round();
+    whole >= 1.0 && (duration / step - whole).abs() <= 1e-9
+}
+
+/// The greatest step, up to `step` (s), of which every square pulse of a rig is a whole number; none down to a thousandth of the
+/// shortest pulse over that.
+pub fn dividing_step<const D: usize>(rig: &Rig<D>, step: f64) -> Option<f64> {
+    let pulses: Vec<f64> = (rig.loads.iter())
+        .filter_map(|load| if let Curve::Square { duration, .. } = load.curve { Some(duration) } else { None })
+        .collect();
+    let Some(shortest) = pulses.iter().copied().reduce(f64::min) else { return Some(step) };
+    let fewest = (shortest / step * (1.0 - 1e-12)).ceil().max(1.0);
+    let steps = (0..1000_u32).map(|more| shortest / (fewest + f64::from(more)));
+    steps.into_iter().find(|&step| pulses.iter().all(|&pulse| is_whole(pulse, step)))
+}
+
 fn loads<const D: usize>(rig: &Rig<D>, step: f64) -> Result<Vec<Push>, DeckError> {
     let mut pushes = Vec::new();
     for load in &rig.loads {
@@ -115,8 +133,7 @@ fn loads<const D: usize>(rig: &Rig<D>, step: f64) -> Result<Vec<Push>, DeckError
         if load.kind != LoadKind::Force || start != 0.0 {
             return Err(DeckError::Part("loads other than forces that begin at once"));
         }
-        let whole = (duration / step).round();
-        if whole < 1.0 || (duration / step - whole).abs() > 1e-9 {
+        if !is_whole(duration, step) {
             return Err(DeckError::Pulse { duration, step });
         }
         let spheres = load.bodies.iter().map(|body| match body {
@@ -124,7 +141,11 @@ fn loads<const D: usize>(rig: &Rig<D>, step: f64) -> Result<Vec<Push>, DeckError
             Body::Flat(_) => Err(DeckError::Part("loads on flats")),
         });
         let force = in_space(load.direction).map(|x| x * peak);
-        pushes.push(Push { spheres: spheres.collect::<Result<_, _>>()?, force, steps: whole as u64 });
+        pushes.push(Push {
+            spheres: spheres.collect::<Result<_, _>>()?,
+            force,
+            steps: (duration / step).round() as u64,
+        });
     }
     // The deck ends them one after another.
     pushes.sort_by_key(|push| push.steps);

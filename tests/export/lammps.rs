@@ -7,7 +7,7 @@ use std::process::Command;
 use granulens::contact::LawKind;
 use granulens::dem::Mirror;
 use granulens::dem::rig::{Cluster, Rig, Simulation};
-use granulens::export::{DeckError, deck, dump_frame};
+use granulens::export::{DeckError, deck, dividing_step, dump_frame};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -186,4 +186,30 @@ fn the_whole_crystal_is_the_half_between_mirrors() {
     }
     assert_eq!(images, spheres.len());
     assert!(fastest > 1.0);
+}
+
+/// Without a step of the user's the deck has one of which the pulse is a whole number, no longer than the run would have; several pulses are
+/// divided by one step, and where none does, the deck says so.
+#[test]
+fn the_step_of_a_deck_divides_its_pulses() {
+    let folder = tempfile::tempdir().unwrap();
+    let pulse = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/cases/16-mixed-sizes/pulse.toml");
+    let mut command = assert_cmd::Command::cargo_bin("granulens").unwrap();
+    let output = command.current_dir(folder.path()).args(["export", pulse, "--lammps", "deck"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = fs::read_to_string(folder.path().join("deck/in.crystal")).unwrap();
+    let step: f64 = text.lines().find_map(|line| line.strip_prefix("timestep ")).unwrap().parse().unwrap();
+    let steps = 20e-6 / step;
+    assert!((steps - steps.round()).abs() < 1e-9 && steps > 20.0, "{steps}");
+
+    let mut rig = rig(LawKind::Hertz);
+    let mut second = rig.loads[0].clone();
+    let pulse = |duration| granulens::dem::rig::Curve::Square { peak: 1.0, start: 0.0, duration };
+    (rig.loads[0].curve, second.curve) = (pulse(20e-6), pulse(30e-6));
+    rig.loads.push(second.clone());
+    // The greatest part of 20 and 30 us below 3 us is 2.5.
+    assert!((dividing_step(&rig, 3e-6).unwrap() - 2.5e-6).abs() < 1e-15);
+    second.curve = pulse(20e-6 * std::f64::consts::SQRT_2);
+    rig.loads[1] = second;
+    assert_eq!(dividing_step(&rig, 3e-6), None);
 }
