@@ -159,6 +159,9 @@ impl BedFile {
         let place = number(&intruder.0, "place", &intruder.1.place, 0.5, 0.0..=1.0)?;
         let intruder = read_intruder(&intruder)?;
         let mut impact = BedImpact { place, ..BedImpact::new(grains, intruder, 400.0) };
+        if let Origin::Pile(pile) = &origin {
+            impact.step = grains.step(1.0 - pile.spread);
+        }
         if let Some((scope, run)) = top.section("run", &file.run) {
             impact.step = number(&scope, "step", &run.step, impact.step, 1e-6..=0.2)?;
             impact.window = number(&scope, "window", &run.window, impact.window, impact.step..=1e7)?;

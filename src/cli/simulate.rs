@@ -71,7 +71,10 @@ impl Simulate {
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {elapsed} ({eta} left)") {
             bar.set_style(style);
         }
-        let result = trial::run(bench, &folder, keeping, interrupt(), |done, _| bar.set_position(done));
+        let result = trial::run(bench, &folder, keeping, interrupt(), |done, total| {
+            bar.set_length(total);
+            bar.set_position(done);
+        });
         bar.finish_and_clear();
         let (summary, ending) = result.map_err(|error| failure(bench, &error))?;
         if let Ending::Interrupted { time } = ending {
@@ -82,6 +85,13 @@ impl Simulate {
                 common.seed.map_or(String::new(), |seed| format!(" --seed {seed}")),
                 common.out.as_ref().map_or(String::new(), |out| format!(" --out {}", out.display()))
             )));
+        }
+        if summary.step_s != bench.plan.step {
+            note(common, &format!("step {}: {}", Time.show(summary.step_s), summary.step_reason));
+        }
+        let foreseen = &bench.plan.warnings;
+        for warning in summary.warnings.iter().filter(|warning| !foreseen.contains(warning)) {
+            note(common, &format!("warning: {warning}"));
         }
         let pictures = report::draw_trial(&folder)?;
         if common.json {

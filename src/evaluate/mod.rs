@@ -8,6 +8,7 @@
 //!   what is built otherwise than drawn
 //! - `forces`: one score of several forces; `verdict`: better, equal or worse than what a lens has to beat
 //! - `glance`: what is guessed without a simulation; `laws`: one layout under several contact laws
+//! - `made`: laws that gave back more than was put in
 
 mod batch;
 mod beside;
@@ -17,6 +18,7 @@ mod decay;
 mod forces;
 mod glance;
 mod laws;
+mod made;
 mod plan;
 mod stiffest;
 mod traced;
@@ -33,13 +35,16 @@ pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_law
 pub use plan::{Overrides, Plan, PlanError};
 pub use traced::{trace_arrivals, trace_lens};
 
+pub(crate) use made::gain_words;
 pub(crate) use stiffest::{Stiffest, divisor, overshoot};
 
 use std::sync::atomic::AtomicBool;
 
 use crate::contact::Pair;
-use crate::dem::rig::{Friction, RigError, rig_step, simulate_as_rig};
-use crate::dem::{ContactRecord, Impact, Integrator, Mirror, OVERLAP_WARNING, OverlapAtRest, Record, simulate};
+use crate::dem::rig::{Friction, Gain, RigError, rig_step, simulate_as_rig};
+use crate::dem::{
+    ContactRecord, Impact, Integrator, Mirror, OVERLAP_WARNING, OverlapAtRest, RESIDUAL_LIMIT, Record, simulate,
+};
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::outcome::{COMMIT, Method, VERSION};
@@ -175,6 +180,8 @@ pub struct Doubts {
     depth: f64,
     /// Spheres of the focal and the protected region that the wave had not reached at the end.
     unreached: usize,
+    /// What contacts gave back beyond what was put into them, and the energy at hand (J).
+    made: Option<(Gain, f64)>,
 }
 
 impl Doubts {
@@ -196,7 +203,8 @@ impl Doubts {
             .count();
         // Of a run that was stopped early nobody expects that it gets there.
         let unreached = if record.stop.is_none() { unreached } else { 0 };
-        Self { missed_contact: record.missed_contact, overlap: [overlap, overlap / diameter], depth, unreached }
+        let made = Some((made::gain(design.law, &record.contacts), record.ledger.work_in));
+        Self { missed_contact: record.missed_contact, overlap: [overlap, overlap / diameter], depth, unreached, made }
     }
 
     /// The worst of both.
@@ -204,7 +212,9 @@ impl Doubts {
         let overlap = if other.overlap[1] > self.overlap[1] { other.overlap } else { self.overlap };
         let missed_contact = self.missed_contact.or(other.missed_contact);
         let unreached = self.unreached.max(other.unreached);
-        Self { missed_contact, overlap, depth: self.depth.max(other.depth), unreached }
+        let share = |made: &Option<(Gain, f64)>| made.as_ref().map_or(0.0, |(gain, at_hand)| gain.energy / at_hand);
+        let made = if share(&other.made) > share(&self.made) { other.made } else { self.made };
+        Self { missed_contact, overlap, depth: self.depth.max(other.depth), unreached, made }
     }
 
     /// In words, one doubt each; `whose` says where it was found: `lens`, `15 arrangements`.
@@ -236,6 +246,8 @@ impl Doubts {
                 100.0 * OVERLAP_WARNING
             ));
         }
+        let made = self.made.as_ref().and_then(|(gain, at_hand)| made::gain_words(gain, *at_hand, RESIDUAL_LIMIT));
+        words.extend(made.map(|made| format!("{whose}: {made}")));
         if self.depth > FITTED_DEPTH {
             words.push(format!(
                 "{whose}: overlaps reach {:.1} delta_p; the law was fitted up to about {FITTED_DEPTH} delta_p \

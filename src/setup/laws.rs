@@ -4,26 +4,28 @@ use std::sync::Arc;
 
 use super::file::{FrictionFile, LawFile, PairFile};
 use super::pulse::{of_table, table};
-use crate::contact::{Constants, Dashpot, LawKind, Tabulated};
-use crate::dem::rig::{Friction, Law, LawBook, Spring, SpringDashpot};
-use crate::design::tuning;
+use crate::contact::{Constants, LawKind, Tabulated};
+use crate::dem::rig::{Friction, Law, LawBook, Loss, Spring, SpringDashpot};
+use crate::design::{NO_LAW, tuning};
 use crate::document::{DocumentError, Entry, Scope, Section, Sections, Written, chosen};
 use crate::material::Material;
 use crate::units::Dimension;
 
-/// The laws of a rig whose spheres are of the materials of `palette`, the first that of the crystal, and mostly of `diameter` (m).
+/// The laws of a rig whose spheres are of the materials of `palette`, the first that of the crystal.
 pub(super) fn laws(
     top: &Scope,
     (law, pairs, friction): (&Section<LawFile>, &Sections<PairFile>, &Section<FrictionFile>),
-    (palette, diameter): (&[Material], f64),
+    palette: &[Material],
     own: &[Material],
+    notes: &mut Vec<String>,
 ) -> Result<LawBook, DocumentError> {
+    let mut given = false;
     let mut book = (Law::Named(LawKind::Thesis), Constants::default());
     if let Some((scope, file)) = top.section("law", law) {
         let spring = SpringKeys::of([&file.stiffness, &file.restitution, &file.damping, &file.pull]);
-        let mass = palette[0].sphere_mass(diameter);
-        if let Some(law) = one_law(&scope, &file.kind, &file.table, spring, 0.5 * mass)? {
+        if let Some(law) = one_law(&scope, &file.kind, &file.table, spring)? {
             book.0 = law;
+            given = true;
         }
         if let Some(entry) = scope.optional("constants", &file.constants) {
             let known: Vec<_> = Constants::ALL.iter().map(|&set| (set.name(), set)).collect();
@@ -34,6 +36,9 @@ pub(super) fn laws(
         let restitution = if book.0 == Law::Named(LawKind::Tsuji) { &file.restitution } else { &NOT_WRITTEN };
         let written = [hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening];
         book.1.tuning = tuning(&scope, written)?;
+    }
+    if !given {
+        notes.push(format!("law.kind {NO_LAW}"));
     }
     let mut named = Vec::new();
     for (scope, file) in top.sections("pair", pairs) {
@@ -51,8 +56,7 @@ pub(super) fn laws(
             .collect::<Result<Vec<_>, _>>()?;
         let [a, b] = materials[..] else { return Err(entry.refuse("must be a list of two materials")) };
         let spring = SpringKeys::of([&file.stiffness, &file.restitution, &file.damping, &file.pull]);
-        let [m, n] = [a, b].map(|place| palette[place].sphere_mass(diameter));
-        let law = one_law(&scope, &file.kind, &file.table, spring, m * n / (m + n))?;
+        let law = one_law(&scope, &file.kind, &file.table, spring)?;
         let law = law.ok_or_else(|| scope.fail("names no law", "Give kind or table."))?;
         if law == Law::Named(LawKind::Tsuji)
             && let Some(entry) = scope.optional("restitution", &file.restitution)
@@ -96,44 +100,35 @@ impl<'a> SpringKeys<'a> {
         ]
     }
 
-    /// A restitution is that of two spheres of reduced mass `reduced` (kg).
-    fn read(self, scope: &Scope, reduced: f64) -> Result<SpringDashpot, DocumentError> {
+    fn read(self, scope: &Scope) -> Result<SpringDashpot, DocumentError> {
         let stiffness = scope.required("stiffness", self.stiffness)?.positive(Dimension::Stiffness)?;
         let cut = match scope.optional("pull", self.pull) {
             Some(entry) => !entry.yes()?,
             None => true,
         };
-        let rate = match (scope.optional("restitution", self.restitution), scope.optional("damping", self.damping)) {
+        let loss = match (scope.optional("restitution", self.restitution), scope.optional("damping", self.damping)) {
             (Some(_), Some(entry)) => return Err(entry.fail("is given beside restitution", "Keep one of them.")),
             (Some(entry), None) => match entry.number()? {
-                e if (0.05..=1.0).contains(&e) => {
-                    Dashpot::with_restitution(stiffness, reduced, e, cut).damping / reduced
-                }
+                e if (0.05..=1.0).contains(&e) => Loss::with_restitution(e, cut),
                 _ => return Err(entry.refuse("must lie from 0.05 to 1")),
             },
             (None, Some(entry)) => match entry.quantity(Dimension::Rate)? {
                 rate if rate < 0.0 => return Err(entry.refuse("must not be negative")),
-                rate => rate,
+                rate => Loss::Rate(rate),
             },
             (None, None) => {
                 let help = "Give restitution, from 0.05 to 1, or damping, like damping = \"1e4 1/s\".";
                 return Err(scope.fail("says nothing of losses", help));
             }
         };
-        Ok(SpringDashpot { stiffness, rate, cut })
+        Ok(SpringDashpot { stiffness, loss, cut })
     }
 }
 
 /// The name of the law whose keys are [`SpringKeys`].
-const SPRING: &str = "spring-dashpot";
+const SPRING: &str = SpringDashpot::NAME;
 
-fn one_law(
-    scope: &Scope,
-    kind: &Written,
-    file: &Written,
-    spring: SpringKeys,
-    reduced: f64,
-) -> Result<Option<Law>, DocumentError> {
+fn one_law(scope: &Scope, kind: &Written, file: &Written, spring: SpringKeys) -> Result<Option<Law>, DocumentError> {
     let entry = scope.optional("kind", kind);
     let is_spring = |entry: &Entry| entry.text().is_ok_and(|text| text == SPRING);
     if !entry.as_ref().is_some_and(is_spring) {
@@ -152,7 +147,7 @@ fn one_law(
             let known: Vec<_> = named.chain([(SPRING, None)]).collect();
             Ok(Some(match entry.choice("contact law", &known)? {
                 Some(kind) => Law::Named(kind),
-                None => Law::SpringDashpot(spring.read(scope, reduced)?),
+                None => Law::SpringDashpot(spring.read(scope)?),
             }))
         }
         (None, Some(entry)) => {

@@ -8,7 +8,7 @@
 //! - `crystal`: what stands where; `place`: spheres and directions as files write them
 //! - `listed`: layouts of lenses as patterns
 //! - `acts`: what holds and what strikes; `intruder`: rigid bodies before the crystal; `pulse`: quantities over time; `laws`: contact laws and friction
-//! - `plan`: step and window; `record`: what is written and drawn
+//! - `plan`: step and window, `step`: the step that a rig needs; `record`: what is written and drawn
 //! - `lens`: a lens design as a rig
 
 mod acts;
@@ -23,6 +23,7 @@ mod plan;
 mod pulse;
 mod read;
 mod record;
+mod step;
 
 use std::path::{Path, PathBuf};
 

@@ -98,7 +98,8 @@ impl Reading<'_> {
         }
         let crystal = built.build.crystal();
         let sections = (&file.law, &file.pair, &file.friction);
-        let laws = laws::laws(top, sections, (&palette, crystal.diameter()), own)?;
+        let mut notes = Vec::new();
+        let laws = laws::laws(top, sections, &palette, own, &mut notes)?;
         let (mut sample, sites) = built.build.sample();
         sample.materials = palette;
         let mut intruders = Vec::new();
@@ -131,13 +132,10 @@ impl Reading<'_> {
             let entry = scope.required("acceleration", &section.acceleration)?;
             stage.rig.gravity = place::along_wave(&entry, crate::units::Dimension::Acceleration)?;
         }
-        if stage.rig.laws.has_dashpots() {
-            // As for beds.
-            stage.rig.residual_limit = 0.1;
-        }
         let help = "Add the section [run] with window, like window = \"400 us\".";
         let (scope, section) = top.required_section("run", &file.run, help)?;
         let mut plan = plan::plan(&mut stage.rig, (crystal.diameter(), stage.sites.len()), &scope, section)?;
+        plan.warnings.splice(0..0, notes);
         if self.first_seed.is_some() && seeds.used.is_empty() {
             plan.warnings.push(NO_CHANCE.to_owned());
         }

@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use super::events::State;
 use super::streams::Streams;
-use super::{TrialError, write};
+use super::{Halved, TrialError, write};
 use crate::dem::rig::{Simulation, sealed, unsealed};
 use crate::setup::Bench;
 
 /// First line of the file; the number is that of the format.
-const OPENING: &[u8] = b"granulens trial checkpoint 2\n";
+const OPENING: &[u8] = b"granulens trial checkpoint 3\n";
 
 /// What is kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,6 +21,8 @@ pub(super) struct Checkpoint {
     text: u32,
     /// Seeds of what was drawn by chance.
     seeds: Vec<u64>,
+    /// How often the step was halved.
+    pub halved: Halved,
     /// Lengths of the streams in bytes, by name.
     pub lengths: BTreeMap<String, u64>,
     /// What the record of events remembers.
@@ -35,12 +37,14 @@ impl Checkpoint {
         bench: &Bench<D>,
         simulation: &Simulation<D>,
         streams: &mut Streams,
+        halved: &Halved,
     ) -> Result<Self, TrialError> {
         streams.flush()?;
         let text = crc32fast::hash(bench.text.as_bytes());
         Ok(Self {
             text,
             seeds: bench.seeds.clone(),
+            halved: halved.clone(),
             lengths: streams.lengths(),
             events: streams.events().map(|e| e.state.clone()),
             state: simulation.checkpoint(),

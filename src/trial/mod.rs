@@ -21,6 +21,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 pub use series::{Series, SeriesError};
 pub use summary::{BodySummary, Recorded, Summary};
 
@@ -121,7 +123,14 @@ pub enum Ending {
     },
 }
 
+/// A chosen step is halved at most so often.
+const MOST_HALVINGS: u32 = 8;
+
 /// Runs a bench in a folder; `progress` is told now and then how many of how many steps are done.
+///
+/// Where a contact turns out stiffer than the chosen step foresaw, the run begins again from its start with half the step: what is
+/// written is that of one step, as if it had been given. How often that was is kept in checkpoints, so that a run that is
+/// taken up goes on with the step it had.
 ///
 /// # Errors
 /// See [`TrialError`]. A guard or an interruption is no error but an [`Ending`].
@@ -132,10 +141,64 @@ pub fn run<const D: usize>(
     interrupt: &AtomicBool,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<(Summary, Ending), TrialError> {
+    let path = folder.join(CHECKPOINT);
+    let mut begun = match keeping.resume {
+        true => Some(taken_up(bench, folder, &path)?),
+        false => None,
+    };
+    let mut halved = begun.as_ref().map_or_else(Halved::default, |checkpoint| checkpoint.halved.clone());
+    loop {
+        let bench = halved.of(bench);
+        match once(&bench, folder, begun.take(), &halved, keeping.every, interrupt, &mut progress)? {
+            (_, Ending::Stopped(stop @ RigStop::Coarse { .. })) if halved.times < MOST_HALVINGS => {
+                let why = stop.words("s", &|body| bench.name_of(body));
+                halved = Halved { times: halved.times + 1, why };
+                fs::remove_file(&path).map_err(|error| TrialError::File { path: path.clone(), error })?;
+            }
+            done => {
+                if !matches!(done.1, Ending::Interrupted { .. }) {
+                    fs::remove_file(&path).map_err(|error| TrialError::File { path, error })?;
+                }
+                return Ok(done);
+            }
+        }
+    }
+}
+
+/// How often a run was begun again with half the step, and why the last time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Halved {
+    times: u32,
+    why: String,
+}
+
+impl Halved {
+    /// The bench with its step halved so often; samples stay at the same times.
+    fn of<const D: usize>(&self, bench: &Bench<D>) -> Bench<D> {
+        let mut bench = bench.clone();
+        if self.times > 0 {
+            bench.plan.step *= 0.5_f64.powi(self.times as i32);
+            bench.record.every <<= self.times;
+            let times = if self.times == 1 { "once".to_owned() } else { format!("{} times", self.times) };
+            bench.plan.step_reason += &format!("; halved {times} and begun again: {}", self.why);
+        }
+        bench
+    }
+}
+
+/// A run with one step, from its beginning or from where it was left.
+fn once<const D: usize>(
+    bench: &Bench<D>,
+    folder: &Path,
+    begun: Option<Checkpoint>,
+    halved: &Halved,
+    keep_every: Duration,
+    interrupt: &AtomicBool,
+    progress: &mut impl FnMut(u64, u64),
+) -> Result<(Summary, Ending), TrialError> {
     let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step)?.watching(bench.record.arrivals.clone());
     let path = folder.join(CHECKPOINT);
-    let mut streams = if keeping.resume {
-        let checkpoint = taken_up(bench, folder, &path)?;
+    let mut streams = if let Some(checkpoint) = begun {
         let damaged = |reason: String| TrialError::Checkpoint { path: path.clone(), reason };
         simulation.take_up(&checkpoint.state).map_err(|error| damaged(error.to_string()))?;
         Streams::take_up(folder, bench, &checkpoint.lengths, checkpoint.events)?
@@ -144,7 +207,7 @@ pub fn run<const D: usize>(
         let mut streams = Streams::begin(folder, bench)?;
         streams.sample(&simulation)?;
         streams.begin_events(&simulation.view());
-        Checkpoint::of(bench, &simulation, &mut streams)?.write(&path)?;
+        Checkpoint::of(bench, &simulation, &mut streams, halved)?.write(&path)?;
         streams
     };
 
@@ -162,7 +225,7 @@ pub fn run<const D: usize>(
                 if simulation.steps() == sample || simulation.steps() == total {
                     streams.sample(&simulation)?;
                 }
-                Checkpoint::of(bench, &simulation, &mut streams)?.write(&path)?;
+                Checkpoint::of(bench, &simulation, &mut streams, halved)?.write(&path)?;
                 ending = Ending::Interrupted { time };
                 break;
             }
@@ -175,8 +238,8 @@ pub fn run<const D: usize>(
         if simulation.steps() == sample || simulation.steps() == total {
             streams.sample(&simulation)?;
         }
-        if kept.elapsed() >= keeping.every {
-            Checkpoint::of(bench, &simulation, &mut streams)?.write(&path)?;
+        if kept.elapsed() >= keep_every {
+            Checkpoint::of(bench, &simulation, &mut streams, halved)?.write(&path)?;
             kept = Instant::now();
         }
         progress(simulation.steps(), total);
@@ -188,9 +251,6 @@ pub fn run<const D: usize>(
     }
     let summary = Summary::new(bench, &simulation, &ending, folder)?;
     write(&folder.join(SUMMARY), summary.json().as_bytes())?;
-    if complete {
-        fs::remove_file(&path).map_err(|error| TrialError::File { path, error })?;
-    }
     Ok((summary, ending))
 }
 

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::tables::threshold_name;
 use super::{Ending, TrialError, events, series};
 use crate::dem::Integrator;
-use crate::dem::rig::{EnergyLedger, Simulation};
+use crate::dem::rig::{EnergyLedger, Gain, Simulation};
+use crate::evaluate::gain_words;
 use crate::setup::{Bench, Intruder};
 
 /// The format of `trial.json`.
@@ -68,6 +69,9 @@ pub struct Summary {
     pub energies: EnergyLedger,
     /// What the ledger does not account for, relative.
     pub residual: Option<f64>,
+    /// What contacts gave back beyond what was put into them, by law; beyond the ledger's tolerance there is a warning.
+    #[serde(default)]
+    pub gains: Vec<Gain>,
     /// Greatest speed of any sphere (m/s).
     pub max_speed_m_s: f64,
     /// Flats with what they felt.
@@ -141,6 +145,7 @@ impl Summary {
             warnings: bench.plan.warnings.clone(),
             energies: EnergyLedger::default(),
             residual: None,
+            gains: Vec::new(),
             max_speed_m_s: 0.0,
             flats: Vec::new(),
             intruders: Vec::new(),
@@ -158,6 +163,9 @@ impl Summary {
         folder: &Path,
     ) -> Result<Self, TrialError> {
         let ledger = simulation.ledger();
+        let gains = simulation.gains();
+        let mut warnings = bench.plan.warnings.clone();
+        warnings.extend(gains.iter().filter_map(|gain| gain_words(gain, ledger.at_hand, bench.rig.residual_limit)));
         let mut flats = Vec::new();
         if !bench.rig.flats.is_empty() {
             // Of the samples, a line at a time: time, then three columns for each flat.
@@ -222,6 +230,8 @@ impl Summary {
             },
             energies: ledger,
             residual: ledger.residual(),
+            gains,
+            warnings,
             max_speed_m_s: simulation.greatest_speed().into_iter().take(bench.sites.len()).fold(0.0, f64::max),
             flats,
             intruders,

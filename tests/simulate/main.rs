@@ -5,6 +5,7 @@
 //! - `sections`: what each section of a file does, by what moves
 //! - `records`: events, regions, sampled maxima and losses
 //! - `intruders`: bodies that strike, layouts as patterns, springs and dashpots
+//! - `steps`: the step that is chosen: guards, accuracy, restitution, laws that make energy
 //! - `refusals`: what a wrong rig file hears
 
 mod felt;
@@ -14,6 +15,7 @@ mod refusals;
 mod resume;
 mod rigs;
 mod sections;
+mod steps;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;

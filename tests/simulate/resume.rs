@@ -174,7 +174,7 @@ fn a_damaged_checkpoint_is_refused_with_the_reason() {
     }
     std::fs::write(&path, &bytes[..bytes.len() - 7]).unwrap();
     assert!(refused(&bench, folder.path(), true).to_string().contains("damaged"));
-    let later = String::from_utf8_lossy(&bytes[..28]).replace('2', "3").into_bytes();
+    let later = String::from_utf8_lossy(&bytes[..28]).replace('3', "4").into_bytes();
     std::fs::write(&path, [&later, &bytes[28..]].concat()).unwrap();
     assert!(refused(&bench, folder.path(), true).to_string().contains("another version"));
     std::fs::write(&path, "what is this?").unwrap();

@@ -269,7 +269,8 @@ fn a_seam_between_stripes_is_warned_about() {
         sheet(&format!(
             "{HEAD}[crystal]\npacking = \"hexagonal\"\ndiameter = \"6 mm\"\nlayers = 9\ncells = [15]\nmaterial = \"brass\"\n\
              [[pattern]]\nkind = \"stripes\"\nmaterials = [\"al\", \"brass\"]\nangle = \"60 deg\"\n\
-             widths = [\"{second} D\", \"1.7320508075688772 D\"]\n[sides]\nx = \"periodic\"\n[run]\nwindow = \"10 us\"\n"
+             widths = [\"{second} D\", \"1.7320508075688772 D\"]\n[sides]\nx = \"periodic\"\n[law]\nkind = \"thesis\"\n\
+             [run]\nwindow = \"10 us\"\n"
         ))
         .plan
         .warnings

@@ -245,10 +245,12 @@ fn threshold(column: &str) -> String {
 /// All pictures on one page that needs no network.
 fn page(summary: &Summary, pictures: &[(String, String)]) -> String {
     let stop = summary.stop.as_ref().map_or(String::new(), |stop| format!("<p><b>Stopped:</b> {}</p>\n", escape(stop)));
+    let warned: String =
+        summary.warnings.iter().map(|warning| format!("<p>Warning: {}</p>\n", escape(warning))).collect();
     let residual =
         summary.residual.map_or(String::new(), |residual| format!(" The energy ledger closes to {residual:.1e}."));
     let above = format!(
-        "<p>{} spheres in {} layers; {} of {} simulated.{residual}</p>\n{stop}",
+        "<p>{} spheres in {} layers; {} of {} simulated.{residual}</p>\n{stop}{warned}",
         summary.spheres,
         summary.layers,
         crate::units::Dimension::Time.show(summary.time_s),

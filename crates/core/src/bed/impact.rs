@@ -5,7 +5,6 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 
 use super::measure::surface;
-use super::settle::STEP;
 use super::{Bed, Disk, Grains, Intruder, Outline};
 use crate::dem::rig::{EnergyLedger, Face, RigError, RigStop, Simulation};
 
@@ -27,9 +26,9 @@ pub struct BedImpact {
 }
 
 impl BedImpact {
-    /// The intruder over the middle of the bed, for so long (τ_c), with the usual step.
+    /// The intruder over the middle of the bed, for so long (τ_c), with the usual step for a spread of diameters of 0.2.
     pub fn new(grains: Grains, intruder: Intruder, window: f64) -> Self {
-        Self { grains, intruder, place: 0.5, window, step: STEP, sample: 0.5 }
+        Self { grains, intruder, place: 0.5, window, step: grains.step(0.8), sample: 0.5 }
     }
 }
 

@@ -234,6 +234,13 @@ impl LawKind {
     }
 }
 
+impl LawKind {
+    /// Whether a cycle of such a contact can give back more than it took: the published plastic laws, in gentle contacts.
+    pub const fn makes_energy(self) -> bool {
+        matches!(self, Self::Thesis | Self::ThesisStatic | Self::Linear | Self::LinearStatic)
+    }
+}
+
 impl AnyLaw {
     /// Whether the contact is yielding in this state, `history` being that after the step: it is loaded as never before, and
     /// beyond its onset of yield.

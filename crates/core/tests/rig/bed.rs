@@ -1,6 +1,6 @@
 //! Impacts on a bed of 5971 disks, from its given initial state, against an independent solution with a step of 0.001.
 
-use granulens_core::dem::rig::{LawBook, Rig, Simulation};
+use granulens_core::dem::rig::{LawBook, Loss, Rig, Simulation};
 use granulens_core::sample::{Sample, Sphere};
 
 use crate::friction::{STIFFNESS, damping, friction};
@@ -21,10 +21,10 @@ pub fn bed(speed: f64, kt: f64) -> Rig<2> {
     let surface = 55.45720033175587;
     spheres.push(Sphere { centre: [50.0, surface + 10.0], radius: 5.0, material: 0 });
     let intruder = spheres.len() - 1;
-    let wall = (damping(0.1), friction(0.9, 0.1, kt));
+    let wall = (Loss::Rate(damping(0.1)), friction(0.9, 0.1, kt));
     let laws = LawBook::Dashpot {
         stiffness: STIFFNESS,
-        materials: vec![(damping(0.5), friction(0.5, 0.5, kt)), wall],
+        materials: vec![(Loss::Rate(damping(0.5)), friction(0.5, 0.5, kt)), wall],
         cut: false,
     };
     let held = spheres.iter().map(|s| [s.material == 1; 2]).collect();

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use granulens_core::contact::{Constants, LawKind};
-use granulens_core::dem::rig::{Cluster, Flat, Friction, Law, LawBook, Rig, Simulation, Spring};
+use granulens_core::dem::rig::{Cluster, Flat, Friction, Law, LawBook, Loss, Rig, Simulation, Spring};
 use granulens_core::sample::{Sample, Sphere};
 
 use crate::reference::{Table, difference, material};
@@ -25,7 +25,7 @@ pub fn friction(coefficient: f64, restitution: f64, kt: f64) -> Option<Friction>
 /// Disks of given centres and diameters; all of one material.
 pub fn disks(disks: &[([f64; 2], f64)], coefficient: f64, kt: f64) -> Rig<2> {
     let spheres = disks.iter().map(|&(centre, d)| Sphere { centre, radius: 0.5 * d, material: 0 }).collect();
-    let materials = vec![(damping(0.5), friction(coefficient, 0.5, kt))];
+    let materials = vec![(Loss::Rate(damping(0.5)), friction(coefficient, 0.5, kt))];
     let laws = LawBook::Dashpot { stiffness: STIFFNESS, materials, cut: false };
     let mut rig = Rig::new(Sample { materials: vec![material("440c")], spheres }, laws);
     rig.mass = disks.iter().map(|(_, d)| d * d).collect();
@@ -183,7 +183,8 @@ fn a_sliding_impact_obeys_coulomb() {
 fn the_true_restitution_is_the_closed_form() {
     for (nominal, cut) in [(0.9, false), (0.5, false), (0.1, false), (0.5, true), (0.1, true)] {
         let mut rig = disks(&[([0.0, 0.0], 1.0), ([1.0, 0.0], 1.0)], 0.0, 0.0);
-        rig.laws = LawBook::Dashpot { stiffness: STIFFNESS, materials: vec![(damping(nominal), None)], cut };
+        rig.laws =
+            LawBook::Dashpot { stiffness: STIFFNESS, materials: vec![(Loss::Rate(damping(nominal)), None)], cut };
         rig.velocity[0] = [0.5, 0.0];
         let simulation = run(rig, 1e-4, 40_000);
         let view = simulation.view();
@@ -200,7 +201,7 @@ fn the_true_restitution_is_the_closed_form() {
 #[test]
 fn a_cluster_moves_as_a_rigid_body() {
     let mut rig = disks(&[([-0.5, 0.0], 1.0), ([0.5, 0.0], 1.0), ([0.5, -1.0], 1.0)], 0.0, 0.0);
-    rig.laws = LawBook::Dashpot { stiffness: STIFFNESS, materials: vec![(0.0, None)], cut: false };
+    rig.laws = LawBook::Dashpot { stiffness: STIFFNESS, materials: vec![(Loss::Rate(0.0), None)], cut: false };
     rig.velocity[2] = [0.0, 0.02];
     // Solid disks of mass 1 at half a unit: I = 2 (1/8 + 1/4).
     rig.clusters = vec![Cluster {

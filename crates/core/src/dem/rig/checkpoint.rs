@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::Rig;
 
 const MAGIC: &[u8; 20] = b"granulens checkpoint";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// The whole state of a run, flattened to numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -24,6 +24,7 @@ pub(super) struct State {
     pub work_in: f64,
     pub absorbed: f64,
     pub at_hand: f64,
+    pub held_back: f64,
     pub near: Vec<[u32; 2]>,
     pub images: Vec<i8>,
     pub faces: Vec<(u32, bool, u32)>,

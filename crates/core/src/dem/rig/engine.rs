@@ -1,5 +1,7 @@
 //! A machine whatever its law, and its state to and from numbers.
 
+use std::collections::BTreeMap;
+
 use super::bodies::Bodies;
 use super::checkpoint::State;
 use super::cluster::ClusterState;
@@ -34,6 +36,9 @@ pub(super) trait Engine<const D: usize>: Send {
     fn forget_dropped(&mut self);
     /// What contacts have taken from each sphere (J).
     fn dissipated(&self) -> Vec<f64>;
+    /// What contacts have given back beyond what was put into them (J), by the materials of the two; a flat or an image is of the
+    /// material of the sphere that it meets.
+    fn gains(&self, rig: &Rig<D>) -> BTreeMap<[usize; 2], f64>;
     /// Every contact of spheres and mirrors that ever closed.
     fn contacts_ever(&self) -> Vec<ContactRecord>;
     fn save(&self) -> State;
@@ -133,6 +138,37 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         sum
     }
 
+    fn gains(&self, rig: &Rig<D>) -> BTreeMap<[usize; 2], f64> {
+        let contacts = &self.contacts;
+        let material = |i: usize| rig.sample.spheres[i].material;
+        let mut gains = BTreeMap::new();
+        let mut count = |[a, b]: [usize; 2], lost: f64| {
+            if lost < 0.0 {
+                let pair = [material(a), material(b)];
+                *gains.entry([pair[0].min(pair[1]), pair[0].max(pair[1])]).or_insert(0.0) -= lost;
+            }
+        };
+        for c in 0..contacts.len() {
+            let Account { overlap, work, .. } = contacts.account.at(c);
+            if work == 0.0 && overlap == 0.0 {
+                continue;
+            }
+            let of = match contacts.bodies(c) {
+                [Body::Sphere(a), Body::Sphere(b)] => [a, b],
+                [Body::Sphere(i), Body::Flat(_)] | [Body::Flat(_), Body::Sphere(i)] => [i, i],
+                [Body::Flat(_), Body::Flat(_)] => continue,
+            };
+            count(of, contacts.weight(c) * (work - contacts.normal_law(c).stored(overlap, &contacts.memory[c])));
+        }
+        for (([a, b], _), kept) in &contacts.kept_pairs {
+            count([*a as usize, *b as usize], kept.weight * kept.work);
+        }
+        for ((sphere, _), kept) in &contacts.kept_faces {
+            count([*sphere as usize; 2], kept.weight * kept.work);
+        }
+        gains
+    }
+
     fn contacts_ever(&self) -> Vec<ContactRecord> {
         let contacts = &self.contacts;
         let sphere = |body| match body {
@@ -196,6 +232,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             work_in: self.work_in,
             absorbed: self.absorbed,
             at_hand: self.at_hand,
+            held_back: self.held_back,
             near: contacts.near.iter().map(|pair| pair.ends).collect(),
             images: contacts.near.iter().flat_map(|pair| pair.image).collect(),
             faces: contacts.faces.iter().map(|f| (f.sphere, face(f.facing).0, face(f.facing).1)).collect(),
@@ -279,7 +316,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         contacts.lost = state.lost;
         contacts.lost_by_sphere = state.lost_by_sphere;
         (self.count, self.at_hand) = (state.count, state.at_hand);
-        (self.work_in, self.absorbed) = (state.work_in, state.absorbed);
+        (self.work_in, self.absorbed, self.held_back) = (state.work_in, state.absorbed, state.held_back);
         let b = &mut self.bodies;
         let mut arrays = [
             b.displacement.as_flattened_mut(),

@@ -48,6 +48,20 @@ pub enum RigStop {
         /// Time (s).
         time: f64,
     },
+    /// The step is stable, but larger than the accuracy that was asked for allows, with a contact that has arisen; see
+    /// [`Rig::resolution`].
+    Coarse {
+        /// The step (s).
+        step: f64,
+        /// What it may be (s).
+        limit: f64,
+        /// Stiffness of the contact (N/m).
+        stiffness: f64,
+        /// The two.
+        bodies: [Body; 2],
+        /// Time (s).
+        time: f64,
+    },
     /// Energy appeared or vanished.
     Residual {
         /// What is left over, relative.
@@ -96,6 +110,11 @@ impl RigStop {
                  must stay below {limit:.3e} {unit}",
                 both(bodies)
             ),
+            Self::Coarse { step, limit, stiffness, bodies, time } => format!(
+                "a step of {step:.3e} {unit} is too large for the accuracy asked for, with the contact of {} ({stiffness:.3e} N/m) at \
+                 {time:.4e} {unit}; it must stay below {limit:.3e} {unit}",
+                both(bodies)
+            ),
             Self::Residual { residual, limit, time } => format!(
                 "the energy ledger does not close at {time:.4e} {unit}: residual {residual:.2e} of what was put in, above \
                  {limit:.0e}; try half the step"
@@ -137,7 +156,10 @@ pub(super) fn guard<const D: usize>(
             return Err(RigStop::NotFinite { body: Body::Flat(f), time });
         }
     }
-    for Strain { bodies, ratio, range_used, stiffness } in engine.strains(rig.overlap_limit, bearable::<D>(step)) {
+    let fine = rig.resolution.map_or(f64::INFINITY, |most| most / step * (most / step));
+    for Strain { bodies, ratio, range_used, stiffness } in
+        engine.strains(rig.overlap_limit, bearable::<D>(step).min(fine))
+    {
         if ratio > rig.overlap_limit || range_used > 1.0 {
             let limit = rig.overlap_limit.min(ratio / range_used);
             return Err(RigStop::Overlap { bodies, ratio, limit, time });
@@ -145,6 +167,11 @@ pub(super) fn guard<const D: usize>(
         let limit = stable_step::<D>(stiffness, lighter(rig, bodies));
         if step > limit {
             return Err(RigStop::Step { step, limit, stiffness, bodies, time });
+        }
+        let mass = reduced(rig, bodies);
+        if stiffness > fine * mass {
+            let limit = step * (fine * mass / stiffness).sqrt();
+            return Err(RigStop::Coarse { step, limit, stiffness, bodies, time });
         }
     }
     let limit = rig.residual_limit;
@@ -165,12 +192,24 @@ pub(super) fn bearable<const D: usize>(step: f64) -> f64 {
     limit * limit * (1.0 - 1e-9)
 }
 
-/// Mass (kg) of the lighter of two bodies that can move.
-pub(super) fn lighter<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> f64 {
-    let mass = |body: Body| match body {
+/// Masses (kg) of two bodies, infinite of what cannot move.
+fn masses<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> [f64; 2] {
+    bodies.map(|body| match body {
         Body::Sphere(i) if rig.held[i].iter().all(|&held| held) => f64::INFINITY,
         Body::Sphere(i) => rig.mass[i],
         Body::Flat(f) => rig.flats[f].mass,
-    };
-    mass(bodies[0]).min(mass(bodies[1]))
+    })
+}
+
+/// Mass (kg) of the lighter of two bodies that can move.
+pub(super) fn lighter<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> f64 {
+    let [a, b] = masses(rig, bodies);
+    a.min(b)
+}
+
+/// Reduced mass (kg) of two bodies; half of that at a flat, which stands for an equal sphere.
+fn reduced<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> f64 {
+    let [a, b] = masses(rig, bodies);
+    let mean = 1.0 / (1.0 / a + 1.0 / b);
+    if bodies.iter().any(|body| matches!(body, Body::Flat(_))) { 0.5 * mean } else { mean }
 }

@@ -103,7 +103,8 @@ fn translate(stop: RigStop) -> Stop {
         RigStop::Overlap { bodies, ratio, time, .. } => {
             Stop::Overlap { spheres: bodies.map(sphere), overlap_ratio: ratio, time_s: time }
         }
-        RigStop::Step { step, limit, stiffness, bodies, time } => {
+        RigStop::Step { step, limit, stiffness, bodies, time }
+        | RigStop::Coarse { step, limit, stiffness, bodies, time } => {
             Stop::Step { step_s: step, limit_s: limit, stiffness, spheres: bodies.map(sphere), time_s: time }
         }
         RigStop::Residual { residual, .. } => Stop::Residual { residual },

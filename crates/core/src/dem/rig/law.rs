@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::contact::{AnyLaw, Constants, Dashpot, ForceLaw as _, History, LawKind, NormalLaw, Pair, Tabulated};
+use super::dashpot::{Ended, Loss, SpringDashpot};
+use crate::contact::{AnyLaw, Constants, ForceLaw as _, History, LawKind, NormalLaw, Pair, Tabulated};
 use crate::material::Material;
-use crate::real::Lanes;
 
 /// The laws of a rig.
 #[derive(Clone, Debug)]
@@ -24,8 +24,9 @@ pub enum LawBook {
     Dashpot {
         /// k (N/m)
         stiffness: f64,
-        /// Per material of the sample γ (1/s) and friction; between two materials those of the one with the higher index hold.
-        materials: Vec<(f64, Option<Friction>)>,
+        /// Per material of the sample what the dashpot takes, and friction; between two materials those of the one with the
+        /// higher index hold. All are rates, or none is.
+        materials: Vec<(Loss, Option<Friction>)>,
         /// Whether the force is cut at zero, so that contacts never pull.
         cut: bool,
     },
@@ -40,30 +41,6 @@ pub enum Law {
     Tabulated(Arc<Tabulated>),
     /// A linear spring and a dashpot.
     SpringDashpot(SpringDashpot),
-}
-
-/// F = k δ + γ m̄ v of any two spheres: the dashpot is given per reduced mass (Kondic et al. 2012).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpringDashpot {
-    /// k (N/m)
-    pub stiffness: f64,
-    /// γ (1/s)
-    pub rate: f64,
-    /// Whether the force is cut at zero, so that contacts never pull.
-    pub cut: bool,
-}
-
-impl SpringDashpot {
-    /// Force (N) of closed contacts, one or several side by side, with dashpots c = γ m̄ (kg/s).
-    #[inline(always)]
-    pub(super) fn push<V: Lanes>(&self, overlap: V, closing_speed: V, damping: V) -> V {
-        self.of(0.0).push(overlap, closing_speed, damping)
-    }
-
-    #[inline(always)]
-    fn of(self, reduced: f64) -> Dashpot {
-        Dashpot { stiffness: self.stiffness, damping: self.rate * reduced, cut: self.cut }
-    }
 }
 
 /// Friction at a contact: F_t = −k_t ξ − γ_t m̄ v_t, at most μ |F_n|, with ξ the tangential spring (Cundall and Strack 1979;
@@ -93,10 +70,25 @@ impl LawBook {
     /// Whether a dashpot acts at any contact: its force begins and ends with a jump, which the trapezoids of the energy ledger
     /// resolve to some percent of what it takes.
     pub fn has_dashpots(&self) -> bool {
-        let viscous = |law: &Law| matches!(law, Law::SpringDashpot(law) if law.rate > 0.0);
+        let viscous = |law: &Law| matches!(law, Law::SpringDashpot(law) if law.loss != Loss::Rate(0.0));
         match self {
             Self::Materials { law, pairs, .. } => viscous(law) || pairs.iter().any(|(_, law)| viscous(law)),
             Self::Dashpot { .. } => true,
+        }
+    }
+
+    /// The name of the law between two materials, by their indices.
+    pub fn name_of(&self, [a, b]: [usize; 2]) -> &'static str {
+        match self {
+            Self::Dashpot { .. } => SpringDashpot::NAME,
+            Self::Materials { law, pairs, .. } => {
+                let own = pairs.iter().find(|(pair, _)| *pair == [a, b] || *pair == [b, a]);
+                match own.map_or(law, |(_, law)| law) {
+                    Law::Named(kind) => kind.name(),
+                    Law::Tabulated(_) => "table",
+                    Law::SpringDashpot(_) => SpringDashpot::NAME,
+                }
+            }
         }
     }
 
@@ -114,6 +106,17 @@ impl LawBook {
     }
 }
 
+/// A contact in the first state in which it is closed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Begun<M> {
+    /// What acts over the step (N), and the force proper.
+    pub acts: f64,
+    pub force: f64,
+    /// The force with which it began (N).
+    pub onset: f64,
+    pub memory: M,
+}
+
 /// A normal law as the rig evaluates it, with what a contact under it remembers.
 pub(super) trait Bonding: Clone + Send + Sync + 'static {
     /// What a contact remembers.
@@ -122,6 +125,22 @@ pub(super) trait Bonding: Clone + Send + Sync + 'static {
     const NUMBERS: usize;
     /// Force (N) between bodies of reduced mass m̄ (kg), and the memory after an accepted step.
     fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &Self::Memory) -> (f64, Self::Memory);
+    /// As `respond` in the first state in which the contact is closed, a step (s) after one in which it was open. The force
+    /// acts over a whole step: where it begins with a jump it is weighed by the part of the step in which it acts.
+    fn begin(
+        &self,
+        overlap: f64,
+        closing_speed: f64,
+        reduced: f64,
+        memory: &Self::Memory,
+        _step: f64,
+    ) -> Begun<Self::Memory> {
+        let (force, memory) = self.respond(overlap, closing_speed, reduced, memory);
+        Begun { acts: force, force, onset: 0.0, memory }
+    }
+    /// How a contact ends that has just opened, whose surfaces are a gap (m) apart and which had this overlap (m) and force (N) a step ago,
+    /// where its force ends with a jump.
+    fn end(&self, before: [f64; 2], gap: f64, closing_speed: f64, reduced: f64, memory: &Self::Memory) -> Ended;
     /// Energy (J) that the contact would give back.
     fn stored(&self, overlap: f64, memory: &Self::Memory) -> f64;
     /// Whether the contact is yielding, with the memory after the step.
@@ -156,6 +175,22 @@ impl Bonding for Solid {
             Self::Named(law) => law.respond(overlap, closing_speed, memory),
             Self::Tabulated(law) => law.respond(overlap, closing_speed, memory),
         }
+    }
+    fn begin(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &History, step: f64) -> Begun<History> {
+        if let Self::SpringDashpot(law) = self {
+            let (acts, force, onset) = law.begin(overlap, closing_speed, reduced, step);
+            return Begun { acts, force, onset, memory: memory.advanced(overlap, force.max(onset)) };
+        }
+        let (force, memory) = self.respond(overlap, closing_speed, reduced, memory);
+        Begun { acts: force, force, onset: 0.0, memory }
+    }
+    fn end(&self, before: [f64; 2], gap: f64, closing_speed: f64, reduced: f64, memory: &History) -> Ended {
+        if let Self::SpringDashpot(law) = self {
+            return law.end(before, gap, closing_speed, reduced);
+        }
+        // The linear plastic law may still press when its spheres part.
+        let last = self.respond(1e-9 * before[0], closing_speed, reduced, memory).0;
+        if last > 1e-6 * memory.force_max { Ended::within(before, gap, last) } else { Ended::default() }
     }
     fn stored(&self, overlap: f64, memory: &History) -> f64 {
         match self {
@@ -201,7 +236,20 @@ impl Bonding for SpringDashpot {
 
     #[inline(always)]
     fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, (): &()) -> (f64, ()) {
-        (self.push(overlap, closing_speed, self.rate * reduced), ())
+        (self.push(overlap, closing_speed, self.damping(reduced)), ())
+    }
+    #[inline(always)]
+    fn begin(&self, overlap: f64, closing_speed: f64, reduced: f64, (): &(), step: f64) -> Begun<()> {
+        if !self.loss.is_exact() {
+            let force = self.push(overlap, closing_speed, self.damping(reduced));
+            return Begun { acts: force, force, onset: 0.0, memory: () };
+        }
+        let (acts, force, onset) = self.begin(overlap, closing_speed, reduced, step);
+        Begun { acts, force, onset, memory: () }
+    }
+    #[inline(always)]
+    fn end(&self, before: [f64; 2], gap: f64, closing_speed: f64, reduced: f64, (): &()) -> Ended {
+        if self.loss.is_exact() { self.end(before, gap, closing_speed, reduced) } else { Ended::default() }
     }
     fn stored(&self, overlap: f64, (): &()) -> f64 {
         0.5 * self.stiffness * overlap * overlap
@@ -303,7 +351,7 @@ impl Binder<Solid> for ByMaterial {
 /// Springs and dashpots; see [`LawBook::Dashpot`].
 pub(super) struct ByDashpot {
     pub stiffness: f64,
-    pub materials: Vec<(f64, Option<Friction>)>,
+    pub materials: Vec<(Loss, Option<Friction>)>,
     pub cut: bool,
 }
 
@@ -311,8 +359,8 @@ impl Binder<SpringDashpot> for ByDashpot {
     const BY_SIZE: bool = false;
 
     fn bond(&self, ends: [End; 2]) -> Bond<SpringDashpot> {
-        let (rate, friction) = self.materials[ends[0].material.max(ends[1].material)];
-        let normal = SpringDashpot { stiffness: self.stiffness, rate, cut: self.cut };
+        let (loss, friction) = self.materials[ends[0].material.max(ends[1].material)];
+        let normal = SpringDashpot { stiffness: self.stiffness, loss, cut: self.cut };
         Bond { normal, slip: friction.map_or(Slip::default(), |friction| friction.slip(0.0)) }
     }
 }

@@ -23,6 +23,11 @@ pub struct EnergyLedger {
     pub friction: f64,
     /// What bars took away, and drag.
     pub absorbed: f64,
+    /// What velocity Verlet holds back while forces act, Σ h² m a²/8 against the start, and gives back when they end. In each step
+    /// Δ(½ m v²) − ½(F + F′) Δx = h² m (a′² − a²)/8 exactly, whatever the force: within a blow the balance is out by it, at its end
+    /// it is not.
+    #[serde(default)]
+    pub held_back: f64,
     /// The most energy that was at hand so far, put in or set free by falling, as far as it was looked at.
     pub at_hand: f64,
 }
@@ -34,8 +39,19 @@ impl EnergyLedger {
         work_in - kinetic - stored - wound - potential - dissipated - friction - absorbed
     }
 
-    /// What is left over relative to the most energy that was at hand; none before there was any.
+    /// What is left over, without what the scheme holds back, relative to the most energy that was at hand; none before there was
+    /// any.
     pub fn residual(&self) -> Option<f64> {
-        (self.at_hand > 0.0).then(|| self.left() / self.at_hand)
+        (self.at_hand > 0.0).then(|| (self.left() + self.held_back) / self.at_hand)
     }
+}
+
+/// Energy that contacts under a law have given back beyond what was put into them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gain {
+    /// The law's name.
+    pub law: String,
+    /// How much (J), of the simulated part.
+    #[serde(rename = "energy_J")]
+    pub energy: f64,
 }

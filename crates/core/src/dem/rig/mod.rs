@@ -6,7 +6,7 @@
 //!
 //! - `cluster`: spheres bound to each other
 //! - `flat`: rigid faces, fixed, moved or free; `curve`: what a load is over time
-//! - `law`: which law holds between which bodies
+//! - `law`: which law holds between which bodies; `dashpot`: springs and dashpots
 //! - `pairs`: who is near whom, with a skin; `bodies`, `turns`, `contacts`: the state and the forces, as parallel arrays
 //! - `share`: long loops on several threads
 //! - `machine`: one velocity-Verlet step; `engine`: a machine whatever its law
@@ -23,6 +23,7 @@ mod checkpoint;
 mod cluster;
 mod contacts;
 mod curve;
+mod dashpot;
 mod engine;
 mod felt;
 mod flat;
@@ -42,12 +43,13 @@ pub use checkpoint::CheckpointError;
 pub use checkpoint::{sealed, unsealed};
 pub use cluster::{Cluster, ClusterState};
 pub use curve::{Curve, CurveError};
+pub use dashpot::{Loss, SpringDashpot};
 pub use felt::Arrival;
 pub use flat::{Face, Flat};
 pub use guard::RigStop;
 pub use impact::{rig_step, simulate_as_rig};
-pub use law::{Friction, Law, LawBook, Spring, SpringDashpot};
-pub use ledger::EnergyLedger;
+pub use law::{Friction, Law, LawBook, Spring};
+pub use ledger::{EnergyLedger, Gain};
 pub use simulation::Simulation;
 pub use view::{FlatState, Touching, View};
 
@@ -98,6 +100,9 @@ pub struct Rig<const D: usize> {
     pub overlap_limit: f64,
     /// Part of the energy put in that the ledger may miss before the run is stopped.
     pub residual_limit: f64,
+    /// Greatest step times √(K/m̄), with the stiffness K and the reduced mass m̄ of any contact, at which the run is as accurate as is
+    /// asked for; beyond it the run is stopped. Without, only stability counts.
+    pub resolution: Option<f64>,
 }
 
 /// A sphere or a flat.
@@ -192,6 +197,7 @@ impl<const D: usize> Rig<D> {
             domain: None,
             overlap_limit: super::OVERLAP_LIMIT,
             residual_limit: super::RESIDUAL_LIMIT,
+            resolution: None,
             sample,
         }
     }

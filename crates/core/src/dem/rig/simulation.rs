@@ -9,7 +9,7 @@ use super::engine::Engine;
 use super::felt::{Arrival, Felt};
 use super::guard::{RigStop, bearable, guard, lighter};
 use super::law::{ByDashpot, ByMaterial};
-use super::ledger::EnergyLedger;
+use super::ledger::{EnergyLedger, Gain};
 use super::machine::Machine;
 use super::pairs::TOUCHING;
 use super::share::MANY;
@@ -156,6 +156,20 @@ impl<const D: usize> Simulation<D> {
     /// memory know only those closed now. Losses by friction are not in it.
     pub fn contacts_ever(&self) -> Vec<ContactRecord> {
         self.engine.contacts_ever()
+    }
+    /// What contacts have given back beyond what was put into them, by the name of their law, the most first: nothing but errors of
+    /// the step under a law that makes no energy.
+    pub fn gains(&self) -> Vec<Gain> {
+        let mut by_law: Vec<Gain> = Vec::new();
+        for (materials, energy) in self.engine.gains(&self.rig) {
+            let law = self.rig.laws.name_of(materials);
+            match by_law.iter_mut().find(|gain| gain.law == law) {
+                Some(gain) => gain.energy += energy,
+                None => by_law.push(Gain { law: law.to_owned(), energy }),
+            }
+        }
+        by_law.sort_by(|a, b| b.energy.total_cmp(&a.energy));
+        by_law
     }
     /// What contacts have taken from each sphere (J): half of each to both, all of it at flats; of whole spheres also where
     /// they lie on a mirror.

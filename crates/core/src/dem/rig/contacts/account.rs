@@ -37,9 +37,10 @@ impl Account {
         (self.overlap, self.force, self.power) = (overlap, force, power);
     }
 
-    /// The contact opens: what the spring held is lost.
-    pub fn open(&mut self, step: f64) {
-        self.accept(0.0, 0.0, 0.0, step);
+    /// The contact opens, its normal force having been `last` (N) when it did; what the spring held is lost.
+    pub fn open(&mut self, last: f64, step: f64) {
+        self.accept(0.0, last, 0.0, step);
+        self.force = 0.0;
     }
 }
 

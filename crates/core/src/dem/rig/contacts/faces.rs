@@ -43,6 +43,24 @@ impl NearFace {
         Self { sphere: sphere as u32, facing, gap, radius, share }
     }
 
+    /// Distance of a sphere's centre from the face, and the unit vector from face to sphere, wherever the sphere is.
+    pub fn apart<const D: usize>(&self, rig: &Rig<D>, bodies: &Bodies<D>) -> (f64, [f64; D]) {
+        let (centre, moved) =
+            (rig.sample.spheres[self.sphere as usize].centre, bodies.displacement[self.sphere as usize]);
+        match self.facing {
+            Facing::Mirror(m) => {
+                let mirror = &rig.mirrors[m as usize];
+                let mut normal = [0.0; D];
+                normal[mirror.axis] = mirror.inward;
+                (self.radius + self.gap + mirror.inward * moved[mirror.axis], normal)
+            }
+            Facing::Flat(flat) => {
+                let at = std::array::from_fn(|k| centre[k] + moved[k]);
+                rig.flats[flat as usize].distance(&bodies.flat_moved[flat as usize], &at)
+            }
+        }
+    }
+
     /// Distance of a sphere's centre from the face and the unit vector from face to sphere, where they overlap.
     pub fn overlapping<const D: usize>(&self, rig: &Rig<D>, bodies: &Bodies<D>) -> Option<(f64, [f64; D])> {
         let Self { sphere, facing, gap, radius, .. } = *self;

@@ -3,7 +3,8 @@
 //! In blocks small enough to stay in the nearest memory: what the disks of each pair do is gathered, the forces are worked out
 //! (the same physics as one at a time, `react`), and then given to the disks in the order of the contacts.
 
-use crate::dem::rig::law::{Bond, SpringDashpot};
+use crate::dem::rig::dashpot::SpringDashpot;
+use crate::dem::rig::law::Bond;
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::share::rows;
 use crate::dem::rig::turns;
@@ -114,13 +115,13 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         }
     }
 
-    /// γ, μ, k_t and γ_t of contacts from c on.
+    /// γ or η, μ, k_t and γ_t of contacts from c on.
     #[inline(always)]
     fn constants<V: Lanes>(&self, c: usize) -> [V; 4] {
         let places = &self.bond[c..][..V::LANES];
         let of = &self.bonds[places[0] as usize];
         let mut constants = [
-            V::splat(of.normal.rate),
+            V::splat(of.normal.loss.number()),
             V::splat(of.slip.coefficient),
             V::splat(of.slip.stiffness),
             V::splat(of.slip.rate),
@@ -133,7 +134,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
             let mut columns = [[0.0; 8]; 4];
             for lane in 0..V::LANES {
                 let of = &self.bonds[places[lane] as usize];
-                columns[0][lane] = of.normal.rate;
+                columns[0][lane] = of.normal.loss.number();
                 columns[1][lane] = of.slip.coefficient;
                 columns[2][lane] = of.slip.stiffness;
                 columns[3][lane] = of.slip.rate;
@@ -165,11 +166,25 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         let approach = [V::load(&block.approach[0][n..]), V::load(&block.approach[1][n..])];
         let turn = [zero, zero, V::load(&block.turn[n..])];
         let meeting = meet::<V, 2>((&apart, excess), reach, &approach, &turn);
-        let [rate, coefficient, stiffness, slide_rate] = self.constants::<V>(line);
+        let [loss, coefficient, stiffness, slide_rate] = self.constants::<V>(line);
         let reduced = V::load(&self.reduced[line..]);
-        // Stiffness and cut are the same at all contacts of a law book.
-        let push = self.bonds[0].normal.push(meeting.overlap, meeting.closing_speed, rate * reduced);
-        let mut force = [push * meeting.normal[0], push * meeting.normal[1]];
+        // Stiffness, cut and the kind of loss are the same at all contacts of a law book.
+        let law = &self.bonds[0].normal;
+        let force_before = V::load(&self.piece.account.force[c..]);
+        let exact = law.loss.is_exact();
+        let damping = if exact { loss * (V::splat(law.stiffness) * reduced).sqrt() } else { loss * reduced };
+        let push = law.push(meeting.overlap, meeting.closing_speed, damping);
+        let (mut acts, mut from, mut last, mut release) = (push, force_before, zero, [zero; 2]);
+        if exact {
+            let old = zero.lt(before);
+            let (begins, _, onset) = law.begin_all(meeting.overlap, meeting.closing_speed, damping, self.step);
+            (acts, from) = (V::select(old, push, begins), V::select(old, force_before, onset));
+            let ended = law.end_all(before, force_before, -meeting.overlap, meeting.closing_speed, damping);
+            let parting = V::select(old, ended.acts, zero);
+            release = [parting * meeting.normal[0], parting * meeting.normal[1]];
+            last = V::select(old, ended.last, zero);
+        }
+        let mut force = [acts * meeting.normal[0], acts * meeting.normal[1]];
         let (mut twist, mut power) = (zero, zero);
         if TURNING {
             let grip = Grip { coefficient, stiffness, damping: slide_rate * reduced };
@@ -186,14 +201,14 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
             force = [force[0] + rub.drag[0], force[1] + rub.drag[1]];
             twist = rub.twist[2];
         }
-        V::select(closed, force[0], zero).store(&mut block.force[0][n..]);
-        V::select(closed, force[1], zero).store(&mut block.force[1][n..]);
+        V::select(closed, force[0], release[0]).store(&mut block.force[0][n..]);
+        V::select(closed, force[1], release[1]).store(&mut block.force[1][n..]);
         V::select(closed, twist, zero).store(&mut block.twist[n..]);
         // As `Account::accept`; an open contact has neither overlap nor force nor power.
         let overlap = V::select(closed, meeting.overlap, zero);
-        let push = V::select(closed, push, zero);
         let account = &mut self.piece.account;
-        let work = half * (V::load(&account.force[c..]) + push) * (overlap - before);
+        let work = half * (from + V::select(closed, push, last)) * (overlap - before);
+        let push = V::select(closed, push, zero);
         (V::load(&account.work[c..]) + work).store(&mut account.work[c..]);
         overlap.store(&mut account.overlap[c..]);
         push.store(&mut account.force[c..]);

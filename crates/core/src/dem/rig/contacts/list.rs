@@ -10,7 +10,8 @@ use super::sections::Sections;
 use super::{FaceKey, Kept};
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::Bodies;
-use crate::dem::rig::law::{Binder, Bonding, End, SpringDashpot, reduced_mass};
+use crate::dem::rig::dashpot::SpringDashpot;
+use crate::dem::rig::law::{Binder, Bonding, End, reduced_mass};
 use crate::dem::rig::pairs::{Finder, Near};
 use crate::dem::rig::share::{parts, rows};
 

@@ -3,6 +3,7 @@
 //! Geometry and friction are written for any [`Lanes`]: one contact at a time, or in lanes (`lanes`).
 
 use crate::dem::rig::bodies::{cross, dot, spin_cross};
+use crate::dem::rig::dashpot::Ended;
 use crate::dem::rig::law::{Bond, Bonding, Slip};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::turns::Turns;
@@ -219,16 +220,18 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
         shift[k] = to[k] - from[k];
     }
     let (between, excess) = between(&offset, &shift, gap);
-    if excess <= 2.0 * CLOSED * reach * reach {
-        if account.overlap > 0.0 {
-            account.open(step);
-            *stretch = [0.0; D];
-        }
+    let closed = excess > 2.0 * CLOSED * reach * reach;
+    if !closed && account.overlap == 0.0 {
         return None;
     }
     let mut approach = [0.0; D];
     for k in 0..D {
         approach[k] = velocity[a][k] - velocity[b][k];
+    }
+    if !closed {
+        let meeting = meet::<f64, D>((&between, excess), reach, &approach, &[0.0; 3]);
+        *stretch = [0.0; D];
+        return release::<D, L>(&meeting, (bond, reduced), memory, account, step, share);
     }
     let mut turns = [0.0; 3];
     if TURNING {
@@ -239,6 +242,22 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     }
     let meeting = meet::<f64, D>((&between, excess), reach, &approach, &turns);
     Some(react::<D, L, TURNING>(&meeting, (bond, reduced), memory, stretch, account, step, share))
+}
+
+/// What the normal force still does of a contact that has just opened, whose overlap is negative.
+#[inline(always)]
+pub fn release<const D: usize, L: Bonding>(
+    meeting: &Meeting<f64, D>,
+    (bond, reduced): (&Bond<L>, f64),
+    memory: &L::Memory,
+    account: &mut Account,
+    step: f64,
+    share: f64,
+) -> Option<Reaction<D>> {
+    let before = [account.overlap, account.force];
+    let Ended { acts, last } = bond.normal.end(before, -meeting.overlap, meeting.closing_speed, reduced, memory);
+    account.open(last, step);
+    (acts != 0.0).then(|| Reaction { force: meeting.normal.map(|n| share * acts * n), twist: [0.0; 3] })
 }
 
 /// Normal and tangential force of a closed contact; its memories advance by one step.
@@ -253,9 +272,16 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
     share: f64,
 ) -> Reaction<D> {
     let Meeting { overlap, closing_speed, normal, .. } = meeting;
-    let (push, next) = bond.normal.respond(*overlap, *closing_speed, reduced, memory);
-    *memory = next;
-    let mut force = normal.map(|n| share * push * n);
+    let (push, acts) = if account.overlap > 0.0 {
+        let (push, next) = bond.normal.respond(*overlap, *closing_speed, reduced, memory);
+        *memory = next;
+        (push, push)
+    } else {
+        let begun = bond.normal.begin(*overlap, *closing_speed, reduced, memory, step);
+        (*memory, account.force) = (begun.memory, begun.onset);
+        (begun.force, begun.acts)
+    };
+    let mut force = normal.map(|n| share * acts * n);
     let (mut twist, mut power) = ([0.0; 3], 0.0);
     if TURNING && bond.slip.coefficient > 0.0 {
         let slip = &bond.slip;

@@ -5,11 +5,12 @@ use std::any::Any;
 use super::Contacts;
 use super::faces::{Facing, NearFace};
 use super::lanes::{Disks, Sweep};
-use super::react::{Meeting, Reaction, Trial, react, react_pair};
+use super::react::{Meeting, Reaction, Trial, react, react_pair, release};
 use super::sections::{Piece, Spill};
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::{Bodies, dot};
-use crate::dem::rig::law::{Bonding, SpringDashpot};
+use crate::dem::rig::dashpot::SpringDashpot;
+use crate::dem::rig::law::Bonding;
 use crate::dem::rig::turns::{self, Turns};
 
 /// Force sums on all bodies.
@@ -115,7 +116,26 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             let Some((distance, normal)) = self.faces[f].overlapping(rig, bodies) else {
                 if self.account.overlap[c] > 0.0 {
                     let mut row = self.account.at(c);
-                    row.open(step);
+                    let (distance, normal) = self.faces[f].apart(rig, bodies);
+                    let (factor, face_velocity) = match facing {
+                        Facing::Flat(flat) => (self.face_factor, flat_velocity[flat as usize]),
+                        Facing::Mirror(_) => (2.0, [0.0; D]),
+                    };
+                    let mut approach = [0.0; D];
+                    for k in 0..D {
+                        approach[k] = face_velocity[k] - velocity[i][k];
+                    }
+                    let (overlap, closing_speed) = (factor * (radius - distance), factor * dot(&approach, &normal));
+                    let meeting = Meeting { overlap, closing_speed, normal, approach, turn: [0.0; 3] };
+                    let bond = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
+                    if let Some(Reaction { force, .. }) =
+                        release::<D, L>(&meeting, bond, &self.memory[c], &mut row, step, share)
+                    {
+                        add(&mut sums.force[i], 1.0, &force);
+                        if let Facing::Flat(flat) = facing {
+                            add(&mut sums.flat[flat as usize], -1.0, &force);
+                        }
+                    }
                     self.account.put(c, row);
                     self.stretch.iter_mut().filter_map(|axis| axis.get_mut(c)).for_each(|part| *part = 0.0);
                 }

@@ -1,15 +1,21 @@
 use super::sections::Sections;
 use super::{Contacts, Sums, Trial};
 use crate::dem::rig::bodies::Bodies;
-use crate::dem::rig::law::{ByDashpot, SpringDashpot};
+use crate::dem::rig::dashpot::SpringDashpot;
+use crate::dem::rig::law::ByDashpot;
 use crate::dem::rig::pairs::Finder;
-use crate::dem::rig::{Friction, LawBook, Rig, Spring};
+use crate::dem::rig::{Friction, LawBook, Loss, Rig, Spring};
 use crate::real::Width;
 use crate::sample::{Sample, Sphere};
 
 /// What a few sweeps over jostling disks of two materials come to, in so many sections: all forces and torques, and what contacts
 /// remember; one contact at a time where there is no width.
-fn jostled(width: Option<Width>, grip: [Spring; 2], sections: usize) -> [Vec<f64>; 2] {
+fn jostled(
+    width: Option<Width>,
+    (losses, cut): ([Loss; 2], bool),
+    grip: [Spring; 2],
+    sections: usize,
+) -> [Vec<f64>; 2] {
     let mut state = 7_u64;
     let mut draw = move || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -23,9 +29,9 @@ fn jostled(width: Option<Width>, grip: [Spring; 2], sections: usize) -> [Vec<f64
         })
         .collect();
     let friction = |spring| Some(Friction { coefficient: 0.3, spring, damping: 0.7 });
-    let materials = vec![(1.4, friction(grip[0])), (4.6, friction(grip[1]))];
-    let binder = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut: false };
-    let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut: false };
+    let materials = losses.into_iter().zip(grip).map(|(loss, spring)| (loss, friction(spring))).collect::<Vec<_>>();
+    let binder = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut };
+    let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut };
     let material = crate::material::find("440c", &[]).unwrap();
     let mut rig = Rig::new(Sample { materials: vec![material; 2], spheres }, laws);
     rig.periods = [Some(20.0), None];
@@ -67,15 +73,21 @@ fn bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|number| number.to_bits()).collect()
 }
 
+const RATES: ([Loss; 2], bool) = ([Loss::Rate(1.4), Loss::Rate(4.6)], false);
+
 const GRIPS: [[Spring; 2]; 3] = [[Spring::None; 2], [Spring::Constant(3.9); 2], [Spring::Constant(3.9), Spring::None]];
 
 /// Contacts side by side do what they do one at a time, to the bit: with springs, without, and with both kinds together.
 #[test]
 fn every_width_gives_the_same_forces() {
-    for grip in GRIPS {
-        let one_at_a_time = jostled(None, grip, 1).map(|numbers| bits(&numbers));
-        for width in Width::available() {
-            assert!(jostled(Some(width), grip, 1).map(|numbers| bits(&numbers)) == one_at_a_time, "{width:?} {grip:?}");
+    let ratios = [Loss::Ratio(0.4), Loss::Ratio(1.3)];
+    for dashpots in [RATES, (ratios, false), (ratios, true)] {
+        for grip in GRIPS {
+            let one_at_a_time = jostled(None, dashpots, grip, 1).map(|numbers| bits(&numbers));
+            for width in Width::available() {
+                let side_by_side = jostled(Some(width), dashpots, grip, 1).map(|numbers| bits(&numbers));
+                assert!(side_by_side == one_at_a_time, "{width:?} {dashpots:?} {grip:?}");
+            }
         }
     }
 }
@@ -85,9 +97,9 @@ fn every_width_gives_the_same_forces() {
 #[test]
 fn sections_give_the_same_sums() {
     for (grip, width) in GRIPS.into_iter().zip([None, Some(Width::widest()), None]) {
-        let [felt, remembered] = jostled(width, grip, 1);
+        let [felt, remembered] = jostled(width, RATES, grip, 1);
         for sections in [2, 3, 8, 600] {
-            let [felt_in_sections, remembered_in_sections] = jostled(width, grip, sections);
+            let [felt_in_sections, remembered_in_sections] = jostled(width, RATES, grip, sections);
             assert!(bits(&remembered) == bits(&remembered_in_sections), "{sections}");
             let apart = felt.iter().zip(&felt_in_sections).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let greatest = felt.iter().fold(0.0_f64, |greatest, force| greatest.max(force.abs()));

@@ -44,6 +44,8 @@ pub(super) struct Machine<const D: usize, L: Bonding, B> {
     pub absorbed: f64,
     /// The most energy that was at hand so far (J), as of the last look.
     pub at_hand: f64,
+    /// What the scheme held back at the start (J).
+    pub held_back: f64,
     turning: bool,
     /// Bodies under loads or incoming pulses.
     loaded: Vec<Loaded>,
@@ -67,6 +69,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             work_in: 0.0,
             absorbed: 0.0,
             at_hand: 0.0,
+            held_back: 0.0,
             turning,
             count: 0,
             loaded: acts::loaded(rig),
@@ -112,6 +115,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         self.move_clusters(rig, 0.0);
         let ledger = self.ledger(rig);
         self.work_in = ledger.kinetic + ledger.stored;
+        self.held_back = ledger.held_back;
     }
 
     /// One accepted step.
@@ -162,21 +166,26 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             work_in: self.work_in,
             absorbed: self.absorbed,
             at_hand: self.at_hand,
+            held_back: -self.held_back,
             ..EnergyLedger::default()
         };
-        let bodies = &self.bodies;
+        let (bodies, eighth) = (&self.bodies, 0.125 * self.step * self.step);
         for (state, cluster) in bodies.clusters.iter().zip(&rig.clusters) {
             ledger.kinetic += state.kinetic(cluster);
+            ledger.held_back += eighth * cluster.mass * dot(&state.acceleration, &state.acceleration);
             ledger.potential -= cluster.mass * dot(&rig.gravity, &state.moved);
         }
-        for [kinetic, potential] in parts(bodies.velocity.len(), |spheres| self.motion(rig, spheres)) {
+        for [kinetic, potential, pushed] in parts(bodies.velocity.len(), |spheres| self.motion(rig, spheres)) {
             ledger.kinetic += kinetic;
             ledger.potential += potential;
+            ledger.held_back += eighth * pushed;
         }
         let whole = flat_weight(rig);
         for (f, flat) in rig.flats.iter().enumerate().filter(|(_, flat)| flat.mass.is_finite()) {
             let velocity = &bodies.flat_velocity[f];
             ledger.kinetic += 0.5 * flat.mass * whole * dot(velocity, velocity);
+            let acceleration = &bodies.flat_acceleration[f];
+            ledger.held_back += eighth * flat.mass * whole * dot(acceleration, acceleration);
             for k in 0..D {
                 if bodies.flat_inverse_mass[f][k] > 0.0 {
                     ledger.potential -= flat.mass * whole * rig.gravity[k] * bodies.flat_moved[f][k];
@@ -201,13 +210,14 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         ledger
     }
 
-    /// Kinetic and potential energy of some spheres, those of clusters apart.
-    fn motion(&self, rig: &Rig<D>, spheres: Range<usize>) -> [f64; 2] {
+    /// Kinetic and potential energy of some spheres, those of clusters apart, and Σ m a².
+    fn motion(&self, rig: &Rig<D>, spheres: Range<usize>) -> [f64; 3] {
         let bodies = &self.bodies;
-        let (mut kinetic, mut potential) = (0.0, 0.0);
+        let (mut kinetic, mut potential, mut pushed) = (0.0, 0.0, 0.0);
         for i in spheres.filter(|&i| bodies.clustered[i].is_none()) {
             let mass = rig.mass[i] * bodies.weight[i];
             kinetic += 0.5 * mass * bodies.speed_squared(i);
+            pushed += mass * dot(&bodies.acceleration[i], &bodies.acceleration[i]);
             if self.turning {
                 let spin = &bodies.spin.get(i);
                 kinetic += 0.5 * rig.inertia[i] * bodies.weight[i] * dot(spin, spin);
@@ -218,7 +228,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
                 }
             }
         }
-        [kinetic, potential]
+        [kinetic, potential, pushed]
     }
 
     /// What some contacts hold and have taken, tangential springs only where there are any.
