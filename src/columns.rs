@@ -4,6 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::input::{self, Unreadable};
+
 /// A table that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}:{} {message}", .path.display(), .line.map_or(String::new(), |line| format!("{line}:")))]
@@ -45,15 +47,14 @@ impl Table {
             message,
             help: help.to_owned(),
         };
-        let bytes = std::fs::read(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => blame("no such file.".to_owned(), "Name a file that is there."),
-            _ => blame(format!("cannot be read: {error}."), "Name a CSV file, or a dump of LAMMPS."),
+        let text = input::text(path).map_err(|error| match error {
+            Unreadable::Missing => blame("no such file.".to_owned(), "Name a file that is there."),
+            Unreadable::NotText { valid, .. } => {
+                blame(format!("is no UTF-8 text from byte {valid} on."), "Save it as CSV in UTF-8.")
+            }
+            error => blame(format!("{error}."), "Name a CSV file, or a dump of LAMMPS."),
         })?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let place = error.utf8_error().valid_up_to();
-            blame(format!("is no UTF-8 text from byte {place} on."), "Save it as CSV in UTF-8.")
-        })?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let text = &text;
         match text.trim_start().starts_with("ITEM:") {
             true => dump(path, text),
             false => Ok(vec![Self::of_csv(path, text)?]),

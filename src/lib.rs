@@ -11,6 +11,9 @@ pub use granulens_core::{
     chance, contact, dem, lattice, lens, material, pattern, ray, real, sample, score, search, target, units, wave,
 };
 
+mod memory;
+pub mod input;
+pub mod output;
 pub mod document;
 pub mod layout;
 pub mod bed;

@@ -126,9 +126,13 @@ impl BedFile {
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self, DocumentError> {
         let path = path.as_ref();
         let source = Source { path, text, examples: EXAMPLES };
-        let root = document::parse(source)?;
+        let other = || document::expect(source, document::Kind::Bed);
+        let root = document::parse(source).or_else(|error| other().and(Err(error)))?;
         let top = Scope::root(source);
         let Kind { format, kind } = document::read(source, &root)?;
+        if kind.is_none() {
+            other()?;
+        }
         let format = top.required("format", &format)?;
         if format.whole(0..=u32::MAX)? != 1 {
             return Err(format.fail("must be 1", "A file of a later format needs a later version of granulens."));
@@ -270,6 +274,8 @@ fn read_origin((scope, bed): &(Scope, &BedSection), path: &Path) -> Result<Origi
         let rule = format!("makes {:.0} grains with the width, above {MOST_GRAINS:.0}", width * tall);
         return Err(height.fail(&rule, "Choose a smaller bed."));
     }
+    crate::memory::suffices(width * tall, crate::memory::RIG_SPHERE)
+        .map_err(|rule| height.fail(&rule, "Choose a smaller bed, or run it where there is more."))?;
     let spread = number(scope, "spread", &bed.spread, 0.2, 0.0..=0.6)?;
     if packing == Packing::Hexagonal
         && let Some(entry) = scope.optional("spread", &bed.spread).filter(|_| spread > 0.0)

@@ -1,22 +1,26 @@
 //! Prepared beds as files, so that settling is paid for once.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::{Bed, Disk};
+use crate::input::{self, Unreadable};
+use crate::output::{self, OutputError};
 
 /// A file that is no bed, or could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// Reading or writing failed.
+    /// Reading failed.
     #[error("{path}: {error}")]
     File {
         /// Which file.
         path: PathBuf,
         /// Why.
-        error: std::io::Error,
+        error: Unreadable,
     },
+    /// Writing failed.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// A line that cannot be understood.
     #[error("{path}:{line}: {reason}")]
     Line {
@@ -36,7 +40,6 @@ const HEADER: &str = "kind,x_d,y_d,diameter_d";
 /// # Errors
 /// See [`StoreError`].
 pub fn write(path: &Path, bed: &Bed, notes: &str) -> Result<(), StoreError> {
-    let fail = |error: std::io::Error| StoreError::File { path: path.to_owned(), error };
     let mut text = String::new();
     for note in notes.lines() {
         let _ = writeln!(text, "# {note}");
@@ -49,12 +52,7 @@ pub fn write(path: &Path, bed: &Bed, notes: &str) -> Result<(), StoreError> {
             let _ = writeln!(text, "{kind},{x:?},{y:?},{diameter:?}");
         }
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(fail)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(fail)?;
-    file.write_all(text.as_bytes()).map_err(fail)?;
-    file.persist(path).map_err(|error| fail(error.error))?;
-    Ok(())
+    Ok(output::keep(path, output::marked(text).as_bytes())?)
 }
 
 /// Reads a bed.
@@ -62,7 +60,7 @@ pub fn write(path: &Path, bed: &Bed, notes: &str) -> Result<(), StoreError> {
 /// # Errors
 /// See [`StoreError`].
 pub fn read(path: &Path) -> Result<Bed, StoreError> {
-    let text = std::fs::read_to_string(path).map_err(|error| StoreError::File { path: path.to_owned(), error })?;
+    let text = input::text(path).map_err(|error| StoreError::File { path: path.to_owned(), error })?;
     let wrong = |line: usize, reason: String| StoreError::Line { path: path.to_owned(), line: line + 1, reason };
     let mut bed = Bed { grains: Vec::new(), walls: Vec::new(), width: f64::NAN, periodic: false };
     let mut headed = false;

@@ -17,7 +17,7 @@ use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
-use super::folder::{probe, write_file, write_json};
+use super::folder::{probe_all, write_file, write_json};
 use super::over_laws::UnderLaws;
 use super::{Band, Common, Motion};
 
@@ -48,7 +48,7 @@ pub struct Check {
 impl Check {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
-        let layout = read_layout(&design, &self.layout)?;
+        let layout = read_layout(common, &design, &self.layout)?;
         let overrides = self.motion.overrides(common);
         let plan = Plan::new(&design, overrides, &layout.palette)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
@@ -66,8 +66,7 @@ impl Check {
             return tell(common, &parts);
         }
         self.under.chosen(&design)?;
-        probe(self.spheres.as_ref())?;
-        probe(common.out.as_ref())?;
+        probe_all(common, &[self.spheres.as_ref(), common.out.as_ref()])?;
         let begun = Instant::now();
         let Beside { evaluation, reference, stopped, forces, over_forces } =
             beside_uniform(&design, &layout, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
@@ -93,7 +92,7 @@ impl Check {
             warnings.push(unnamed(material));
         }
         if let Some(path) = &self.spheres {
-            write_file(path, &spheres(&layout, &record))?;
+            write_file(common, path, &spheres(&layout, &record))?;
         }
         let laws = match &stop {
             None => self.under.scores(&design, &layout, overrides)?,

@@ -8,7 +8,7 @@ use granulens::layout::{self, Layout};
 use granulens::outcome::Outcome;
 use granulens::report;
 
-use super::console::{Bar, emit, emit_json, interrupt};
+use super::console::{Bar, emit, emit_json, interrupt, note};
 use super::cost::{Part, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
@@ -41,7 +41,7 @@ impl Compare {
             Some(path) => {
                 let name =
                     path.file_stem().map_or_else(|| "layout".to_owned(), |stem| stem.to_string_lossy().into_owned());
-                Comparison::of_layout(&design, name, read_layout(&design, path)?, overrides)
+                Comparison::of_layout(&design, name, read_layout(common, &design, path)?, overrides)
             }
         }
         .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
@@ -50,12 +50,12 @@ impl Compare {
             return cost(common, &design, &comparison);
         }
         self.under.chosen(&design)?;
-        probe(common.out.as_ref())?;
+        probe(common, common.out.as_ref())?;
         let bar = Bar::new(common, comparison.len());
         let outcome = compare(&comparison, interrupt(), &bar)?;
         bar.done();
         if let Some(path) = &common.out {
-            write_file(path, &report::outcome_json(&outcome)?)?;
+            write_file(common, path, &report::outcome_json(&outcome)?)?;
         }
         let whole = outcome.arrangements.len() == comparison.len();
         let laws = if whole { self.under.scores(&design, &comparison.subject, overrides)? } else { None };
@@ -104,8 +104,10 @@ pub fn cost(common: &Common, design: &Design, comparison: &Comparison) -> Result
 }
 
 /// Reads a layout on the design's lattice; what the design names keeps the first places of the palette.
-pub fn read_layout(design: &Design, path: &std::path::Path) -> Result<Layout, Failure> {
-    Ok(layout::read(path, design.lattice, &design.palette(), &design.own_materials)?)
+pub fn read_layout(common: &Common, design: &Design, path: &std::path::Path) -> Result<Layout, Failure> {
+    let read = layout::read_noted(path, design.lattice, &design.palette(), &design.own_materials)?;
+    read.notes.iter().for_each(|text| note(common, &format!("note: {text}")));
+    Ok(read.layout)
 }
 
 /// Fails where a guard stopped an arrangement.

@@ -2,6 +2,7 @@
 
 use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use granulens::evaluate::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -22,14 +23,24 @@ pub fn interrupt() -> &'static AtomicBool {
     &INTERRUPT
 }
 
-/// Prints data. A reader who has closed the pipe has seen enough.
+/// Why data did not reach standard output, if so.
+static UNSAID: Mutex<Option<std::io::Error>> = Mutex::new(None);
+
+/// Prints data. A reader who has closed the pipe has seen enough; any other failure is told when the command ends, see [`unsaid`].
 pub fn emit(text: &str) {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes());
-    if !text.ends_with('\n') {
-        let _ = out.write_all(b"\n");
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    let written = [text, end].iter().try_for_each(|part| out.write_all(part.as_bytes())).and_then(|()| out.flush());
+    if let Err(error) = written
+        && error.kind() != std::io::ErrorKind::BrokenPipe
+    {
+        UNSAID.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
-    let _ = out.flush();
+}
+
+/// Why some of the data did not reach standard output, if so.
+pub fn unsaid() -> Option<std::io::Error> {
+    UNSAID.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
 /// Prints one JSON value as data.

@@ -90,7 +90,7 @@ impl Contact {
                 ));
             }
             let title = format!("{} ({}, {} constants)", self.pair.replace(',', " on "), self.law(), self.constants);
-            write_file(path, &report::contact_curve(&law, &pair, &title))?;
+            write_file(common, path, &report::contact_curve(&law, &pair, &title))?;
             note(common, &format!("curve: {}", path.display()));
         }
         let regions = pair.regions(1.0);
@@ -135,7 +135,7 @@ impl Contact {
     /// A table, as CSV or JSON, to stdout or to the file of --out.
     fn tell(&self, common: &Common, what: &str, csv: String, rows: serde_json::Value) -> Result<(), Failure> {
         if let Some(out) = &common.out {
-            write_file(out, &csv)?;
+            write_file(common, out, &csv)?;
         }
         match (common.json, &common.out) {
             (true, _) => {

@@ -35,7 +35,7 @@ impl Propose {
         let laid = lens.layout();
         let text = if self.full { layout::write_full(&laid) } else { layout::write(&laid) };
         if let Some(path) = &common.out {
-            write_file(path, &text)?;
+            write_file(common, path, &text)?;
             note(common, &format!("layout: {}", path.display()));
         }
         if common.json {

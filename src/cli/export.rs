@@ -1,6 +1,5 @@
 //! `granulens export`: a crystal and its motion as files for LAMMPS, OVITO and ParaView.
 
-use std::fs;
 use std::path::PathBuf;
 
 use granulens::contact::LawKind;
@@ -11,11 +10,12 @@ use granulens::evaluate::{Overrides, Plan};
 use granulens::export;
 use granulens::setup::{Bench, Setup};
 use granulens::units::Dimension::Time;
+use serde_json::json;
 
 use super::compare::read_layout;
-use super::console::{Count, interrupt, note};
+use super::console::{Count, emit_json, interrupt, note, pretty};
 use super::failure::Failure;
-use super::folder::{probe, write_file};
+use super::folder::{self, probe_all, write_file, write_json};
 use super::{Common, Motion, cost, propose, time};
 
 const VERLET_ALONE: &str = "what is exported moves by Verlet";
@@ -67,7 +67,7 @@ impl Export {
             }
             (Some(design), false) => {
                 let design = Design::read(design)?;
-                let layout = read_layout(&design, &self.source)?;
+                let layout = read_layout(common, &design, &self.source)?;
                 (design, layout)
             }
             (None, false) => {
@@ -138,13 +138,13 @@ impl Export {
             return cost::tell(common, &parts);
         }
         let folders: Vec<&PathBuf> = self.lammps.iter().chain(&self.vtp).collect();
-        if let Some(taken) = folders.iter().find(|folder| folder.exists()) {
+        if let Some(taken) = folders.iter().find(|folder| !common.force && folder.exists()) {
             return Err(Failure::input_with_help(
                 format!("{} exists and is left alone", taken.display()),
-                "Name a new folder.",
+                "Name a new folder, or replace one of granulens's own with --force.",
             ));
         }
-        probe(self.xyz.as_ref())?;
+        probe_all(common, &[self.xyz.as_ref(), common.out.as_ref()])?;
         if let Some(folder) = &self.lammps {
             let mut run = run(Some(LawKind::Hertz))?;
             let every = self.every(&mut run);
@@ -153,6 +153,7 @@ impl Export {
             let mut frames = String::new();
             follow(common, run, every, |simulation| frames.push_str(&export::dump_frame(simulation)))?;
             write_folder(
+                common,
                 folder,
                 [
                     ("crystal.data".to_owned(), deck.data),
@@ -169,7 +170,7 @@ impl Export {
             );
         }
         if self.xyz.is_none() && self.vtp.is_none() {
-            return Ok(());
+            return self.tell(common);
         }
         let mut run = run(None)?;
         let every = self.every(&mut run);
@@ -192,12 +193,25 @@ impl Export {
             }
         })?;
         if let Some(path) = &self.xyz {
-            write_file(path, &xyz)?;
+            write_file(common, path, &xyz)?;
         }
         if let Some(folder) = &self.vtp {
             files.push(("spheres.pvd".to_owned(), export::collection(&spheres)));
             files.push(("contacts.pvd".to_owned(), export::collection(&contacts)));
-            write_folder(folder, files)?;
+            write_folder(common, folder, files)?;
+        }
+        self.tell(common)
+    }
+
+    /// What was written, as JSON.
+    fn tell(&self, common: &Common) -> Result<(), Failure> {
+        let written = json!({
+            "format": granulens::outcome::FORMAT, "source": self.source, "lammps": self.lammps, "xyz": self.xyz,
+            "vtp": self.vtp,
+        });
+        write_json(common, &written)?;
+        if common.json {
+            emit_json(&written);
         }
         Ok(())
     }
@@ -246,12 +260,19 @@ fn follow<const D: usize>(
     Ok(())
 }
 
-/// Writes files into a new folder, which appears when it is complete.
-fn write_folder(place: &std::path::Path, files: impl IntoIterator<Item = (String, String)>) -> Result<(), Failure> {
-    let folder = super::folder::Folder::begin(place)?;
+/// Writes files into a new folder, which appears when it is complete, with a manifest by which it is known again.
+fn write_folder(
+    common: &Common,
+    place: &std::path::Path,
+    files: impl IntoIterator<Item = (String, String)>,
+) -> Result<(), Failure> {
+    let folder = folder::begin(common, place)?;
     for (name, text) in files {
-        let path = folder.path().join(name);
-        fs::write(&path, text).map_err(|error| Failure::write(&path, &error))?;
+        folder.write(&name, text.as_bytes())?;
     }
-    folder.finish()
+    let manifest = json!({
+        "format": granulens::outcome::FORMAT, "made_by": "granulens export", "version": env!("CARGO_PKG_VERSION"),
+    });
+    folder.write("manifest.json", pretty(&manifest).as_bytes())?;
+    Ok(folder.finish()?)
 }

@@ -7,6 +7,7 @@ use granulens::design::{Design, DesignError};
 use granulens::evaluate::{EvaluatorError, Overrides, PlanError};
 use granulens::layout::LayoutFileError;
 use granulens::lens::LensError;
+use granulens::output::OutputError;
 use granulens::setup::SetupError;
 use granulens::study::StudyError;
 use serde_json::{Map, Value, json};
@@ -74,26 +75,6 @@ impl Failure {
         let at = line.map_or(String::new(), |line| format!("{line}:"));
         let message = format!("{file}:{at} {message}");
         Self::Input(Box::new(Input { file: Some(file), line, message, ..Input::default() }))
-    }
-
-    /// A file that cannot be written.
-    pub fn write(path: &std::path::Path, error: &std::io::Error) -> Self {
-        // Of a temporary file's error only the reason counts: its name is nothing the user gave.
-        let says = |error: &io::Error| match error.raw_os_error() {
-            Some(code) => io::Error::from_raw_os_error(code).to_string(),
-            None => error.to_string(),
-        };
-        let reason = match path.ancestors().skip(1).find(|parent| parent.exists()) {
-            _ if error.kind() == io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
-            Some(parent) if parent.is_file() => format!("{} is a file", parent.display()),
-            _ => says(error),
-        };
-        Self::Input(Box::new(Input {
-            file: Some(path.display().to_string()),
-            message: format!("{}: cannot be written: {reason}", path.display()),
-            help: Some("Choose another place.".to_owned()),
-            ..Input::default()
-        }))
     }
 
     /// A lens that cannot be, of a design.
@@ -207,6 +188,17 @@ impl From<granulens::columns::TableError> for Failure {
             line: error.line,
             message: error.to_string(),
             help: Some(error.help),
+            ..Input::default()
+        }))
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::Input(Box::new(Input {
+            file: Some(error.path().display().to_string()),
+            message: error.to_string(),
+            help: Some(error.help().to_owned()),
             ..Input::default()
         }))
     }

@@ -2,7 +2,7 @@
 //!
 //! - `failure`: what went wrong, as text or JSON, and the exit codes
 //! - `console`: output that survives a closed pipe, Ctrl-C, progress
-//! - `folder`: output folders that appear only when complete
+//! - `folder`: where output goes
 //! - `cost`: what a command would cost
 
 mod bench;
@@ -29,6 +29,7 @@ mod study;
 mod trace;
 mod tuning;
 
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -37,6 +38,7 @@ use granulens::design::Design;
 use granulens::evaluate::{Forces, Overrides};
 use granulens::units::Dimension;
 
+use console::{emit, unsaid};
 use failure::Failure;
 
 /// Design impact lenses: packings of metal spheres that steer an impact wave to where it does no harm.
@@ -79,6 +81,9 @@ struct Common {
     /// JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
+    /// Replace files and folders of results that others wrote or changed; never what the command itself reads
+    #[arg(long, global = true)]
+    force: bool,
     /// Read and check everything, say what the command would cost, and do nothing
     #[arg(long, global = true)]
     dry_run: bool,
@@ -126,7 +131,14 @@ pub fn main() -> ExitCode {
         Err(error) if error.use_stderr() && std::env::args_os().any(|arg| arg == "--json") => {
             return Failure::usage(&error).print(true);
         }
-        Err(error) => error.exit(),
+        Err(error) if error.use_stderr() => error.exit(),
+        // Help and version are what was asked for, so they are data.
+        Err(error) => {
+            let text =
+                if std::io::stdout().is_terminal() { error.render().ansi().to_string() } else { error.to_string() };
+            emit(&text);
+            return ended(Ok(()), false);
+        }
     };
     if let Some(threads) = cli.common.threads {
         // Fails only if a pool exists already, and none does.
@@ -157,9 +169,21 @@ pub fn main() -> ExitCode {
         Command::Motion(command) => command.run(common),
         Command::Bench(command) => command.run(common),
     };
+    ended(done, common.json)
+}
+
+/// The exit code; what went wrong is said. Data that did not come through are no success either.
+fn ended(done: Result<(), Failure>, json: bool) -> ExitCode {
+    let done = done.and_then(|()| match unsaid() {
+        Some(error) => Err(Failure::input_with_help(
+            format!("standard output cannot be written: {error}"),
+            "What was printed is cut. Make room, or send it elsewhere.",
+        )),
+        None => Ok(()),
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.print(common.json),
+        Err(failure) => failure.print(json),
     }
 }
 

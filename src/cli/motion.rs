@@ -49,7 +49,7 @@ impl Motion {
             let stem = self.after.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
             // Without diameters circles as large as neighbourhoods of twenty grains have room for.
             let diameter = moved.diameter.unwrap_or(0.4 * radius);
-            write_file(path, &draw_motion(&stem, &moved.before, &locals, diameter))?;
+            write_file(common, path, &draw_motion(&stem, &moved.before, &locals, diameter))?;
         }
         let known: Vec<f64> = locals.iter().filter_map(|local| local.d2min).collect();
         let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
@@ -81,7 +81,7 @@ impl Motion {
                 })).collect::<Vec<_>>(),
             });
             return match &common.out {
-                Some(path) => write_file(path, &pretty(&numbers)),
+                Some(path) => write_file(common, path, &pretty(&numbers)),
                 None => {
                     emit_json(&numbers);
                     Ok(())
@@ -90,7 +90,7 @@ impl Motion {
         }
         let text = table(&moved, &locals);
         match &common.out {
-            Some(path) => write_file(path, &text),
+            Some(path) => write_file(common, path, &text),
             None => {
                 emit(&text);
                 Ok(())

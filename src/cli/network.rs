@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::Common;
 use super::console::{emit, emit_json, note, pretty};
 use super::failure::Failure;
-use super::folder::Folder;
+use super::folder::begin;
 
 /// Topology and structure of a force network: components, loops, persistence, chains, fabric and stress
 ///
@@ -83,7 +83,7 @@ impl NetworkOf {
                 "They are multiples of the mean force, from 0 on.",
             ));
         }
-        let folder = common.out.as_deref().map(Folder::begin).transpose()?;
+        let folder = common.out.as_deref().map(|place| begin(common, place)).transpose()?;
         let (mut measured, mut count, mut apart) = (Vec::new(), 0, 0);
         read(&self.contacts, &self.columns, self.period_x, |moment| {
             count += 1;
@@ -118,10 +118,7 @@ impl NetworkOf {
             }
             return Ok(());
         };
-        let save = |name: &str, text: &str| {
-            let path = folder.path().join(name);
-            std::fs::write(&path, text).map_err(|error| Failure::write(&path, &error))
-        };
+        let save = |name: &str, text: &str| folder.write(name, text.as_bytes());
         save("network.json", &pretty(&numbers))?;
         let single = measured.len() == 1;
         for (k, measured) in measured.iter().enumerate() {
@@ -138,7 +135,7 @@ impl NetworkOf {
                 save(&named("stress"), &stress(map))?;
             }
         }
-        folder.finish()
+        Ok(folder.finish()?)
     }
 
     fn measure(&self, common: &Common, Named { time, period, network, names, .. }: Named) -> Result<Measured, Failure> {

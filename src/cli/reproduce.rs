@@ -40,7 +40,7 @@ impl Reproduce {
             let seconds = rows.iter().map(|row| row.seconds).sum();
             return cost::tell(common, &[cost::Part::new("rows", rows.len() as u64, Some(seconds))]);
         }
-        probe(common.out.as_ref())?;
+        probe(common, common.out.as_ref())?;
         let threads = rayon::current_num_threads();
         let all: f64 = rows.iter().map(|row| row.seconds).sum();
         let longest = rows.iter().map(|row| row.seconds).fold(0.0, f64::max);
@@ -59,7 +59,7 @@ impl Reproduce {
             Some(path) if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) => {
                 write_json(common, &numbers)?;
             }
-            Some(path) => write_file(path, &table)?,
+            Some(path) => write_file(common, path, &table)?,
             None => {}
         }
         if common.json {

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use granulens::design::Design;
 use granulens::evaluate::{Comparison, Forces, compare};
 use granulens::layout;
+use granulens::output::Folder;
 use granulens::report;
 
 use super::console::{Bar, emit, emit_json, interrupt, note};
 use super::failure::Failure;
-use super::folder::Folder;
+use super::folder::begin;
 use super::{Band, Common, Motion, propose};
 
 /// The whole job: propose a lens, simulate it and its baselines, score, report
@@ -38,7 +39,7 @@ impl Run {
             return super::compare::cost(common, &design, &comparison);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
-        let folder = Folder::begin(&place)?;
+        let folder = begin(common, &place)?;
         note(common, &super::design::words(&design, &lens));
         note(common, &format!("step: {}", comparison.plan.step_reason));
 
@@ -63,8 +64,7 @@ impl Run {
             ("layout-full.csv", layout::write_full(&comparison.subject)),
             ("layout.json", layout::write_json(&comparison.subject)),
         ] {
-            let path = folder.path().join(name);
-            std::fs::write(&path, text).map_err(|error| Failure::write(&path, &error))?;
+            folder.write(name, text.as_bytes())?;
         }
         folder.finish()?;
 

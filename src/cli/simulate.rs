@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use granulens::dem::rig::Simulation;
+use granulens::output;
 use granulens::report;
 use granulens::setup::{Bench, Setup};
 use granulens::trial::{self, Ending, Keeping, Summary, TrialError};
@@ -21,7 +22,7 @@ use super::{Common, cost};
 /// then, tables and pictures at the end. A run that was killed or interrupted goes on with --resume to the same bytes.
 #[derive(clap::Args)]
 pub struct Simulate {
-    /// Rig file or design file, such as designs/drop-tower-brass.toml
+    /// Rig file or design file, such as designs/drop-tower-hcp.toml
     file: PathBuf,
     /// Go on with the run in the folder, where it was left
     #[arg(long)]
@@ -43,6 +44,12 @@ impl Simulate {
             Setup::Two(bench) => self.bench(&bench, common),
             Setup::Three(bench) => self.bench(&bench, common),
         }
+    }
+
+    /// Whether a folder holds the run of this very file.
+    fn is_of<const D: usize>(&self, bench: &Bench<D>, folder: &Path) -> bool {
+        let text = std::fs::read_to_string(folder.join(trial::RIG));
+        text.is_ok_and(|text| text == bench.text) && Summary::read(folder).is_ok_and(|kept| kept.seeds == bench.seeds)
     }
 
     fn bench<const D: usize>(&self, bench: &Bench<D>, common: &Common) -> Result<(), Failure> {
@@ -67,6 +74,9 @@ impl Simulate {
             let what = format!("{} steps of {} spheres, without records", bench.plan.steps(), bench.sites.len());
             return cost::tell(common, &[cost::Part::new(what, 1, Some(seconds))]);
         }
+        if !self.resume {
+            output::check_folder(&folder, common.force)?;
+        }
         let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(bench.plan.steps()) };
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {elapsed} ({eta} left)") {
             bar.set_style(style);
@@ -76,7 +86,15 @@ impl Simulate {
             bar.set_position(done);
         });
         bar.finish_and_clear();
-        let (summary, ending) = result.map_err(|error| failure(bench, &error))?;
+        let is_known = matches!(result, Err(TrialError::Finished(_)));
+        let (summary, ending) = match result {
+            // What is finished is told again, and ends as it did.
+            Err(TrialError::Finished(_)) if self.is_of(bench, &folder) => {
+                note(common, &format!("nothing was to be done: the run in {} is finished", folder.display()));
+                (Summary::read(&folder).map_err(|error| failure(bench, &error))?, Ending::Complete)
+            }
+            result => result.map_err(|error| failure(bench, &error))?,
+        };
         if let Ending::Interrupted { time } = ending {
             return Err(Failure::Interrupted(format!(
                 "at {}; go on with granulens simulate {} --resume{}{}",
@@ -93,7 +111,10 @@ impl Simulate {
         for warning in summary.warnings.iter().filter(|warning| !foreseen.contains(warning)) {
             note(common, &format!("warning: {warning}"));
         }
-        let pictures = report::draw_trial(&folder)?;
+        let pictures = if is_known { Vec::new() } else { report::draw_trial(&folder)? };
+        if !is_known {
+            output::seal_folder(&folder)?;
+        }
         if common.json {
             emit_json(&summary);
         } else {

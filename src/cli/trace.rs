@@ -51,7 +51,7 @@ impl Trace {
         let design = Design::read(&self.design)?;
         let traced = match &self.layout {
             Some(path) => {
-                let layout = super::compare::read_layout(&design, path)?;
+                let layout = super::compare::read_layout(common, &design, path)?;
                 let decays = self.decays(&design, &layout.palette)?;
                 trace_arrivals(&design, &layout, self.interval, decays.as_deref())
             }
@@ -63,12 +63,12 @@ impl Trace {
         };
         let picture = report::trace(&traced);
         if let Some(path) = &common.out {
-            write_file(path, &picture)?;
+            write_file(common, path, &picture)?;
             note(common, &format!("picture: {}", path.display()));
         }
         if let Some(path) = &self.spots {
             let rays: Vec<_> = traced.foci.iter().map(|focus| &focus.rays).collect();
-            write_file(path, &report::spot_diagram(&traced.name, traced.diameter, &rays))?;
+            write_file(common, path, &report::spot_diagram(&traced.name, traced.diameter, &rays))?;
             note(common, &format!("spot diagram: {}", path.display()));
         }
         traced.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));

@@ -29,7 +29,8 @@ const MOST_STEPS_IN_PULSE: f64 = 1e7;
 
 pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
     let source = Source { path, text, examples: EXAMPLES };
-    let root = document::parse(source)?;
+    let root =
+        document::parse(source).or_else(|error| document::expect(source, document::Kind::Design).and(Err(error)))?;
     let top = Scope::root(source);
     // The format is read first: another one may have other keys.
     let Opening { format, kind } = document::read(source, &root)?;
@@ -39,6 +40,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
             "A rig is run with granulens simulate, a bed with granulens impact; a design file has no kind.",
         ));
     }
+    document::expect(source, document::Kind::Design)?;
     let format = top.required("format", &format)?;
     if format.whole(0..=u32::MAX)? != FORMAT {
         return Err(format.fail(
@@ -154,6 +156,9 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
             "Choose fewer rows or a smaller half_width.",
         ));
     }
+    crate::memory::suffices(lattice.len() as f64, crate::memory::DESIGN_SITE).map_err(|rule| {
+        scope.fail(&rule, "Choose fewer rows or a smaller half_width, or run it where there is more.")
+    })?;
     scope.required("sides", &file.sides)?.choice("kind of sides", &[("mirror", ())])?;
     let host = document::chosen(&scope.required("host", &file.host)?, own)?;
     let mut notes = Vec::new();

@@ -5,10 +5,11 @@
 //!
 //! - `text`: from a path to text; `syntax`: text that is no TOML; `keys`: the file as written
 //! - `value`: one value read as its key asks; `own`: the sections [materials.NAME]
-//! - `error`: what a refused file hears
+//! - `kind`: what kind of file it is; `error`: what a refused file hears
 
 mod error;
 mod keys;
+mod kind;
 mod own;
 mod syntax;
 mod text;
@@ -20,6 +21,7 @@ pub(crate) use error::{Source, did_you_mean, nearest};
 #[cfg(test)]
 pub(crate) use keys::assert_examples;
 pub(crate) use keys::{OneOrSeveral, Section, Sections, Written, example, read, section};
+pub(crate) use kind::{Kind, expect};
 pub(crate) use own::{OwnMaterials, chosen, materials};
 pub(crate) use syntax::{parse, place};
 pub(crate) use text::text;

@@ -1,41 +1,33 @@
 //! From a path to text.
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::error::{DocumentError, line, nearest};
+use crate::input::{self, Unreadable};
 
 /// The text of a file.
 ///
 /// # Errors
 /// The file cannot be read or is not UTF-8.
 pub(crate) fn text(path: &Path) -> Result<String, DocumentError> {
-    let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let mut refusal = DocumentError::of_file(
-            path,
-            format!("is not UTF-8 text (byte {}).", valid + 1),
-            "Save the file as UTF-8; a design file is plain text.".to_owned(),
-        );
-        refusal.line = Some(line(error.as_bytes(), valid));
-        refusal
-    })
+    input::text(path).map_err(|error| unreadable(path, &error))
 }
 
-fn unreadable(path: &Path, error: &std::io::Error) -> DocumentError {
-    let (message, help) = if error.kind() == ErrorKind::NotFound {
-        let help = near_file(path).map_or_else(
+fn unreadable(path: &Path, error: &Unreadable) -> DocumentError {
+    let help = match error {
+        Unreadable::Missing => near_file(path).map_or_else(
             || "Check the path; it is taken from the current folder.".to_owned(),
             |near| format!("Did you mean {}?", near.display()),
-        );
-        ("no such file.".to_owned(), help)
-    } else if path.is_dir() {
-        ("is a folder.".to_owned(), "Name a design file in it.".to_owned())
-    } else {
-        (format!("cannot be read: {error}."), "Check the file and its permissions.".to_owned())
+        ),
+        Unreadable::Folder => "Name a design file in it.".to_owned(),
+        Unreadable::NotText { .. } => "Save the file as UTF-8; a design file is plain text.".to_owned(),
+        Unreadable::Io(_) => "Check the file and its permissions.".to_owned(),
     };
-    DocumentError::of_file(path, message, help)
+    let mut refusal = DocumentError::of_file(path, format!("{error}."), help);
+    if let Unreadable::NotText { bytes, valid } = error {
+        refusal.line = Some(line(bytes, *valid));
+    }
+    refusal
 }
 
 /// The TOML file in the same folder whose name is most like that of `path`.

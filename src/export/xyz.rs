@@ -1,14 +1,15 @@
-//! Extended XYZ, as OVITO reads it. Materials stand by name in the column `species`; tools that want chemical elements there,
-//! such as ASE, read the files once the names are replaced.
+//! Extended XYZ, as ASE and OVITO read it. The column `species` holds a chemical element, as ASE wants it: the one that a material of
+//! the library has most of, X for others. The material itself stands by name in the column `material`.
 
 use std::fmt::Write as _;
 
 use super::{axis_in_space, ends, in_space};
 use crate::dem::rig::Simulation;
+use crate::material;
 
 /// The present state as a frame; frames of a run stand one after another in a file. SI.
 ///
-/// Columns: number, material, centre, velocity, radius, mass, net force of contacts, energy dissipated.
+/// Columns: number, element, material, centre, velocity, radius, mass, net force of contacts, energy dissipated.
 pub fn frame<const D: usize>(simulation: &Simulation<D>) -> String {
     let (rig, view) = (simulation.rig(), simulation.view());
     let spheres = &rig.sample.spheres;
@@ -24,7 +25,8 @@ pub fn frame<const D: usize>(simulation: &Simulation<D>) -> String {
     let [a, b, c] = ends.map(|end| end[1] - end[0]);
     let mut text = format!(
         "{}\nLattice=\"{a:e} 0 0 0 {b:e} 0 0 0 {c:e}\" Origin=\"{:e} {:e} {:e}\" pbc=\"{}\" \
-         Properties=id:I:1:species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1:force:R:3:dissipated:R:1 Time={:e}\n",
+         Properties=id:I:1:species:S:1:material:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1:force:R:3:dissipated:R:1 \
+         Time={:e}\n",
         spheres.len(),
         ends[0][0],
         ends[1][0],
@@ -35,8 +37,8 @@ pub fn frame<const D: usize>(simulation: &Simulation<D>) -> String {
     let dissipated = simulation.dissipated();
     for (k, sphere) in spheres.iter().enumerate() {
         // Words are separated by spaces; a material's name may hold one.
-        let species = rig.sample.materials[sphere.material].name.replace(char::is_whitespace, "_");
-        let _ = write!(text, "{} {species}", k + 1);
+        let name = &rig.sample.materials[sphere.material].name;
+        let _ = write!(text, "{} {} {}", k + 1, element(name), name.replace(char::is_whitespace, "_"));
         let numbers = [in_space(view.position(k)), in_space(view.velocity(k))].concat();
         let force = in_space(view.net_force(k));
         for number in numbers.iter().chain(&[sphere.radius, rig.mass[k]]).chain(&force).chain(&[dissipated[k]]) {
@@ -45,4 +47,28 @@ pub fn frame<const D: usize>(simulation: &Simulation<D>) -> String {
         text.push('\n');
     }
     text
+}
+
+/// The chemical element that a material of the library has most of; X, which stands for none, for others.
+fn element(material: &str) -> &'static str {
+    match material::canonical(material) {
+        Some("stainless-440c" | "stainless-302") => "Fe",
+        Some("aluminium-2017") => "Al",
+        Some("brass-260") => "Cu",
+        Some("tungsten-carbide") => "W",
+        _ => "X",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_material_of_the_library_has_its_element() {
+        for material in material::library() {
+            assert_ne!(element(&material.name), "X", "{}", material.name);
+        }
+        assert_eq!(element("my-steel"), "X");
+    }
 }

@@ -1,8 +1,12 @@
 //! Which material sits on which site (from the core), and layouts as files.
 //!
-//! - `file`: layouts as CSV, in and out
+//! - `write`: as CSV and JSON; `read`: the half or the whole piece; `error`: what a refused file hears
 
-mod file;
+mod error;
+mod read;
+mod write;
 
-pub use file::{LayoutFileError, read, write, write_full, write_json};
+pub use error::LayoutFileError;
 pub use granulens_core::layout::*;
+pub use read::{ReadLayout, read, read_noted};
+pub use write::{write, write_full, write_json};

@@ -182,6 +182,21 @@ fn lay<const D: usize>(cell: Cell<D>, scope: &Scope, file: &CrystalFile) -> Resu
         };
         widths.push(width);
     }
+    let (wide, part): (Vec<f64>, f64) = (
+        widths
+            .iter()
+            .map(|width| match *width {
+                Width::Between(low, high) => high - low,
+                Width::Cells(cells) => f64::from(cells),
+            })
+            .collect(),
+        // A disk, or a hexagon, within its square.
+        if matches!(outline, Outline::All) { 1.0 } else { 0.7 },
+    );
+    crate::memory::suffices(part * f64::from(layers) * wide.iter().product::<f64>(), crate::memory::RIG_SPHERE)
+        .map_err(|rule| {
+            scope.fail(&rule, "Build fewer layers or a narrower crystal, or run it where there is more.")
+        })?;
     Crystal::new(cell, diameter, layers, &widths, outline)
         .map_err(|error| scope.fail(&format!("cannot be laid: {error}"), "Change layers, widths or outline."))
 }

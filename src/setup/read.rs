@@ -29,6 +29,7 @@ pub(super) fn is_rig(path: &Path, text: &str) -> bool {
 
 pub(super) fn setup(path: &Path, text: &str, first_seed: Option<u64>) -> Result<Setup, DocumentError> {
     let source = Source { path, text, examples: EXAMPLES };
+    document::expect(source, document::Kind::Rig)?;
     let root = document::parse(source)?;
     let top = Scope::root(source);
     let Opening { format, kind } = document::read(source, &root)?;

@@ -13,6 +13,7 @@ use super::stage::{self, MOST_EVALUATIONS, Stage, StageFile, Work};
 use super::start::{self, Start};
 use super::{Objective, StudyError};
 use crate::design::Design;
+use crate::document;
 use crate::evaluate::{Blow, Detail, Forces, Overrides, Plan, PlanError, common_plan};
 use crate::lattice::Site;
 use crate::layout::{Layout, LayoutCounter};
@@ -112,6 +113,8 @@ pub struct Study {
     pub time: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
+    /// The seed that the file says.
+    pub file_seed: u64,
     /// The forces about that of each impact, over which a layout is judged.
     pub forces: Forces,
     /// Who touches whom in the lattice, and what weighs what.
@@ -124,14 +127,8 @@ impl Study {
     /// # Errors
     /// The first thing that is wrong with one of them.
     pub fn read(path: &Path, seed: Option<u64>) -> Result<Self, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            let message = match error.kind() {
-                std::io::ErrorKind::NotFound => "no such file. Check the path; it is taken from here.".to_owned(),
-                std::io::ErrorKind::InvalidData => "is not UTF-8 text. A study file is plain text.".to_owned(),
-                _ => format!("cannot be read: {error}."),
-            };
-            StudyError::File { path: path.to_owned(), line: None, message }
-        })?;
+        let text = document::text(path)?;
+        document::expect(document::Source { path, text: &text, examples: &[] }, document::Kind::Study)?;
         let source = Source { path, text: &text };
         let FormatOnly { format } = toml::from_str(&text).map_err(|error| source.toml(&error))?;
         if format != 1 {
@@ -245,6 +242,7 @@ impl Study {
             window,
             time,
             seed,
+            file_seed: file.seed,
             forces,
             counter,
         };

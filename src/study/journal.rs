@@ -124,7 +124,7 @@ impl Journal {
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(fail)?;
         }
-        let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(fail)?;
+        let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(fail)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(std::fs::TryLockError::WouldBlock) => {
@@ -134,13 +134,14 @@ impl Journal {
             // A file system without locks.
             Err(std::fs::TryLockError::Error(_)) => {}
         }
+        // From here on the lock goes with the journal, also where it turns out to be none.
+        let mut journal = Self { path: path.to_owned(), file };
         let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(fail)?;
+        journal.file.read_to_end(&mut bytes).map_err(fail)?;
         let loaded = parse(path, &bytes)?;
         if loaded.whole < bytes.len() as u64 {
-            file.set_len(loaded.whole).map_err(fail)?;
+            journal.file.set_len(loaded.whole).map_err(fail)?;
         }
-        let mut journal = Self { path: path.to_owned(), file };
         if loaded.whole == 0 {
             journal.write(&sealed(&header()))?;
         }
@@ -169,6 +170,15 @@ impl Journal {
     }
 }
 
+/// A lock belongs to the open file, and a process that is just being started holds a copy of every open file of its parent until
+/// it runs its own program. To close ours would leave the lock to that copy for as long; so it is given back in words.
+impl Drop for Journal {
+    fn drop(&mut self) {
+        // What cannot be unlocked was never locked, or goes with the process.
+        let _ = self.file.unlock();
+    }
+}
+
 fn failed(path: &Path, error: &std::io::Error) -> StudyError {
     let message = match error.kind() {
         std::io::ErrorKind::NotFound => "no such journal; granulens study run begins one.".to_owned(),
@@ -184,6 +194,23 @@ mod tests {
     #[test]
     fn the_checksum_is_crc_32() {
         assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
+    }
+
+    /// A second handle on the same open file is what a process holds that another thread is just starting.
+    #[test]
+    fn the_lock_ends_with_the_journal_whoever_holds_a_copy_of_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        let journal = Journal::open(&path).unwrap().0;
+        let inherited = journal.file.try_clone().unwrap();
+        assert!(Journal::open(&path).unwrap_err().to_string().contains("another run"));
+        drop(journal);
+        drop(Journal::open(&path).unwrap());
+        // A file that turns out to be no journal is not kept locked either.
+        std::fs::write(&path, "dear diary\n").unwrap();
+        assert!(Journal::open(&path).unwrap_err().to_string().contains("first line"));
+        assert!(Journal::open(&path).unwrap_err().to_string().contains("first line"));
+        drop(inherited);
     }
 
     /// With a checksum that fits, as another version would write it.

@@ -5,6 +5,9 @@ use crate::contact::LawKind;
 use crate::evaluate::{Detail, Plan};
 use crate::search::Choice;
 
+/// Where FNV-1a begins.
+const BEGIN: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+
 /// Hashes what the scores of a study's layouts depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Key(u128);
@@ -12,7 +15,7 @@ pub struct Key(u128);
 impl Key {
     /// Everything but the layout: what the design's text says, impacts, materials, integrator, step and window.
     pub fn new(study: &Study, plan: &Plan) -> Self {
-        let mut key = Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
+        let mut key = Self(BEGIN);
         key.add(said(&study.design.text).as_bytes());
         key.add(format!("{:?}", study.palette).as_bytes());
         key.add(plan.integrator.to_string().as_bytes());
@@ -55,6 +58,10 @@ impl Key {
     /// With a layout, as hexadecimal text.
     pub fn of(mut self, materials: &[u8]) -> String {
         self.add(materials);
+        self.text()
+    }
+
+    fn text(self) -> String {
         format!("{:032x}", self.0)
     }
 
@@ -68,6 +75,39 @@ impl Key {
                 .then_some((choice, entry))
         };
         entries.iter().filter_map(own).collect()
+    }
+}
+
+impl Study {
+    /// What is asked, hashed: design, materials, what may change, impacts, tolerances and objective. Studies that are alike in it
+    /// can be compared, whatever their methods and seeds.
+    pub fn problem(&self) -> String {
+        let mut key = Key(BEGIN);
+        key.add(said(&self.design.text).as_bytes());
+        let tolerance = self.tolerance.map(|tolerance| (tolerance.wrong, tolerance.radii, tolerance.members));
+        let asked = (
+            &self.palette,
+            &self.letters,
+            &self.free,
+            &self.impacts,
+            tolerance,
+            &self.objective,
+            self.window,
+            self.forces,
+        );
+        key.add(format!("{asked:?}").as_bytes());
+        key.text()
+    }
+
+    /// How it is looked for, hashed: the problem, starts, methods and steps, and seeds; not how long. Two runs that are alike in it come to the
+    /// same.
+    pub fn settings(&self) -> String {
+        let mut key = Key(BEGIN);
+        key.add(self.problem().as_bytes());
+        let stages: Vec<_> = self.stages.iter().map(|stage| super::Stage { evaluations: 0, ..*stage }).collect();
+        let looked = (self.seed, self.tolerance, &self.starts, &self.bases, stages, &self.rungs);
+        key.add(format!("{looked:?}").as_bytes());
+        key.text()
     }
 }
 

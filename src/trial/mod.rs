@@ -27,6 +27,7 @@ pub use series::{Series, SeriesError};
 pub use summary::{BodySummary, Recorded, Summary};
 
 use crate::dem::rig::{RigError, RigStop, Simulation};
+use crate::output::{self, OutputError};
 use crate::setup::Bench;
 use checkpoint::Checkpoint;
 use streams::Streams;
@@ -76,6 +77,9 @@ pub enum TrialError {
         /// Why.
         error: io::Error,
     },
+    /// A file cannot be written as a whole.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// A record that cannot be read back.
     #[error(transparent)]
     Series(#[from] SeriesError),
@@ -91,7 +95,7 @@ impl TrialError {
             Self::Rig(RigError::Step { .. }) => "Leave run.step out to have it chosen.",
             Self::Rig(RigError::Period { .. }) => "Widen the crystal: more cells along that axis.",
             Self::Rig(_) => "Change the rig file.",
-            Self::Foreign(_) | Self::File { .. } => "Choose another place with --out.",
+            Self::Foreign(_) | Self::File { .. } | Self::Output(_) => "Choose another place with --out.",
             Self::Unfinished(_) => "Go on with --resume, or choose another place with --out.",
             Self::Nothing(_) => "Leave out --resume to begin.",
             Self::Finished(_) => "Leave out --resume to run it anew.",
@@ -338,26 +342,5 @@ fn taken_up<const D: usize>(bench: &Bench<D>, folder: &Path, path: &Path) -> Res
 
 /// Writes a file by way of one beside it, so that it is there as a whole or not at all, also after a power cut.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), TrialError> {
-    let attempt = || -> io::Result<()> {
-        let folder = path.parent().unwrap_or(Path::new("."));
-        let mut temporary = tempfile::NamedTempFile::new_in(folder)?;
-        io::Write::write_all(&mut temporary, bytes)?;
-        temporary.as_file().sync_all()?;
-        readable(temporary.path())?;
-        temporary.persist(path)?;
-        Ok(())
-    };
-    attempt().map_err(|error| TrialError::File { path: path.to_owned(), error })
-}
-
-/// Temporary files are private; results are not.
-#[cfg(unix)]
-fn readable(path: &Path) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-    fs::set_permissions(path, fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn readable(_: &Path) -> io::Result<()> {
-    Ok(())
+    Ok(output::keep(path, bytes)?)
 }

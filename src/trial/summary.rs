@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::tables::threshold_name;
-use super::{Ending, TrialError, events, series};
+use super::{Ending, SUMMARY, TrialError, events, series};
 use crate::dem::Integrator;
 use crate::dem::rig::{EnergyLedger, Gain, Simulation};
 use crate::evaluate::gain_words;
@@ -238,6 +238,17 @@ impl Summary {
             events: counts,
             ..Self::beginning(bench)
         })
+    }
+
+    /// That of the trial in a folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is none of these.
+    pub fn read(folder: &Path) -> Result<Self, TrialError> {
+        let path = folder.join(SUMMARY);
+        let fail = |error| TrialError::File { path: path.clone(), error };
+        let text = std::fs::read_to_string(&path).map_err(fail)?;
+        serde_json::from_str(&text).map_err(|error| fail(error.into()))
     }
 
     /// As the text of `trial.json`.

@@ -38,9 +38,52 @@ fn the_whole_piece_has_both_halves() {
     let text = desk.read("full.csv");
     // Rows with a sphere on the axis hold 9, the others 10.
     assert_eq!(text.lines().filter(|line| !line.starts_with('#')).count(), 1 + 6 * 9 + 6 * 10);
-    let refused = desk.run(&["check", "full.csv", "--design", "small.toml"]);
+    // It can be checked as it is, and so can the JSON of a run.
+    desk.run(&["run", "small.toml", "--quiet", "--out", "results"]).ok();
+    desk.run(&["design", "small.toml", "--out", "half.csv"]).ok();
+    let check = |name: &str| desk.run(&["check", name, "--design", "small.toml", "--json"]).ok().json();
+    let half = check("half.csv");
+    for name in ["full.csv", "results/layout-full.csv", "results/layout.json", "results/layout.csv"] {
+        let whole = check(name);
+        for key in ["focal_mean_J", "protected_mean_J", "dissipated_J", "steps"] {
+            assert_eq!(half[key], whole[key], "{name}: {key}");
+        }
+    }
+    // One sphere left of the axis is another: no half says what that does.
+    desk.write("lopsided.csv", text.replacen("stainless-440c", "brass-260", 1));
+    let refused = desk.run(&["check", "lopsided.csv", "--design", "small.toml"]);
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("the simulated half, x >= 0, not the whole piece"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("not each other's images"), "{}", refused.stderr);
+    let short: String = text.lines().filter(|line| !line.starts_with("5,2,")).map(|line| format!("{line}\n")).collect();
+    desk.write("short.csv", short);
+    let refused = desk.run(&["check", "short.csv", "--design", "small.toml"]);
+    assert!(refused.code == 2 && refused.stderr.contains("row 5, the sphere at x = -"), "{}", refused.stderr);
+}
+
+/// A spreadsheet that shows few digits: positions to a thousandth of a diameter are the sites', which is said.
+#[test]
+fn rounded_positions_are_snapped_and_said() {
+    let desk = Desk::with_layout();
+    let text = desk.read("small.csv");
+    let rounded: String = text
+        .lines()
+        .map(|line| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if !line.starts_with('#') && cells.len() == 6 {
+                for cell in &mut cells[2..4] {
+                    *cell = cell.parse::<f64>().map_or(cell.clone(), |value| format!("{value:.5}"));
+                }
+            }
+            cells.join(",") + "\n"
+        })
+        .collect();
+    assert_ne!(rounded, text);
+    desk.write("rounded.csv", rounded);
+    let exact = desk.run(&["check", "small.csv", "--design", "small.toml", "--json"]).ok().json();
+    let snapped = desk.run(&["check", "rounded.csv", "--design", "small.toml"]).ok();
+    assert!(snapped.stderr.contains("as rounding makes them"), "{}", snapped.stderr);
+    let snapped = desk.run(&["check", "rounded.csv", "--design", "small.toml", "--json"]).ok();
+    assert_eq!((&snapped.json()["focal_mean_J"], snapped.stderr.as_str()), (&exact["focal_mean_J"], ""));
 }
 
 /// An edit of the layout's text.
@@ -104,7 +147,7 @@ fn values_that_do_not_fit() {
         }
     };
     insta::assert_snapshot!(page(&[
-        ("x off by 2e-6 D", &line("5,2,0.0063500127,0.02199704525612474,0.00635,brass")),
+        ("x off by 2e-3 D", &line("5,2,0.0063627,0.02199704525612474,0.00635,brass")),
         ("z in mm", &line("5,2,0.00635,21.997,0.00635,brass")),
         ("x with a unit", &line("5,2,6.35 mm,0.02199704525612474,0.00635,brass")),
         ("x is NaN", &line("5,2,NaN,0.02199704525612474,0.00635,brass")),

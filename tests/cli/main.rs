@@ -8,13 +8,14 @@
 //! - `network`: network and motion, of files of any program
 //! - `cost`: what --dry-run says; `truth`: the same numbers from every command
 //! - `refusals`: usage and input errors, as text and as JSON
-//! - `folders`: where output may go, and interruption
+//! - `folders`: where output may go, and interruption; `kept`: nothing of a user's is lost
 
 mod check;
 mod cost;
 mod folders;
 mod impact;
 mod jobs;
+mod kept;
 mod laws;
 mod layouts;
 mod network;

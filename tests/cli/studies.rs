@@ -2,7 +2,7 @@
 
 use crate::{Desk, SMALL};
 
-const STUDY: &str = r#"format = 1
+pub const STUDY: &str = r#"format = 1
 design = "small.toml"
 materials = ["stainless-440c", "brass-260"]
 rows = [3, 5]

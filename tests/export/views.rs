@@ -142,7 +142,8 @@ fn xyz_frames_are_what_their_header_says() {
         columns.extend((0..width).map(|k| (property[0], property[1], k)));
     }
     let place = columns.iter().position(|column| *column == ("pos", "R", 0)).unwrap();
-    let species = columns.iter().position(|column| *column == ("species", "S", 0)).unwrap();
+    let [species, material] = ["species", "material"]
+        .map(|name| columns.iter().position(|column| column.0 == name && column.1 == "S").unwrap());
     for (k, line) in lines.by_ref().take(count).enumerate() {
         let words: Vec<&str> = line.split(' ').collect();
         assert_eq!(words.len(), columns.len());
@@ -154,7 +155,9 @@ fn xyz_frames_are_what_their_header_says() {
             }
         }
         assert_eq!(words[place].parse::<f64>().unwrap(), simulation.view().position(k)[0]);
-        assert_eq!(words[species], ["stainless-440c", "brass-260"][simulation.rig().sample.spheres[k].material]);
+        let made_of = simulation.rig().sample.spheres[k].material;
+        assert_eq!(words[material], ["stainless-440c", "brass-260"][made_of]);
+        assert_eq!(words[species], ["Fe", "Cu"][made_of]);
     }
     assert_eq!(lines.next(), None);
 }

@@ -117,12 +117,20 @@ impl Dimension {
                 !(c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | '_') || exponent)
             })
             .map_or(text.len(), |(at, _)| at);
+        // Lengths come in fractions of an inch; rates have a slash in their unit.
+        let (value, split) = match Some(text).filter(|_| matches!(self, Self::Length)).and_then(fraction) {
+            Some((value, split)) => (Some(value), split),
+            None => (None, split),
+        };
         let (number, unit) = (text[..split].trim(), text[split..].trim());
         let fail = |fault| UnitError { dimension: self, text: text.to_owned(), fault };
         if number.is_empty() {
             return Err(fail(Fault::NoNumber));
         }
-        let value: f64 = number.replace('_', "").parse().map_err(|_| fail(Fault::NoNumber))?;
+        let value = match value {
+            Some(value) => value,
+            None => number.replace('_', "").parse().map_err(|_| fail(Fault::NoNumber))?,
+        };
         if unit.is_empty() {
             return Err(fail(Fault::NoUnit));
         }
@@ -150,6 +158,23 @@ impl Dimension {
             .unwrap_or(units[0]);
         format!("{} {symbol}", Digits(unscaled(si, scale)))
     }
+}
+
+/// The value of a text that begins with a fraction, `3/8` or `1 1/2` or `1-1/2`, and where that ends.
+fn fraction(text: &str) -> Option<(f64, usize)> {
+    let slash = text.find('/')?;
+    let end = text[slash + 1..].find(|c: char| !c.is_ascii_digit()).map_or(text.len(), |at| slash + 1 + at);
+    let whole = |digits: &str| digits.parse::<u32>().ok().map(f64::from);
+    let below = whole(&text[slash + 1..end]).filter(|&below| below > 0.0)?;
+    let (sign, before) = match text[..slash].strip_prefix('-') {
+        Some(before) => (-1.0, before),
+        None => (1.0, &text[..slash]),
+    };
+    let (ones, above) = match before.rsplit_once([' ', '-']) {
+        Some((ones, above)) => (whole(ones.trim())?, whole(above)?),
+        None => (0.0, whole(before)?),
+    };
+    Some((sign * (ones + above / below), end))
 }
 
 /// Multiplies by a unit's size. Decimal prefixes below one are divided instead, so that `20 us` is exactly `20e-6`.
@@ -217,6 +242,19 @@ mod tests {
         assert_eq!(Time.parse("350us"), Ok(350e-6));
         assert_eq!(Force.parse("10.5 kN"), Ok(10500.0));
         assert_eq!(Density.parse("7.65 g/cm3"), Ok(7650.0));
+    }
+
+    #[test]
+    fn inches_come_in_fractions() {
+        for (fraction, decimal) in
+            [("3/8 in", "0.375 in"), ("1 1/2 in", "1.5 in"), ("1-1/4in", "1.25 in"), ("-1/2 in", "-0.5 in")]
+        {
+            assert_eq!(Length.parse(fraction), Length.parse(decimal), "{fraction}");
+        }
+        for wrong in ["3/0 in", "3/ in", "/8 in", "3/8", "3//8 in", "1.5/2 in", "3/8 kN"] {
+            assert!(Length.parse(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(super::Dimension::Rate.parse("100 1/s"), Ok(100.0));
     }
 
     #[test]

@@ -15,8 +15,7 @@ pub fn of_file(path: &Path, law: LawKind, pair: &Pair) -> Result<Fit, Failure> {
 }
 
 fn measured(path: &Path) -> Result<Measured, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::of_file(path, None, &format!("cannot be read: {error}")))?;
+    let text = granulens::input::text(path).map_err(|error| Failure::of_file(path, None, &error.to_string()))?;
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
     let (line, header) = lines.next().unwrap_or((1, ""));
     let names = cells(header);

@@ -20,8 +20,7 @@ impl States {
     /// The law at every state of a CSV file with the columns d,v,dmax,Fmax; what the law remembers besides is read from a column of its own where
     /// there is one, and follows from dmax and Fmax where not.
     pub fn read(path: &Path, law: &AnyLaw) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| Failure::of_file(path, None, &format!("cannot be read: {error}")))?;
+        let text = granulens::input::text(path).map_err(|error| Failure::of_file(path, None, &error.to_string()))?;
         let own = law.kind().own_memory();
         // Counted here: the reader takes the place behind the record before for a record's place, comments and all.
         let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());

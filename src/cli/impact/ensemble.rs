@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use granulens::bed::{Bed, BedFile, Case, Cell, Ensemble, Measures, Origin, Outcome, Pile, measure, strike, summarise};
 use granulens::chance::Mean;
 use granulens::dem::rig::RigStop;
+use granulens::output;
 use granulens::report::draw_ensemble;
 use rayon::prelude::*;
 use serde_json::json;
@@ -25,10 +26,14 @@ struct Sample {
 /// Makes all impacts that are not kept yet, and writes tables and figure.
 pub fn run(common: &Common, path: &Path, file: &BedFile, ensemble: &Ensemble, fresh: bool) -> Result<(), Failure> {
     let folder = common.out.clone().unwrap_or_else(|| Path::new("reports").join(format!("{}-ensemble", file.name)));
+    output::check_known(&folder, &["impacts", "ensemble.json"])?;
     let samples = samples(common, path, file, ensemble, fresh)?;
     let cases = ensemble.cases();
     let missing: Vec<&Case> = cases.iter().filter(|case| kept(&folder, file, &samples, case).is_none()).collect();
     note(common, &format!("{} impacts, {} of them kept from before", cases.len(), cases.len() - missing.len()));
+    if missing.is_empty() {
+        note(common, "nothing was to be done");
+    }
     let bar = Count::new(common, missing.len(), "impacts");
     let made: Vec<Result<(), Failure>> = missing
         .into_par_iter()
@@ -44,7 +49,7 @@ pub fn run(common: &Common, path: &Path, file: &BedFile, ensemble: &Ensemble, fr
                 )));
             }
             let outcome = Outcome::new(case, *seed, measures, &course);
-            write_file(&keeping(&folder, file, seed, case), &pretty(&outcome))?;
+            output::keep(&keeping(&folder, file, seed, case), pretty(&outcome).as_bytes())?;
             bar.finished(&format!("{} at {}", case.friction.name(), case.speed));
             Ok(())
         })
@@ -58,11 +63,11 @@ pub fn run(common: &Common, path: &Path, file: &BedFile, ensemble: &Ensemble, fr
     let cells = summarise(ensemble, &outcomes);
     let numbers =
         json!({ "format": granulens::outcome::FORMAT, "name": file.name, "cells": cells, "impacts": outcomes });
-    write_file(&folder.join("ensemble.json"), &pretty(&numbers))?;
-    write_file(&folder.join("ensemble.csv"), &table(&cells))?;
-    write_file(&folder.join("impacts.csv"), &rows(&outcomes))?;
-    write_file(&folder.join("bed.toml"), &file.text)?;
-    write_file(&folder.join("depth.svg"), &draw_ensemble(&file.name, &cells))?;
+    write_file(common, &folder.join("ensemble.json"), &pretty(&numbers))?;
+    write_file(common, &folder.join("ensemble.csv"), &table(&cells))?;
+    write_file(common, &folder.join("impacts.csv"), &rows(&outcomes))?;
+    write_file(common, &folder.join("bed.toml"), &file.text)?;
+    write_file(common, &folder.join("depth.svg"), &draw_ensemble(&file.name, &cells))?;
     if common.json {
         emit_json(&numbers);
     } else {

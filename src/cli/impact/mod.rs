@@ -13,13 +13,14 @@ use std::time::Instant;
 
 use granulens::bed::{Bed, BedFile, Course, Ensemble, Origin, Rubbing, listen, measure, stop_words, strike};
 use granulens::dem::rig::RigStop;
+use granulens::output::Folder;
 use granulens::report::{BedPictures, BedRecord, draw_bed};
 use serde::Serialize;
 
 use super::Common;
 use super::console::{Steps, emit, emit_json, interrupt, note, pretty};
 use super::failure::Failure;
-use super::folder::Folder;
+use super::folder::begin;
 use beds::{load, place, pour};
 
 /// Strike a granular bed with an intruder: depth, forces, energies
@@ -95,7 +96,7 @@ impl Impact {
             return ensemble::run(common, &self.bed, &file, &ensemble, self.fresh);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&file.name));
-        let folder = Folder::begin(&place)?;
+        let folder = begin(common, &place)?;
         let (bed, settled_in) = self.prepare(common, &file)?;
         let measures = measure(&bed);
         let grains = &file.impact.grains;
@@ -170,10 +171,7 @@ impl Impact {
 
 /// Fills the folder and puts it in its place.
 fn write(file: &BedFile, record: &BedRecord<'_>, numbers: &Numbers, folder: Folder) -> Result<(), Failure> {
-    let save = |name: &str, text: &str| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, text).map_err(|error| Failure::write(&path, &error))
-    };
+    let save = |name: &str, text: &str| folder.write(name, text.as_bytes());
     save("impact.json", &pretty(numbers))?;
     save("bed.toml", &file.text)?;
     save("impact.csv", &moments(record.course))?;
@@ -187,7 +185,7 @@ fn write(file: &BedFile, record: &BedRecord<'_>, numbers: &Numbers, folder: Fold
         save(name, svg)?;
     }
     save("impact.html", &page)?;
-    folder.finish()
+    Ok(folder.finish()?)
 }
 
 /// Two columns below their heads.

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use granulens::input;
 use granulens::study::Spread;
 use serde_json::json;
 
@@ -35,7 +36,9 @@ impl Compare {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let reports = self.folders.iter().map(|folder| read(folder)).collect::<Result<Vec<_>, _>>()?;
         let finest = |report: &Report| report.state.history.last().map(|last| last.step);
-        let same_step = reports.windows(2).all(|two| finest(&two[0]) == finest(&two[1]));
+        // Only numbers that answer the same question can be set beside each other.
+        let alike = reports.windows(2).all(|two| same_problem(&two[0], &two[1]));
+        let same_step = alike && reports.windows(2).all(|two| finest(&two[0]) == finest(&two[1]));
         let least = reports.iter().filter_map(|report| Some(report.state.best.as_ref()?.loss)).reduce(f64::min);
         let reference = reports.first().and_then(layout);
         let rows: Vec<Row> = self
@@ -48,7 +51,8 @@ impl Compare {
                 let mut there =
                     report.state.history.iter().filter(|h| h.within_limits && Some(h.step) == at && near(h.loss));
                 let soon = if same_step { there.next().map(|h| h.evaluations) } else { None };
-                let differs = reference.as_ref().zip(layout(&report)).and_then(|(a, b)| differing(a, &b));
+                let differs =
+                    reference.as_ref().filter(|_| alike).zip(layout(&report)).and_then(|(a, b)| differing(a, &b));
                 Row { name: folder.display().to_string(), report, soon, differs }
             })
             .collect();
@@ -56,12 +60,13 @@ impl Compare {
             emit_json(&json!({
                 "format": granulens::outcome::FORMAT,
                 "studies": rows.iter().map(Row::json).collect::<Vec<_>>(),
-                "contrast": spread(&rows, |row| row.best()?.0),
-                "focal_gain": spread(&rows, |row| row.best()?.1),
-                "protection": spread(&rows, |row| row.best()?.2),
+                "same_problem": alike,
+                "contrast": spread(&rows, |row| row.best()?.0).filter(|_| alike),
+                "focal_gain": spread(&rows, |row| row.best()?.1).filter(|_| alike),
+                "protection": spread(&rows, |row| row.best()?.2).filter(|_| alike),
             }));
         } else {
-            emit(&table(&rows, same_step));
+            emit(&table(&rows, alike, same_step));
         }
         Ok(())
     }
@@ -94,7 +99,7 @@ impl Row {
 
 fn read(folder: &Path) -> Result<Report, Failure> {
     let path = folder.join("study.json");
-    let text = std::fs::read_to_string(&path).map_err(|error| {
+    let text = input::text(&path).map_err(|error| {
         let message = format!("{}: {error}", path.display());
         Failure::input_with_help(message, "Run the study first, with granulens study run; name its folder here.")
     })?;
@@ -104,6 +109,14 @@ fn read(folder: &Path) -> Result<Report, Failure> {
             "It may be of another version; granulens study run writes it anew from the journal.",
         )
     })
+}
+
+/// Whether two studies ask the same. Of results of 0.1, which do not say, as far as can be told.
+fn same_problem(a: &Report, b: &Report) -> bool {
+    match (&a.problem, &b.problem) {
+        (Some(a), Some(b)) => a == b,
+        _ => (a.sites, &a.materials) == (b.sites, &b.materials),
+    }
 }
 
 /// The best layout, its materials by name.
@@ -121,7 +134,7 @@ fn spread(rows: &[Row], score: impl Fn(&Row) -> Option<f64>) -> Option<Spread> {
     Spread::of(&rows.iter().filter_map(score).collect::<Vec<_>>())
 }
 
-fn table(rows: &[Row], same_step: bool) -> String {
+fn table(rows: &[Row], alike: bool, same_step: bool) -> String {
     let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max(5);
     let mut text = format!(
         "{:width$}  {:>4}  {:>11}  {:>7}  {:>7}  {:>7}  {:>6}  {:>7}  methods\n",
@@ -150,14 +163,18 @@ fn table(rows: &[Row], same_step: bool) -> String {
         ("G", spread(rows, |row| row.best()?.1)),
         ("Q", spread(rows, |row| row.best()?.2)),
     ] {
-        if let Some(Spread { mean, half_width: Some(half_width), range: [least, most] }) = spread {
+        if let Some(Spread { mean, half_width: Some(half_width), range: [least, most] }) = spread.filter(|_| alike) {
             let _ = writeln!(text, "{name}: {least:.4} to {most:.4}, mean {mean:.4}±{half_width:.4} (95 %)");
         }
     }
     if rows.iter().any(|row| row.best().is_none()) {
         text.push_str("- in C, G and Q: no layout keeps that study's limits\n");
     }
-    if !same_step {
+    if !alike {
+        text.push_str(
+            "these are different problems (design, materials, sites, impacts, tolerances or objective differ): each stands by itself\n",
+        );
+    } else if !same_step {
         text.push_str("their finest steps differ, so speeds are not compared\n");
     }
     text

@@ -47,12 +47,12 @@ impl Export {
                 None => best.ok_or_else(|| Failure::input("the journal holds no evaluation that came to its end"))?,
                 Some(place) => at(front.as_ref(), place)?,
             };
-            write_file(path, &best_layout(&study, &found.entry)?)?;
+            write_file(common, path, &best_layout(&study, &found.entry)?)?;
             note(common, &format!("{}: {}", path.display(), of(&found)));
         }
         let evaluations: usize = rungs.iter().map(|(_, rung)| rung.all().len()).sum();
         if let Some(path) = &self.journal {
-            write(path, &journal(&study, &rungs))?;
+            write(common, path, &journal(&study, &rungs))?;
             note(common, &format!("{}: {evaluations} evaluations", path.display()));
         }
         if common.json {
@@ -93,14 +93,14 @@ fn at(front: Option<&Front>, place: usize) -> Result<Found, Failure> {
 }
 
 /// As the file's name says: CSV unless it ends with .parquet.
-fn write(path: &Path, table: &Table) -> Result<(), Failure> {
+fn write(common: &Common, path: &Path, table: &Table) -> Result<(), Failure> {
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("parquet")) {
-        return write_file(path, &table.csv());
+        return write_file(common, path, &table.csv());
     }
     #[cfg(feature = "parquet")]
     {
         let bytes = table.parquet().map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
-        crate::cli::folder::write_bytes(path, &bytes)
+        crate::cli::folder::write_bytes(common, path, &bytes)
     }
     #[cfg(not(feature = "parquet"))]
     Err(Failure::input_with_help(

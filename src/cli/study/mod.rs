@@ -1,6 +1,6 @@
 //! `granulens study`: search for the best layout, evaluation by evaluation, and look at what was found.
 //!
-//! - `run`: run a study or go on with it; `events`: progress, as a bar or as lines of JSON
+//! - `run`: run a study or go on with it; `settings`: which study a folder holds; `events`: progress, as a bar or as lines of JSON
 //! - `show`: what a journal holds; `export`: the best layout, and the journal as a table (`table`)
 //! - `compare`: several studies side by side
 //! - `words`: what a study has come to, in words
@@ -9,6 +9,7 @@ mod compare;
 mod events;
 mod export;
 mod run;
+mod settings;
 mod show;
 mod table;
 mod words;
@@ -23,7 +24,8 @@ use super::{Band, Common};
 
 /// Search for the layout that a study file asks for
 ///
-/// Every evaluation is a line of journal.jsonl in the study's folder, reports/NAME of NAME.toml unless --out names another.
+/// Every evaluation is a line of journal.jsonl in the study's folder, reports/NAME of NAME.toml unless --out names another
+/// (reports/NAME-seed-N with a --seed N that is not the file's).
 /// Whatever ends a run, the same command goes on where it was and comes to the same end, bit for bit.
 #[derive(clap::Args)]
 pub struct Study {
@@ -68,9 +70,16 @@ fn read(path: &Path, forces: &Band, common: &Common) -> Result<Studied, Failure>
     Ok(study)
 }
 
-fn folder(common: &Common, study: &Path) -> PathBuf {
-    let stem = study.file_stem().unwrap_or(study.as_os_str());
-    common.out.clone().unwrap_or_else(|| Path::new("reports").join(stem))
+/// Where a study is kept: studies of other seeds than the file's stand beside it.
+fn folder(common: &Common, study: &Studied) -> PathBuf {
+    let stem = study.path.file_stem().unwrap_or(study.path.as_os_str());
+    common.out.clone().unwrap_or_else(|| {
+        let mut name = stem.to_owned();
+        if study.seed != study.file_seed {
+            name.push(format!("-seed-{}", study.seed));
+        }
+        Path::new("reports").join(name)
+    })
 }
 
 /// A layout file's text.

@@ -12,11 +12,11 @@ use serde_json::json;
 
 use super::events::Meter;
 use super::words::words;
-use super::{best_layout, folder, read};
+use super::{best_layout, folder, read, settings};
 use crate::cli::console::{emit, emit_json, interrupt, note, pretty};
 use crate::cli::cost::{Part, tell};
 use crate::cli::failure::Failure;
-use crate::cli::folder::write_file;
+use crate::cli::folder::{probe, write_file};
 use crate::cli::{Band, Common};
 
 #[derive(clap::Args)]
@@ -55,6 +55,9 @@ pub struct Report {
     pub sites: usize,
     /// The materials that could be chosen.
     pub materials: Vec<String>,
+    /// What was asked, hashed: studies that are alike in it can be compared.
+    #[serde(default)]
+    pub problem: Option<String>,
     /// What it came to.
     #[serde(flatten)]
     pub state: State,
@@ -79,7 +82,11 @@ fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
             .collect();
         return tell(common, &parts);
     }
-    let folder = folder(common, path);
+    let folder = folder(common, &study);
+    settings::claim(common, &folder, &study)?;
+    for name in ["study.json", "best.csv", "nearest.csv"] {
+        probe(common, Some(&folder.join(name)))?;
+    }
     let begun = Instant::now();
     let mut meter = Meter::new(common, study.budget(), events);
     let state = run(&study, &folder.join("journal.jsonl"), interrupt(), &mut meter)?;
@@ -96,25 +103,31 @@ fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
         study: path.display().to_string(),
         seed: study.seed,
         sites: study.free.len(),
+        problem: Some(study.problem()),
         materials: study.letters.iter().map(|&place| study.palette[usize::from(place)].name.clone()).collect(),
         state,
     };
-    write_file(&folder.join("study.json"), &pretty(&report))?;
+    write_file(common, &folder.join("study.json"), &pretty(&report))?;
     let state = report.state;
     // What misses a limit never goes by the name of best.
     for (name, found) in [("best.csv", &state.best), ("nearest.csv", &state.nearest)] {
         if let Some(found) = found {
-            write_file(&folder.join(name), &best_layout(&study, &found.entry)?)?;
+            write_file(common, &folder.join(name), &best_layout(&study, &found.entry)?)?;
         }
     }
-    let speed = json!({ "simulated": simulated, "seconds": seconds, "threads": rayon::current_num_threads() });
+    let known = simulated == 0 && matches!(state.ended, Ended::Budget | Ended::NothingNew);
+    let speed = json!({ "simulated": simulated, "nothing_to_do": known, "seconds": seconds, "threads": rayon::current_num_threads() });
     if events {
         emit(&json!({ "event": "end", "study": state, "run": speed }).to_string());
     } else if common.json {
         emit_json(&json!({ "format": FORMAT, "study": state, "run": speed, "warnings": meter.warnings }));
     } else {
         emit(&words(&state));
-        note(common, &format!("{simulated} simulated in {seconds:.1} s; written to {}", folder.display()));
+        let done = match known {
+            true => "nothing was to be done: the journal holds every evaluation".to_owned(),
+            false => format!("{simulated} simulated in {seconds:.1} s"),
+        };
+        note(common, &format!("{done}; written to {}", folder.display()));
     }
     match (state.ended, state.found()) {
         (Ended::Interrupted, _) => Err(Failure::Interrupted(format!(

@@ -8,6 +8,7 @@ use granulens::study::{Found, Journal, Key, Rung, Study as Studied, StudyError};
 use granulens::units::Dimension::Time;
 use serde_json::json;
 
+use super::settings::differs;
 use super::words::of;
 use super::{folder, read};
 use crate::cli::console::{emit, emit_json, note};
@@ -34,7 +35,7 @@ pub struct Show {
 
 pub fn find(path: &Path, forces: &Band, common: &Common) -> Result<Known, Failure> {
     let study = read(path, forces, common)?;
-    let loaded = Journal::read(&folder(common, path).join("journal.jsonl"))?;
+    let loaded = Journal::read(&folder(common, &study).join("journal.jsonl"))?;
     let mut rungs = Vec::new();
     let mut own = 0;
     for place in 0..study.rungs.len() {
@@ -57,8 +58,14 @@ pub fn find(path: &Path, forces: &Band, common: &Common) -> Result<Known, Failur
     for warning in &loaded.warnings {
         note(common, &format!("note: {warning}"));
     }
+    let mut warnings = loaded.warnings;
+    if let Some(difference) = differs(&folder(common, &study), &study) {
+        let warning = format!("{}: {difference}", folder(common, &study).display());
+        note(common, &format!("note: {warning}"));
+        warnings.push(warning);
+    }
     let others = loaded.entries.len() - own;
-    Ok(Known { study, rungs, best, others, warnings: loaded.warnings })
+    Ok(Known { study, rungs, best, others, warnings })
 }
 
 impl Show {

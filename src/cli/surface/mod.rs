@@ -14,7 +14,7 @@ use granulens::wave::{self, Axis, Kind, Medium, Point, Setting, Surface as Grid,
 
 use super::console::{emit_json, note};
 use super::failure::Failure;
-use super::folder::{probe, write_file};
+use super::folder::{probe_all, write_file};
 use super::{Common, Crystal};
 use tables::{grid_json, list};
 
@@ -204,14 +204,14 @@ impl Surface {
             ));
         }
         let table = out.with_extension("csv");
-        probe(Some(&table))?;
+        probe_all(common, &[Some(out), Some(&table)])?;
         let (grid, points) = self.grid(&media, &setting)?;
         let drawn = match ends_in("html") {
             true => report::surface_page(&grid, &points)?,
             false => report::surface(&grid, &points),
         };
-        write_file(out, &drawn)?;
-        write_file(&table, &report::surface_csv(&grid, &points))?;
+        write_file(common, out, &drawn)?;
+        write_file(common, &table, &report::surface_csv(&grid, &points))?;
         if common.json {
             emit_json(&grid_json(&grid, &points));
         }

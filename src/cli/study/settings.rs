@@ -1,0 +1,76 @@
+//! Which study a folder holds: seeds, settings and problems are kept apart.
+
+use std::path::Path;
+
+use granulens::outcome::FORMAT;
+use granulens::output;
+use granulens::study::Study;
+use serde::{Deserialize, Serialize};
+
+use crate::cli::Common;
+use crate::cli::console::pretty;
+use crate::cli::failure::Failure;
+use crate::cli::folder::write_file;
+
+/// The file beside the journal.
+const FILE: &str = "settings.json";
+
+/// What it says.
+#[derive(Serialize, Deserialize, PartialEq)]
+struct Settings {
+    format: u32,
+    /// Seed of everything random.
+    seed: u64,
+    /// See [`Study::problem`].
+    problem: String,
+    /// See [`Study::settings`].
+    settings: String,
+}
+
+impl Settings {
+    fn of(study: &Study) -> Self {
+        Self { format: FORMAT, seed: study.seed, problem: study.problem(), settings: study.settings() }
+    }
+}
+
+/// Of results of 0.1 only the seed is known.
+#[derive(Deserialize)]
+struct OnlySeed {
+    seed: u64,
+}
+
+fn json<T: serde::de::DeserializeOwned>(path: &Path) -> Option<T> {
+    serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+}
+
+/// In what the study that a folder holds differs from this one, if it does.
+pub fn differs(folder: &Path, study: &Study) -> Option<String> {
+    let ours = Settings::of(study);
+    let seeds = |theirs: u64| format!("holds the study with seed {theirs}, and this is seed {}", ours.seed);
+    match json::<Settings>(&folder.join(FILE)) {
+        Some(theirs) if theirs == ours => None,
+        Some(theirs) if theirs.problem != ours.problem => Some(
+            "holds a study of another problem: design, materials, rows, impacts, tolerances or objective differ"
+                .to_owned(),
+        ),
+        Some(theirs) if theirs.seed != ours.seed => Some(seeds(theirs.seed)),
+        Some(_) => Some("holds a study with other settings: starts, methods, steps or stages differ".to_owned()),
+        None => {
+            let theirs: OnlySeed = json(&folder.join("study.json"))?;
+            (theirs.seed != ours.seed).then(|| seeds(theirs.seed))
+        }
+    }
+}
+
+/// Takes a folder for a study: one that is new, or holds this study, or another one that is replaced by force. Its journal stays
+/// in any case, and what it knows of this problem is not evaluated again.
+pub fn claim(common: &Common, folder: &Path, study: &Study) -> Result<(), Failure> {
+    output::check_known(folder, &["journal.jsonl", FILE])?;
+    if let Some(difference) = differs(folder, study).filter(|_| !common.force) {
+        return Err(Failure::input_with_help(
+            format!("{}: {difference}; it is left alone", folder.display()),
+            "Name another folder with --out, or replace its results with --force; its journal stays.",
+        ));
+    }
+    write_file(common, &folder.join(FILE), &pretty(&Settings::of(study)))
+}

@@ -1,0 +1,318 @@
+//! Reading layouts: the simulated half or the whole piece, as CSV, or the half as JSON.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::Layout;
+use super::error::{LayoutFileError, Source};
+use crate::input::{self, Unreadable};
+use crate::lattice::{HexagonalSheet, Site};
+use crate::material::{self, Material};
+use crate::units::Dimension::Length;
+
+pub(super) const HEADER: [&str; 6] = ["row", "column", "x", "z", "diameter", "material"];
+
+/// How far a position may lie off its site without a word (diameters): digits that are lost in writing.
+const EXACT: f64 = 1e-6;
+/// How far at most: what spreadsheets lose that show few digits. No two sites lie nearer to each other than half a diameter.
+const ROUNDED: f64 = 1e-3;
+
+/// A layout that was read, and what should be known of it.
+#[derive(Clone, Debug)]
+pub struct ReadLayout {
+    /// The layout.
+    pub layout: Layout,
+    /// Where what was written is not quite what was taken.
+    pub notes: Vec<String>,
+}
+
+/// One line of the file.
+struct Line {
+    /// Where in the text it begins.
+    at: usize,
+    site: Site,
+    /// The index of its site in the simulated half.
+    index: usize,
+    /// How far off its site it was written (m).
+    off: f64,
+    material: Material,
+}
+
+/// Reads a layout for the given lattice: the simulated half, x >= 0, or the whole piece, whose two halves must be alike. Materials
+/// are found by name or alias among `own`, then in the library; the palette starts with `palette`, so that host and lens material
+/// keep their places.
+///
+/// # Errors
+/// Every way in which the file can differ from the lattice: missing, double or strange rows, positions off by more than a
+/// thousandth of the diameter, other diameters, unknown materials, halves that differ.
+pub fn read(
+    path: &Path,
+    lattice: HexagonalSheet,
+    palette: &[Material],
+    own: &[Material],
+) -> Result<Layout, LayoutFileError> {
+    read_noted(path, lattice, palette, own).map(|read| read.layout)
+}
+
+/// The same, with what should be known of it.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_noted(
+    path: &Path,
+    lattice: HexagonalSheet,
+    palette: &[Material],
+    own: &[Material],
+) -> Result<ReadLayout, LayoutFileError> {
+    let text = input::text(path).map_err(|error| {
+        let (message, help) = match error {
+            Unreadable::NotText { valid, .. } => {
+                (format!("is no UTF-8 text from byte {valid} on."), "Save it as CSV in UTF-8.")
+            }
+            Unreadable::Folder => ("cannot be read: Is a directory (os error 21).".to_owned(), START),
+            error => (format!("{error}."), START),
+        };
+        LayoutFileError::of_file(path, message, help)
+    })?;
+    if text.trim_start().starts_with('{') {
+        let rows = of_json(&text).map_err(|message| {
+            LayoutFileError::of_file(path, message, "A layout as JSON is layout.json of granulens run, or like it.")
+        })?;
+        // The lines are none of the user's.
+        return parse(path, &rows, lattice, palette, own).map_err(|error| {
+            LayoutFileError::of_file(path, error.message.clone(), error.help.as_deref().unwrap_or(START))
+        });
+    }
+    parse(path, &text, lattice, palette, own)
+}
+
+/// The spheres of a layout in JSON as lines of CSV.
+fn of_json(text: &str) -> Result<String, String> {
+    let layout: Value = serde_json::from_str(text).map_err(|error| format!("is no JSON: {error}."))?;
+    let spheres = layout.get("spheres").and_then(Value::as_array).ok_or("is JSON, but holds no spheres.")?;
+    let mut rows = HEADER.join(",") + "\n";
+    for (k, sphere) in spheres.iter().enumerate() {
+        let cell = |key: &&str| match sphere.get(*key) {
+            Some(Value::String(text)) => Ok(text.replace(['\n', '\r', ','], " ")),
+            Some(Value::Number(number)) => Ok(number.to_string()),
+            _ => Err(format!("spheres[{k}].{key} is missing, or neither number nor text.")),
+        };
+        rows += &(HEADER.iter().map(cell).collect::<Result<Vec<_>, _>>()?.join(",") + "\n");
+    }
+    Ok(rows)
+}
+
+fn parse(
+    path: &Path,
+    text: &str,
+    lattice: HexagonalSheet,
+    palette: &[Material],
+    own: &[Material],
+) -> Result<ReadLayout, LayoutFileError> {
+    let source = Source { path, text };
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .has_headers(false)
+        .flexible(true)
+        .from_reader(text.as_bytes());
+    let mut records = reader.records();
+    let begin_of_error = |error: &csv::Error| source.begin(error.position());
+    let header = match records.next() {
+        Some(record) => record.map_err(|error| source.error(begin_of_error(&error), None, error.to_string()))?,
+        None => return Err(LayoutFileError::of_file(path, "holds no lines but comments.".to_owned(), START)),
+    };
+    if header != HEADER[..] {
+        let found: Vec<&str> = header.iter().collect();
+        let message = format!("the header is \"{}\", expected \"{}\".", found.join(","), HEADER.join(","));
+        let help = if found.concat().contains(';') || found.concat().contains('\t') {
+            "Separate the columns by commas."
+        } else {
+            "Name the six columns in this order; lengths are in metres."
+        };
+        return Err(source.error(source.begin(header.position()), None, message).trying(help));
+    }
+
+    let records: Vec<csv::StringRecord> = records
+        .map(|record| record.map_err(|error| source.error(begin_of_error(&error), None, error.to_string())))
+        .collect::<Result<_, _>>()?;
+    // A sphere clearly left of the axis is in no simulated half.
+    let left = |record: &csv::StringRecord| {
+        record.get(2).and_then(|x| x.parse::<f64>().ok()).is_some_and(|x| x < -0.25 * lattice.diameter())
+    };
+    let whole = records.iter().any(left);
+    let sites = lattice.sites();
+    let mut palette = palette.to_vec();
+    // The material of each site of the half, and of its image, and where in the text its line begins.
+    let mut given: Vec<[Option<(u8, usize)>; 2]> = vec![[None; 2]; sites.len()];
+    let (mut snapped, mut farthest) = (0, 0.0);
+    for record in &records {
+        let at = source.begin(record.position());
+        let fail = |key, message| source.error(at, key, message);
+        let Line { at, site, index, off, material } = line(record, at, lattice, &sites, whole, own, fail)?;
+        if off > EXACT * lattice.diameter() {
+            snapped += 1;
+            farthest = f64::max(farthest, off);
+        }
+        let side = usize::from(whole && site.x < 0.0);
+        if let Some((_, earlier)) = given[index][side] {
+            let Site { row, column, .. } = site;
+            let message = format!("row {row}, column {column} is given twice, first in line {}.", source.line(earlier));
+            return Err(source.error(at, None, message).trying("Keep one of the two lines."));
+        }
+        let place = palette.iter().position(|m| m.name == material.name).unwrap_or_else(|| {
+            palette.push(material);
+            palette.len() - 1
+        });
+        let place = u8::try_from(place)
+            .map_err(|_| source.error(at, Some(5), "the file names more than 256 materials.".to_owned()))?;
+        given[index][side] = Some((place, at));
+    }
+    let header = source.begin(header.position());
+    let halves: &[usize] = if whole { &[0, 1] } else { &[0] };
+    for &side in halves {
+        // A sphere on the axis has no image.
+        let missing = |i: &usize| given[*i][side].is_none() && (side == 0 || sites[*i].x > 0.0);
+        let count = (0..sites.len()).filter(missing).count();
+        let Some(first) = (0..sites.len()).find(missing) else { continue };
+        let Site { row, column, x, z } = sites[first];
+        let others = match count - 1 {
+            0 => String::new(),
+            1 => ", and one other".to_owned(),
+            others => format!(", and {others} others"),
+        };
+        if whole {
+            let x = if side == 1 { -x } else { x };
+            let message = format!("row {row}, the sphere at x = {x} m is missing{others}.");
+            let help =
+                format!("Add {row},COLUMN,{x},{z},{},MATERIAL, or check the simulated half.", lattice.diameter());
+            return Err(source.error(header, None, message).trying(help));
+        }
+        let before = given[..first].iter().rev().find_map(|halves| halves[0]);
+        let at = before.map_or(header, |(_, at)| at);
+        let message = format!("row {row}, column {column} is missing{others}; it belongs behind this line.");
+        let help = format!("Add {row},{column},{x},{z},{},MATERIAL.", lattice.diameter());
+        return Err(source.error(at, None, message).trying(help));
+    }
+    for (halves, site) in given.iter().zip(&sites) {
+        if let [Some((right, _)), Some((left, at))] = *halves
+            && left != right
+        {
+            let [left, right] = [left, right].map(|place| palette[usize::from(place)].name.clone());
+            let message = format!(
+                "row {}: {left} at x = {} m and {right} at {} m; the halves of the piece are not each other's images.",
+                site.row, -site.x, site.x
+            );
+            let help = "A design simulates one half, x >= 0, and its mirror image: make both alike, or check the halves one by one.";
+            return Err(source.error(at, Some(5), message).trying(help));
+        }
+    }
+    let materials = given.into_iter().filter_map(|halves| halves[0]).map(|(material, _)| material).collect();
+    let mut notes = Vec::new();
+    if snapped > 0 {
+        let (spheres, lie) = if snapped == 1 { ("sphere", "lies") } else { ("spheres", "lie") };
+        notes.push(format!(
+            "{}: {snapped} {spheres} {lie} up to {} ({:.1e} D) off, as rounding makes them, and are taken for those of the sites",
+            path.display(),
+            Length.show(farthest),
+            farthest / lattice.diameter(),
+        ));
+    }
+    Ok(ReadLayout { layout: Layout { lattice, palette, materials }, notes })
+}
+
+/// How to come by a layout to begin with.
+const START: &str = "Begin with a proposed layout: granulens design DESIGN.toml --out LAYOUT.csv.";
+
+/// Where in the simulated half the sphere of a row and column of the whole piece is, and whether it is left of the axis there.
+fn folded(lattice: HexagonalSheet, sites: &[Site], row: u32, column: u32) -> Option<(usize, bool)> {
+    let first = lattice.index(row, 1)?;
+    let half = lattice.columns(row);
+    let on_axis = sites[first].x == 0.0;
+    let left = if on_axis { half - 1 } else { half };
+    let (column, is_left) = if column > left { (column - left, false) } else { (left + 1 - column, true) };
+    let column = column + u32::from(on_axis && is_left);
+    Some((lattice.index(row, column)?, is_left))
+}
+
+/// Reads one line.
+fn line(
+    record: &csv::StringRecord,
+    at: usize,
+    lattice: HexagonalSheet,
+    sites: &[Site],
+    is_whole: bool,
+    own: &[Material],
+    fail: impl Fn(Option<usize>, String) -> LayoutFileError,
+) -> Result<Line, LayoutFileError> {
+    if record.len() != HEADER.len() {
+        let values = if record.len() == 1 { "1 value".to_owned() } else { format!("{} values", record.len()) };
+        return Err(fail(None, format!("the line has {values}, expected {}: {}.", HEADER.len(), HEADER.join(","))));
+    }
+    let whole = |k: usize| {
+        record[k]
+            .parse::<u32>()
+            .map_err(|_| fail(Some(k), format!("{} = \"{}\" is not a whole number from 1 on.", HEADER[k], &record[k])))
+    };
+    let length = |k: usize| {
+        record[k].parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
+            fail(Some(k), format!("{} = \"{}\" is not a number.", HEADER[k], &record[k]))
+                .trying("Write lengths in metres, without a unit: 0.00635.")
+        })
+    };
+    let (row, column) = (whole(0)?, whole(1)?);
+    let lengths = [length(2)?, length(3)?, length(4)?];
+    let extent_help = match is_whole {
+        true => {
+            "The file holds the whole piece, both halves, as it has spheres left of the axis; columns count from the left."
+        }
+        false => "The file holds the simulated half, x >= 0, not the whole piece (granulens design without --full).",
+    };
+    let known = if is_whole {
+        folded(lattice, sites, row, column)
+    } else {
+        lattice.index(row, column).map(|index| (index, false))
+    };
+    let (index, is_left) = known.ok_or_else(|| {
+        let (key, extent) = if (1..=lattice.rows()).contains(&row) {
+            let half = lattice.columns(row);
+            let on_axis = lattice.index(row, 1).is_some_and(|first| sites[first].x == 0.0);
+            let columns = if is_whole { 2 * half - u32::from(on_axis) } else { half };
+            (1, format!("row {row} has columns 1 to {columns}"))
+        } else {
+            (0, format!("there are rows 1 to {}", lattice.rows()))
+        };
+        let message = format!("row {row}, column {column} is no site of the design's lattice: {extent}.");
+        fail(Some(key), message).trying(extent_help)
+    })?;
+    let mut site = sites[index];
+    if is_left {
+        site.x = -site.x;
+    }
+    site.column = column;
+    let mut off: f64 = 0.0;
+    for (k, (value, expected)) in (2..).zip(lengths.into_iter().zip([site.x, site.z, lattice.diameter()])) {
+        let allowed = if k == 4 { EXACT } else { ROUNDED };
+        if (value - expected).abs() > allowed * lattice.diameter() {
+            let what = if k == 4 { "spheres of" } else { "this site at" };
+            let message = format!("{} = {value} m, but the design has {what} {expected} m.", HEADER[k]);
+            let help = match k {
+                2 if value < 0.0 => extent_help,
+                4 => "One crystal has one diameter, crystal.diameter of the design file, to 1e-6 of it.",
+                _ => "Positions follow from row and column, in metres, to 1e-3 D; only the materials are free.",
+            };
+            return Err(fail(Some(k), message).trying(help));
+        }
+        off = off.max((value - expected).abs());
+    }
+    let material = material::find(&record[5], own).map_err(|unknown| {
+        let near = unknown.nearest.as_ref().map_or(String::new(), |near| format!("Did you mean {near}? "));
+        let help = format!(
+            "{near}Known are {}; own ones are described in the design file, as [materials.NAME].",
+            unknown.known.join(", ")
+        );
+        fail(Some(5), format!("material = \"{}\" is unknown.", unknown.name)).trying(help)
+    })?;
+    Ok(Line { at, site, index, off, material })
+}

@@ -1,0 +1,75 @@
+//! Layouts as text: CSV, one line per sphere, enough to build the piece; and JSON.
+//!
+//! Header `row,column,x,z,diameter,material`; SI; lines that start with `#` are comments. Row 1 is struck, columns count
+//! from 1 in order of x, x = 0 is the lens axis, z = 0 is row 1.
+
+use std::fmt::Write as _;
+
+use serde_json::json;
+
+use super::Layout;
+use super::read::HEADER;
+use crate::output::marked;
+
+/// The layout's format number, written in the first comment line.
+const FORMAT: u32 = 1;
+
+/// The simulated half as CSV text.
+pub fn write(layout: &Layout) -> String {
+    let mut text = preamble(layout, "simulated half, x >= 0");
+    for (site, &material) in layout.lattice.sites().iter().zip(&layout.materials) {
+        line(&mut text, [site.row, site.column], site.x, site.z, layout, material);
+    }
+    marked(text)
+}
+
+/// The whole piece as CSV text: the simulated half and its mirror image about the axis, columns counted anew from the left.
+pub fn write_full(layout: &Layout) -> String {
+    let mut text = preamble(layout, "whole piece, both halves");
+    let sites = layout.lattice.sites();
+    for row in 1..=layout.lattice.rows() {
+        let half: Vec<_> = sites.iter().zip(&layout.materials).filter(|(site, _)| site.row == row).collect();
+        let mirrored = half.iter().rev().filter(|(site, _)| site.x > 0.0).map(|&(site, &m)| (-site.x, site.z, m));
+        let whole = mirrored.chain(half.iter().map(|&(site, &m)| (site.x, site.z, m)));
+        for (column, (x, z, material)) in (1..).zip(whole) {
+            line(&mut text, [row, column], x, z, layout, material);
+        }
+    }
+    marked(text)
+}
+
+fn preamble(layout: &Layout, extent: &str) -> String {
+    let lattice = layout.lattice;
+    let mut text = format!("# granulens layout, format {FORMAT}; {extent}; lengths in metres\n");
+    let _ = writeln!(
+        text,
+        "# hexagonal-2d, diameter {} m, {} rows, half width {} m; row 1 is struck, x = 0 is the lens axis",
+        lattice.diameter(),
+        lattice.rows(),
+        lattice.half_width()
+    );
+    text.push_str(&HEADER.join(","));
+    text.push('\n');
+    text
+}
+
+fn line(text: &mut String, [row, column]: [u32; 2], x: f64, z: f64, layout: &Layout, material: u8) {
+    let name = &layout.palette[usize::from(material)].name;
+    let _ = writeln!(text, "{row},{column},{x},{z},{},{name}", layout.lattice.diameter());
+}
+
+/// The simulated half as JSON text: the same columns as the CSV.
+pub fn write_json(layout: &Layout) -> String {
+    let lattice = layout.lattice;
+    let spheres = lattice.sites().into_iter().zip(&layout.materials).map(|(site, &material)| {
+        json!({
+            "row": site.row, "column": site.column, "x": site.x, "z": site.z,
+            "diameter": lattice.diameter(), "material": layout.palette[usize::from(material)].name,
+        })
+    });
+    let layout = json!({
+        "format": FORMAT, "packing": "hexagonal-2d", "diameter_m": lattice.diameter(), "rows": lattice.rows(),
+        "half_width_m": lattice.half_width(), "spheres": spheres.collect::<Vec<_>>(),
+    });
+    format!("{layout:#}\n")
+}
