@@ -11,7 +11,7 @@ use granulens::layout::Layout;
 use granulens::material::Material;
 use granulens::outcome::{Asked, Checked, FORMAT};
 use granulens::score::{Measure, Scores};
-use granulens::units::Dimension::{Energy, Force, Mass, Time};
+use granulens::units::Dimension::{Energy, Force, Mass};
 
 use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
@@ -72,11 +72,7 @@ impl Check {
             beside_uniform(&design, &layout, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
         let mut warnings = evaluation.warnings("this layout");
-        let Evaluation { scores, record, simulated, .. } = evaluation;
-        if let Some((integrator, step)) = simulated {
-            warnings
-                .push(format!("contacts were found as they arose, by {integrator} at a step of {}", Time.show(step)));
-        }
+        let Evaluation { scores, record, .. } = evaluation;
         if over_forces.is_none() && !forces.is_empty() {
             warnings.push("FAILED: a guard stopped a run under one of the forces".to_owned());
         }

@@ -95,8 +95,8 @@ pub fn cost(common: &Common, design: &Design, comparison: &Comparison) -> Result
     let forces = comparison.forces.count() as u64;
     let mut parts = vec![Part::new("arrangements, with full records", count, Some(alone * count as f64))];
     if forces > 1 {
-        // In lanes without records a run takes about a fifth of one with them; with friction there are no lanes.
-        let each = if design.friction.is_some() { alone } else { alone / 5.0 };
+        // In lanes without records a run takes about a fifth of one with them.
+        let each = alone / 5.0;
         let runs = count * forces;
         parts.push(Part::new(format!("runs for the verdict, {forces} forces"), runs, Some(each * runs as f64)));
     }

@@ -239,14 +239,10 @@ impl From<EvaluatorError> for Failure {
             EvaluatorError::Interrupted => Self::Interrupted(words),
             EvaluatorError::Baseline { .. } => Self::Guard(vec![words]),
             EvaluatorError::Plan(error) => Self::input_with_help(words, error.help()),
-            EvaluatorError::Batch(_) | EvaluatorError::Overlap(_) | EvaluatorError::Rig(_) => Self::input(words),
+            EvaluatorError::Batch(_) | EvaluatorError::Overlap(_) => Self::input(words),
             EvaluatorError::NoReference => Self::input_with_help(
                 words,
                 "Name it in the design: lens.material, or compare.material where there is no lens.",
-            ),
-            EvaluatorError::Friction(_) => Self::input_with_help(
-                words,
-                "Take crystal.friction out of the design for the search, and check what it finds with friction.",
             ),
         }
     }

@@ -6,8 +6,10 @@ use rayon::prelude::*;
 
 use super::blow::{Blow, Case, Field, Flaw};
 use super::{EvaluateError, Overrides, Plan, PlanError};
-use crate::dem::rig::{RigError, simulate_as_rig};
-use crate::dem::{BatchError, OverlapAtRest, Record, Stop, simulate, simulate_batch};
+use crate::dem::{
+    BatchError, Limit, OverlapAtRest, Stop, simulate, simulate_batch, simulate_batch_with_friction,
+    simulate_batch_within, simulate_with_friction,
+};
 use crate::design::Design;
 use crate::material::Material;
 use crate::real::Width;
@@ -45,9 +47,6 @@ pub enum EvaluatorError {
     /// Spheres that overlap at rest.
     #[error(transparent)]
     Overlap(#[from] OverlapAtRest),
-    /// A crystal with spheres of several sizes cannot be simulated.
-    #[error(transparent)]
-    Rig(#[from] RigError),
     /// A guard stopped a uniform crystal, to which others are compared.
     #[error("the crystal of {material} alone, to which layouts are compared, cannot be simulated: {stop}")]
     Baseline {
@@ -59,9 +58,6 @@ pub enum EvaluatorError {
     /// Q has nothing to refer to.
     #[error("there is no Q: the design names no material for the crystal that it refers to")]
     NoReference,
-    /// The design has friction, which batches do not follow.
-    #[error("searches simulate without friction, and the design asks for {0}")]
-    Friction(f64),
     /// The request to stop came before anything was evaluated.
     #[error("interrupted before anything was evaluated")]
     Interrupted,
@@ -71,7 +67,6 @@ impl From<EvaluateError> for EvaluatorError {
     fn from(error: EvaluateError) -> Self {
         match error {
             EvaluateError::Overlap(error) => error.into(),
-            EvaluateError::Rig(error) => error.into(),
         }
     }
 }
@@ -186,9 +181,6 @@ impl<'a> Evaluator<'a> {
         palette: Vec<Material>,
         overrides: Overrides,
     ) -> Result<Self, EvaluatorError> {
-        if let Some(coefficient) = design.friction {
-            return Err(EvaluatorError::Friction(coefficient));
-        }
         let mut blows: Vec<Blow> = Vec::new();
         let mut members = Vec::new();
         for Case { blow, flaw } in cases.iter().cloned().map(Into::into) {
@@ -251,72 +243,108 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Scores of layouts, each an index into the palette for every site of the lattice: for each layout those in each
-    /// case. The bits of a layout's scores depend neither on the number of threads nor on the layouts beside it.
+    /// case. The bits of a layout's scores depend neither on the number of threads nor on what stands beside it.
     ///
     /// # Errors
-    /// More kinds of contacts than fit into a table; see [`BatchError`].
+    /// See [`EvaluatorError`].
     pub fn scores(&self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
-        // Groups of as many layouts as there are lanes, each in each case; one by one where that cannot be.
-        let groups: Vec<(usize, &[Vec<u8>])> = (0..self.cases.len())
-            .flat_map(|case| {
-                let lanes = if self.is_alone(case) { 1 } else { self.width.lanes() };
-                layouts.chunks(lanes).map(move |group| (case, group))
-            })
-            .collect();
+        self.scores_up_to(layouts, None, interrupt)
+    }
+
+    /// As [`scores`](Self::scores), where a run ends as soon as its P is above what is still of interest (J), given for each layout:
+    /// it has [`Stop::Beyond`] then, and F and P are lower bounds. A search that asks for a contrast C and knows that no F
+    /// exceeds some F_max loses nothing with F_max/C. Without full records only.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn scores_within(
+        &self,
+        layouts: &[Vec<u8>],
+        protected_mean: &[f64],
+        interrupt: &AtomicBool,
+    ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
+        self.scores_up_to(layouts, Some(protected_mean), interrupt)
+    }
+
+    fn scores_up_to(
+        &self,
+        layouts: &[Vec<u8>],
+        most: Option<&[f64]>,
+        interrupt: &AtomicBool,
+    ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
+        // What is built under one impact, each a case and a layout, stands side by side; spheres of unequal size cost more, so they
+        // stand together.
+        let lanes = if self.detail == Detail::Everything { 1 } else { self.width.lanes() };
+        let mut built: Vec<(usize, usize)> =
+            (0..self.cases.len()).flat_map(|case| (0..layouts.len()).map(move |layout| (case, layout))).collect();
+        let kind = |case: usize| (self.cases[case].0, !self.cases[case].1.radii.is_empty());
+        built.sort_by_key(|&(case, _)| kind(case));
+        let groups: Vec<&[(usize, usize)]> =
+            built.chunk_by(|a, b| kind(a.0) == kind(b.0)).flat_map(|alike| alike.chunks(lanes)).collect();
         let simulated = groups
             .par_iter()
-            .map(|(case, group)| self.follow(*case, group, interrupt))
+            .map(|group| self.follow(group, layouts, most, interrupt))
             .collect::<Result<Vec<_>, EvaluatorError>>()?;
-        let mut runs: Vec<Evaluated> = simulated.into_iter().flatten().collect();
-        let mut of_layout: Vec<Vec<Evaluated>> = layouts.iter().map(|_| Vec::with_capacity(self.cases.len())).collect();
-        for (field, _) in &self.cases {
-            for (of_layout, mut run) in of_layout.iter_mut().zip(runs.drain(..layouts.len())) {
-                self.relate(&mut run.scores, *field);
-                of_layout.push(run);
-            }
+        let mut runs: Vec<Vec<Option<Evaluated>>> = vec![vec![None; self.cases.len()]; layouts.len()];
+        for (&(case, layout), mut run) in groups.into_iter().flatten().zip(simulated.into_iter().flatten()) {
+            self.relate(&mut run.scores, self.cases[case].0);
+            runs[layout][case] = Some(run);
         }
-        Ok(of_layout)
+        Ok(runs.into_iter().map(|of_layout| of_layout.into_iter().flatten().collect()).collect())
     }
 
-    /// Whether each layout of a case needs a run of its own.
-    fn is_alone(&self, case: usize) -> bool {
-        self.detail == Detail::Everything || !self.cases[case].1.radii.is_empty()
-    }
-
-    fn follow(&self, case: usize, group: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Evaluated>, EvaluatorError> {
-        let (field, flaw) = (&self.fields[self.cases[case].0], &self.cases[case].1);
+    /// Cases and layouts side by side, all under the same impact.
+    fn follow(
+        &self,
+        group: &[(usize, usize)],
+        layouts: &[Vec<u8>],
+        most: Option<&[f64]>,
+        interrupt: &AtomicBool,
+    ) -> Result<Vec<Evaluated>, EvaluatorError> {
+        let Some(&(first, _)) = group.first() else { return Ok(Vec::new()) };
+        let field = &self.fields[self.cases[first].0];
         let diameter = self.design.lattice.diameter();
-        let sample = |layout: &Vec<u8>| field.sample(&self.palette, diameter, layout, flaw);
-        if self.is_alone(case) {
-            return group.iter().map(|layout| self.follow_alone(field, flaw, &sample(layout), interrupt)).collect();
-        }
+        let sample = |&(case, layout): &(usize, usize)| {
+            field.sample(&self.palette, diameter, &layouts[layout], &self.cases[case].1)
+        };
         let samples: Vec<_> = group.iter().map(sample).collect();
-        let briefs = simulate_batch(&samples, &field.impact, self.width, interrupt)?;
+        if self.detail == Detail::Everything {
+            return samples.iter().map(|sample| self.follow_alone(field, sample, interrupt)).collect();
+        }
+        let limit = most.map(|most| {
+            let sites = self.design.target.protect.sites(&self.design.lattice);
+            let share = 0.5 / sites.len() as f64;
+            // P is the mean over sites of the mean of a site and its image, which in the half are one.
+            let spheres = sites.iter().flat_map(|&site| field.on(site)).map(|sphere| (sphere, share)).collect();
+            Limit { spheres, most: group.iter().map(|&(_, layout)| most[layout]).collect() }
+        });
+        let (impact, width) = (&field.impact, self.width);
+        let briefs = match (self.design.friction, &limit) {
+            (Some(mu), limit) => simulate_batch_with_friction(&samples, impact, mu, limit.as_ref(), width, interrupt)?,
+            (None, Some(limit)) => simulate_batch_within(&samples, impact, limit, width, interrupt)?,
+            (None, None) => simulate_batch(&samples, impact, width, interrupt)?,
+        };
         Ok(briefs
             .into_iter()
             .map(|brief| Evaluated { scores: self.energies(&field.folded(&brief.max_kinetic)), stop: brief.stop })
             .collect())
     }
 
-    /// One layout with full records. Spheres of several sizes do not all touch at rest: their contacts are found as they come.
+    /// One layout with full records.
     fn follow_alone(
         &self,
         field: &Field,
-        flaw: &Flaw,
         sample: &Sample<2>,
         interrupt: &AtomicBool,
     ) -> Result<Evaluated, EvaluatorError> {
-        let record: Record<2> = if flaw.radii.is_empty() {
-            simulate(sample, &field.impact, interrupt)?
-        } else {
-            simulate_as_rig(sample, &field.impact, None, interrupt)?
+        let record = match self.design.friction {
+            Some(coefficient) => simulate_with_friction(sample, &field.impact, coefficient, interrupt)?,
+            None => simulate(sample, &field.impact, interrupt)?,
         };
         let mut scores = self.energies(&field.folded(&record.max_kinetic));
-        if self.detail == Detail::Everything {
-            let share = if field.is_whole() { 0.5 } else { 1.0 };
-            let within = (&self.design.lattice, &self.design.target);
-            scores.add_records(&record, within, |site| field.on(site), share, |sphere| sample.mass(sphere));
-        }
+        let share = if field.is_whole() { 0.5 } else { 1.0 };
+        let within = (&self.design.lattice, &self.design.target);
+        scores.add_records(&record, within, |site| field.on(site), share, |sphere| sample.mass(sphere));
         Ok(Evaluated { scores, stop: record.stop })
     }
 

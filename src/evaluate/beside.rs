@@ -70,7 +70,6 @@ pub fn beside_uniform(
         .par_iter()
         .map(|layout| evaluate(design, layout, plan, interrupt))
         .collect::<Result<Vec<_>, EvaluateError>>()?;
-    let alone: Vec<bool> = runs.iter().map(|run| run.record.missed_contact.is_some()).collect();
     let stopped = runs.iter().skip(1).zip(&names);
     let stopped = stopped.filter_map(|(run, name)| Some((name.clone(), run.record.stop.clone()?))).collect();
     let uniform = |k: usize| runs.get(k).filter(|run| run.record.stop.is_none()).map(|run| &run.scores);
@@ -81,7 +80,7 @@ pub fn beside_uniform(
         return Ok(Beside { evaluation, reference, stopped, forces: Vec::new(), over_forces: None });
     }
     let forces = forces.about(design.impact.force);
-    let runs = under_forces(design, plan, &layouts, |k| alone[k], &forces, interrupt)?;
+    let runs = under_forces(design, plan, &layouts, &forces, interrupt)?;
     let related = |force: usize| {
         let run = |k: usize| runs.get(k).map(|runs| &runs[force]).filter(|run| run.stop.is_none());
         let mut scores = run(0)?.scores.clone();

@@ -164,19 +164,16 @@ pub fn compare(
     let mut doubts = Doubts::default();
     let mut arrangements = Vec::new();
     let mut layouts = Vec::new();
-    // Whose contacts have to be found as they arise.
-    let mut alone = Vec::new();
     for ((name, kind, seed, layout), evaluation) in jobs.into_iter().zip(evaluations) {
-        let Some(Evaluation { scores, record, simulated, doubts: own }) = evaluation else { continue };
+        let Some(Evaluation { scores, record, doubts: own }) = evaluation else { continue };
         doubts = doubts.worse(own);
-        alone.push(record.missed_contact.is_some());
         arrangements.push(ArrangementOutcome {
             name,
             kind,
             seed,
             scores,
             over_forces: None,
-            simulated: simulated.map(|(integrator, step)| (integrator.to_string(), step)),
+            simulated: None,
             layout: layout.materials.clone(),
             stop: record.stop,
             record: SphereRecord {
@@ -192,7 +189,7 @@ pub fn compare(
     relate(&mut arrangements);
     let whole = arrangements.len() == comparison.len();
     let (forces, verdict) = match whole {
-        true => judge(comparison, &mut arrangements, (&layouts, &alone), interrupt)?,
+        true => judge(comparison, &mut arrangements, &layouts, interrupt)?,
         false => (Vec::new(), Vec::new()),
     };
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
@@ -267,7 +264,7 @@ fn relate(arrangements: &mut [ArrangementOutcome]) {
 fn judge(
     comparison: &Comparison<'_>,
     arrangements: &mut [ArrangementOutcome],
-    (layouts, alone): (&[Layout], &[bool]),
+    layouts: &[Layout],
     interrupt: &AtomicBool,
 ) -> Result<(Vec<f64>, Vec<Verdict>), EvaluatorError> {
     let Comparison { design, plan, forces, .. } = comparison;
@@ -277,7 +274,7 @@ fn judge(
         arrangements.iter().map(own).collect()
     } else {
         let layouts: Vec<&Layout> = layouts.iter().collect();
-        let mut runs = match under_forces(design, plan, &layouts, |k| alone[k], &forces, interrupt) {
+        let mut runs = match under_forces(design, plan, &layouts, &forces, interrupt) {
             Err(EvaluatorError::Interrupted) => return Ok((Vec::new(), Vec::new())),
             runs => runs?,
         };

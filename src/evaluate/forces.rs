@@ -3,10 +3,8 @@
 
 use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
-
-use super::{Evaluated, Evaluator, EvaluatorError, Overrides, Plan, evaluate};
-use crate::dem::{BatchError, ForcePulse, Stop};
+use super::{Evaluated, Evaluator, EvaluatorError, Overrides, Plan};
+use crate::dem::{ForcePulse, Stop};
 use crate::design::Design;
 use crate::layout::Layout;
 
@@ -84,50 +82,25 @@ impl Forces {
     }
 }
 
-/// Layouts of one design under several forces: for each layout its scores under each, not yet related to uniform crystals. In the lanes
-/// of batches where that is the same; one by one where friction acts, or where a layout is `alone`: contacts arise in it that did not
-/// touch at rest.
+/// Layouts of one design under several forces: for each layout its scores under each, not yet related to uniform crystals.
 pub(super) fn under_forces(
     design: &Design,
     plan: &Plan,
     layouts: &[&Layout],
-    alone: impl Fn(usize) -> bool,
     forces: &[f64],
     interrupt: &AtomicBool,
 ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
     let Some(first) = layouts.first() else { return Ok(Vec::new()) };
     let pulses: Vec<ForcePulse> = forces.iter().map(|&force| ForcePulse { force, ..design.impact }).collect();
-    let (single, together): (Vec<usize>, Vec<usize>) =
-        (0..layouts.len()).partition(|&k| design.friction.is_some() || alone(k));
-    let mut found: Vec<Vec<Evaluated>> = vec![Vec::new(); layouts.len()];
-    let mut single = single;
-    if !together.is_empty() {
-        let given = Overrides {
-            integrator: Some(plan.integrator),
-            step: Some(plan.step),
-            window: Some(plan.window),
-            first_seed: None,
-        };
-        let evaluator = Evaluator::alone(design, &pulses, first.palette.clone(), given)?;
-        let materials: Vec<Vec<u8>> = together.iter().map(|&k| layouts[k].materials.clone()).collect();
-        match evaluator.scores(&materials, interrupt) {
-            Ok(runs) => together.into_iter().zip(runs).for_each(|(k, runs)| found[k] = runs),
-            // Too many materials for a table of lanes.
-            Err(EvaluatorError::Batch(BatchError::Kinds)) => single.extend(together),
-            Err(error) => return Err(error),
-        }
-    }
-    let jobs: Vec<(usize, ForcePulse)> =
-        single.iter().flat_map(|&k| pulses.iter().map(move |&pulse| (k, pulse))).collect();
-    let runs = jobs
-        .par_iter()
-        .map(|&(k, impact)| {
-            let under = Design { impact, ..design.clone() };
-            let run = evaluate(&under, layouts[k], plan, interrupt)?;
-            Ok((k, Evaluated { scores: run.scores, stop: run.record.stop }))
-        })
-        .collect::<Result<Vec<_>, EvaluatorError>>()?;
-    runs.into_iter().for_each(|(k, run)| found[k].push(run));
+    let given = Overrides {
+        integrator: Some(plan.integrator),
+        step: Some(plan.step),
+        window: Some(plan.window),
+        first_seed: None,
+    };
+    let evaluator = Evaluator::alone(design, &pulses, first.palette.clone(), given)?;
+    let materials: Vec<Vec<u8>> = layouts.iter().map(|layout| layout.materials.clone()).collect();
+    let found = evaluator.scores(&materials, interrupt)?;
     if found.iter().flatten().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
         return Err(EvaluatorError::Interrupted);
     }

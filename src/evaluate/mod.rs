@@ -41,15 +41,16 @@ pub(crate) use stiffest::{Stiffest, divisor, overshoot};
 use std::sync::atomic::AtomicBool;
 
 use crate::contact::Pair;
-use crate::dem::rig::{Friction, Gain, RigError, rig_step, simulate_as_rig};
+use crate::dem::rig::Gain;
 use crate::dem::{
-    ContactRecord, Impact, Integrator, Mirror, OVERLAP_WARNING, OverlapAtRest, RESIDUAL_LIMIT, Record, simulate,
+    ContactRecord, Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, RESIDUAL_LIMIT, Record, simulate,
+    simulate_with_friction,
 };
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::outcome::{COMMIT, Method, VERSION};
 use crate::score::Scores;
-use crate::units::Dimension::{Length, Time};
+use crate::units::Dimension::Length;
 use crate::wave::Validity;
 
 /// One arrangement, simulated and scored.
@@ -57,8 +58,6 @@ use crate::wave::Validity;
 pub struct Evaluation {
     /// The numbers; ratios to uniform crystals are not there yet.
     pub scores: Scores,
-    /// How it was simulated, where that is not as planned: contacts had to be found as they arose.
-    pub simulated: Option<(Integrator, f64)>,
     /// What each sphere and contact felt.
     pub record: Record<2>,
     /// What limits the trust in the numbers.
@@ -78,13 +77,9 @@ pub enum EvaluateError {
     /// Spheres that overlap at rest; no layout on a lattice has such.
     #[error(transparent)]
     Overlap(#[from] OverlapAtRest),
-    /// The crystal cannot be simulated as a rig.
-    #[error(transparent)]
-    Rig(#[from] RigError),
 }
 
-/// Simulates and scores one arrangement of a design: with the contacts of its lattice, which prove as the run goes that no
-/// others arise; where one could, or where friction acts, as a rig that finds its contacts as they come.
+/// Simulates and scores one arrangement of a design.
 ///
 /// # Errors
 /// See [`EvaluateError`].
@@ -101,9 +96,7 @@ pub fn evaluate(
     scores.add_records(&record, within, |site| [site; 2], 1.0, mass);
     scores.add_layout(&layout.stats(|material| design.price(material)));
     let doubts = Doubts::of(&record, layout, design);
-    let again = record.missed_contact.is_some() && plan.integrator != Integrator::Verlet;
-    let simulated = again.then(|| (Integrator::Verlet, rig_step(plan.integrator, plan.step)));
-    Ok(Evaluation { scores, simulated, record, doubts })
+    Ok(Evaluation { scores, record, doubts })
 }
 
 /// With what, and how, a plan's runs are made.
@@ -129,16 +122,10 @@ fn simulated(
     interrupt: &AtomicBool,
 ) -> Result<Record<2>, EvaluateError> {
     let (sample, impact) = (layout.sample(), impact(design, plan));
-    let friction = design.friction.map(Friction::mindlin);
-    let mut record = match friction {
-        Some(_) => simulate_as_rig(&sample, &impact, friction, interrupt)?,
+    Ok(match design.friction {
+        Some(coefficient) => simulate_with_friction(&sample, &impact, coefficient, interrupt)?,
         None => simulate(&sample, &impact, interrupt)?,
-    };
-    if let Some(met) = record.missed_contact.filter(|_| record.stop.is_none()) {
-        record = simulate_as_rig(&sample, &impact, None, interrupt)?;
-        record.missed_contact = Some(met);
-    }
-    Ok(record)
+    })
 }
 
 /// The design's impact: a pulse on row 1, mirrors on both sides, the far end free.
@@ -172,8 +159,6 @@ pub fn validity(design: &Design, material: &crate::material::Material) -> Validi
 /// What limits the trust in one run's numbers, as measured on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Doubts {
-    /// Two spheres that do not touch at rest and may have met, and when (s); the run was then made with a search for contacts.
-    missed_contact: Option<([usize; 2], f64)>,
     /// Greatest overlap (m), and over the diameter.
     overlap: [f64; 2],
     /// Greatest overlap over δ_p; zero for elastic laws.
@@ -204,31 +189,21 @@ impl Doubts {
         // Of a run that was stopped early nobody expects that it gets there.
         let unreached = if record.stop.is_none() { unreached } else { 0 };
         let made = Some((made::gain(design.law, &record.contacts), record.ledger.work_in));
-        Self { missed_contact: record.missed_contact, overlap: [overlap, overlap / diameter], depth, unreached, made }
+        Self { overlap: [overlap, overlap / diameter], depth, unreached, made }
     }
 
     /// The worst of both.
     fn worse(self, other: Self) -> Self {
         let overlap = if other.overlap[1] > self.overlap[1] { other.overlap } else { self.overlap };
-        let missed_contact = self.missed_contact.or(other.missed_contact);
         let unreached = self.unreached.max(other.unreached);
         let share = |made: &Option<(Gain, f64)>| made.as_ref().map_or(0.0, |(gain, at_hand)| gain.energy / at_hand);
         let made = if share(&other.made) > share(&self.made) { other.made } else { self.made };
-        Self { missed_contact, overlap, depth: self.depth.max(other.depth), unreached, made }
+        Self { overlap, depth: self.depth.max(other.depth), unreached, made }
     }
 
     /// In words, one doubt each; `whose` says where it was found: `lens`, `15 arrangements`.
     fn words(&self, whose: &str) -> Vec<String> {
         let mut words = Vec::new();
-        if let Some(([a, b], time)) = self.missed_contact {
-            words.push(format!(
-                "{whose}: spheres {} and {}, which do not touch at rest, may have met after {}; simulated again, \
-                 with contacts found as they arise",
-                a + 1,
-                b + 1,
-                Time.show(time)
-            ));
-        }
         if self.unreached > 0 {
             words.push(format!(
                 "{whose}: the window ends before the wave reaches {} of the spheres in the focal and the protected region; \

@@ -88,11 +88,11 @@ fn a_lens_as_a_rig_is_the_lens() {
     }
 }
 
-/// Long after the wave has left a small lens its spheres have drifted so far that others meet. The fixed contacts of the lattice
-/// prove as they go that none could, and say so where that ends; the run is then made again with a search, and finds contacts that
-/// the lattice does not have.
+/// Long after the wave has left a small lens its spheres have drifted so far that others meet: contacts that the lattice does not
+/// have, found by the crystal's watch over strangers. The general rig, which searches for contacts in another way, finds the same
+/// ones, and both close their ledgers. (Both runs are chaotic by then, and by different integrators, so it is not every contact.)
 #[test]
-fn a_crystal_that_is_none_any_more_is_searched() {
+fn a_crystal_that_is_none_any_more_still_finds_its_contacts() {
     let text = std::fs::read_to_string(shipped("designs/quickstart.toml")).unwrap();
     let text = text
         .replace("rows = 50", "rows = 12")
@@ -110,23 +110,22 @@ fn a_crystal_that_is_none_any_more_is_searched() {
     let layout = lens.layout();
     let plan = Plan::new(&design, Overrides::default(), &layout.palette).unwrap();
     let sample = layout.sample();
-    let beyond = |record: &granulens::dem::Record<2>| {
+    let beyond = |record: &granulens::dem::Record<2>| -> Vec<[usize; 2]> {
         let apart = |&[a, b]: &[usize; 2]| {
             let [p, q] = [a, b].map(|i| sample.spheres[i].centre);
             // Mirrors give spheres contacts with themselves.
             a != b && (p[0] - q[0]).hypot(p[1] - q[1]) > 1.01 * design.lattice.diameter()
         };
-        record.contacts.iter().filter(|contact| apart(&contact.spheres)).count()
+        record.contacts.iter().map(|contact| contact.spheres).filter(apart).collect()
     };
-    let fixed =
-        granulens::dem::simulate(&sample, &granulens::evaluate::impact(&design, &plan), &AtomicBool::new(false))
-            .unwrap();
-    assert!(fixed.missed_contact.is_some() && fixed.stop.is_none());
-    assert_eq!(beyond(&fixed), 0);
-    let searched = evaluate(&design, &layout, &plan, &AtomicBool::new(false)).unwrap();
-    assert_eq!(searched.record.missed_contact, fixed.missed_contact);
-    assert!(beyond(&searched.record) > 0);
-    assert!(searched.warnings("lens").concat().contains("simulated again"));
+    let (impact, never) = (granulens::evaluate::impact(&design, &plan), AtomicBool::new(false));
+    let watched = granulens::dem::simulate(&sample, &impact, &never).unwrap();
+    let searched = granulens::dem::rig::simulate_as_rig(&sample, &impact, None, &never).unwrap();
+    assert!(watched.stop.is_none() && searched.stop.is_none());
+    let (ours, theirs) = (beyond(&watched), beyond(&searched));
+    let shared = ours.iter().filter(|pair| theirs.contains(pair)).count();
+    println!("{} {} {shared}", ours.len(), theirs.len());
+    assert!(!ours.is_empty() && 2 * shared > ours.len().max(theirs.len()), "{ours:?} {theirs:?}");
 }
 
 /// The sample measured 11.4 cm by 8.3 cm and held 263 spheres, ten to each side of the wedge (section 2.2.3).

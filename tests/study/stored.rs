@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use granulens::dem::Integrator;
 use granulens::design::Design;
-use granulens::evaluate::{Evaluated, Evaluator, Overrides};
+use granulens::evaluate::{Evaluated, Evaluator, Overrides, evaluate};
 use granulens::layout;
 use granulens::material;
 use granulens::score::Measure;
@@ -79,4 +79,44 @@ fn a_stored_layout_stands_five_impacts() {
     for (found, said) in found.into_iter().zip(SAID_OF_FIVE) {
         assert!((found / said - 1.0).abs() < 1e-3, "{found} is not {said}");
     }
+}
+
+/// `check` and `compare` say of every stored layout, under each of the five impacts, what batches say, to the last bit: also where
+/// spheres meet that do not touch at rest.
+#[test]
+fn stored_layouts_have_the_same_scores_one_by_one() {
+    let study = Study::read(&repository("studies/four-materials-robust.toml"), None).unwrap();
+    let mut palette = study.palette.clone();
+    let mut layouts = Vec::new();
+    for file in std::fs::read_dir(repository("studies")).unwrap() {
+        let path = file.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "csv") {
+            continue;
+        }
+        let layout = layout::read(&path, study.design.lattice, &palette, &[]).unwrap();
+        palette = layout.palette.clone();
+        layouts.push(layout);
+    }
+    assert!(layouts.len() >= 9);
+    let never = AtomicBool::new(false);
+    let overrides = Overrides { step: Some(2e-7), window: Some(350e-6), ..Overrides::default() };
+    let cases = study.cases();
+    let evaluator = Evaluator::new(&study.design, &cases, palette, overrides, &never).unwrap();
+    let numbers: Vec<Vec<u8>> = layouts.iter().map(|layout| layout.materials.clone()).collect();
+    let mut arose = 0;
+    for (layout, marks) in layouts.iter().zip(evaluator.scores(&numbers, &never).unwrap()) {
+        let sample = layout.sample();
+        for (case, marks) in cases.iter().zip(marks) {
+            let design = Design { impact: case.blow.pulse, ..study.design.clone() };
+            let alone = evaluate(&design, layout, evaluator.plan(), &never).unwrap();
+            let said = [alone.scores.focal_mean, alone.scores.protected_mean];
+            assert_eq!([marks.scores.focal_mean, marks.scores.protected_mean], said, "{:?}", case.blow);
+            let late = alone.record.contacts.iter().filter(|contact| {
+                let [a, b] = contact.spheres.map(|i| sample.spheres[i].centre);
+                (a[0] - b[0]).hypot(a[1] - b[1]) > 1.1 * layout.lattice.diameter()
+            });
+            arose += late.count();
+        }
+    }
+    assert!(arose > 0);
 }

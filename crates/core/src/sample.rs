@@ -7,7 +7,7 @@ use crate::material::Material;
 pub struct Sphere<const D: usize> {
     /// Centre (m).
     pub centre: [f64; D],
-    /// Radius (m).
+    /// Radius (m); zero where the site is empty.
     pub radius: f64,
     /// Index into [`Sample::materials`].
     pub material: usize,

@@ -136,6 +136,9 @@ macro_rules! laws {
         }
 
         impl NormalLaw for AnyLaw {
+            fn is_similar() -> bool {
+                false
+            }
             fn stored(&self, overlap: f64, history: &History) -> f64 {
                 match self { $(Self::$kind(law) => law.stored(overlap, history)),* }
             }
@@ -215,7 +218,7 @@ pub trait WithLaw {
     /// What comes out.
     type Output;
     /// Does it, with a way to make the law for a pair.
-    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L) -> Self::Output;
+    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L + Copy + Sync) -> Self::Output;
 }
 
 impl LawKind {

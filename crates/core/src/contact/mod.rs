@@ -126,6 +126,15 @@ pub trait NormalLaw: ForceLaw<f64> {
         true
     }
 
+    /// Whether contacts of unequal size are each other's images: F(δ, v; r*, S) = ρ² F(δ/ρ, v S₀/S; r*/ρ, S₀) with S = r₁ + r₂. So
+    /// it is where the law knows no length but r*, and no speed but a rate of strain v/S.
+    fn is_similar() -> bool
+    where
+        Self: Sized,
+    {
+        true
+    }
+
     /// What [`History::own`] is, by name and unit, where the law uses it.
     fn own_memory() -> Option<&'static str>
     where

@@ -25,7 +25,7 @@ pub(super) struct Grains<V, const D: usize> {
 }
 
 impl<V: Lanes, const D: usize> Grains<V, D> {
-    /// Spheres at rest; the samples stand side by side and differ in materials only.
+    /// Spheres at rest; the samples stand side by side and have the same centres. Where a site is empty nothing moves.
     pub fn at_rest(samples: &[&Sample<D>], mirrors: &[Mirror]) -> Self {
         let sample = samples[0];
         let zero = [V::splat(0.0); D];
@@ -33,7 +33,8 @@ impl<V: Lanes, const D: usize> Grains<V, D> {
         let mut mobility = vec![[1.0; D]; count];
         let mut weight = vec![1.0; count];
         for (i, sphere) in sample.spheres.iter().enumerate() {
-            for mirror in mirrors.iter().filter(|mirror| mirror.carries(&sphere.centre, sphere.radius)) {
+            let radius = samples.iter().map(|sample| sample.spheres[i].radius).fold(0.0, f64::max);
+            for mirror in mirrors.iter().filter(|mirror| mirror.carries(&sphere.centre, radius)) {
                 weight[i] *= 0.5;
                 mobility[i][mirror.axis] = 0.0;
             }
@@ -43,7 +44,8 @@ impl<V: Lanes, const D: usize> Grains<V, D> {
             .map(|i| {
                 let mut inverse = V::splat(0.0);
                 for lane in 0..V::LANES {
-                    inverse.set_lane(lane, 1.0 / samples[lane.min(samples.len() - 1)].mass(i));
+                    let mass = samples[lane.min(samples.len() - 1)].mass(i);
+                    inverse.set_lane(lane, if mass > 0.0 { 1.0 / mass } else { 0.0 });
                 }
                 inverse
             })
@@ -82,6 +84,14 @@ impl<V: Lanes, const D: usize> Grains<V, D> {
     #[inline(always)]
     pub fn speed_squared(&self, sphere: usize) -> V {
         square(&self.velocity[sphere])
+    }
+}
+
+impl<const D: usize> Grains<f64, D> {
+    /// Mass of the part of a sphere that belongs to the simulated half (kg); zero where the site is empty.
+    pub fn mass(&self, sphere: usize) -> f64 {
+        let inverse = self.inverse_mass[sphere];
+        if inverse > 0.0 { self.weight[sphere] / inverse } else { 0.0 }
     }
 }
 

@@ -9,9 +9,10 @@ use super::contacts::{Contacts, Sweep};
 use super::guard::{self, RESIDUAL_LIMIT, Stop};
 use super::ledger::Ledger;
 use super::load::ForcePulse;
-use super::neighbour::{OverlapAtRest, Touching, nearing_strangers};
-use super::record::{Felt, Observer};
+use super::neighbour::{OverlapAtRest, Touching};
+use super::record::{Fastest, Felt, Observer};
 use super::step::{Drive, Stepper};
+use super::strangers::{Lapse, Strangers, VIGILANCE};
 use super::table::LawTable;
 use super::{Integrator, same};
 use crate::contact::{Constants, LaneLaw, LawKind, NormalLaw, Pair, WithLaw};
@@ -72,9 +73,6 @@ pub struct Record<const D: usize> {
     pub velocity: Vec<[f64; D]>,
     /// Accepted steps.
     pub steps: u64,
-    /// Two spheres that do not touch at rest and may have met, and when: from there on a contact may be missing. None
-    /// where it is proven that no such pair met.
-    pub missed_contact: Option<([usize; 2], f64)>,
     /// Why the run ended early or is not to be trusted, if so.
     pub stop: Option<Stop>,
 }
@@ -96,10 +94,25 @@ pub struct ContactRecord {
     pub stored: f64,
 }
 
-/// Most steps between two looks at guards, strangers and the request to stop.
+/// Steps between two looks at guards and the request to stop.
 pub(super) const WATCH: u64 = 64;
 
-/// Follows an impact on `sample`. `interrupt` is looked at now and then; when it is set the run ends with what it has.
+/// As [`simulate`], with Coulomb's friction `coefficient` at every contact, with Mindlin's tangential spring, and spheres that turn.
+/// What friction takes counts as dissipated.
+///
+/// # Errors
+/// As there.
+pub fn simulate_with_friction(
+    sample: &Sample<2>,
+    impact: &Impact,
+    coefficient: f64,
+    interrupt: &AtomicBool,
+) -> Result<Record<2>, OverlapAtRest> {
+    choose(sample, impact, Some(coefficient), interrupt)
+}
+
+/// Follows an impact on `sample`. Contacts between spheres that do not touch at rest are found as these come near; that none is
+/// missed is proven as the run goes. `interrupt` is looked at now and then; when it is set the run ends with what it has.
 ///
 /// # Errors
 /// Spheres that overlap before the impact. A run that a guard stops is no error: its record says why and keeps what was
@@ -110,13 +123,13 @@ pub fn simulate<const D: usize>(
     interrupt: &AtomicBool,
 ) -> Result<Record<D>, OverlapAtRest> {
     fn in_line(sample: &Sample<1>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<1>, OverlapAtRest> {
-        choose(sample, impact, interrupt)
+        choose(sample, impact, None, interrupt)
     }
     fn in_plane(sample: &Sample<2>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<2>, OverlapAtRest> {
-        choose(sample, impact, interrupt)
+        choose(sample, impact, None, interrupt)
     }
     fn in_space(sample: &Sample<3>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<3>, OverlapAtRest> {
-        choose(sample, impact, interrupt)
+        choose(sample, impact, None, interrupt)
     }
     let dimension: &dyn Any = sample;
     if let Some(sample) = dimension.downcast_ref() {
@@ -132,75 +145,96 @@ pub fn simulate<const D: usize>(
 }
 
 /// Chooses the law.
-fn choose<const D: usize>(
+pub(super) fn choose<const D: usize>(
     sample: &Sample<D>,
     impact: &Impact,
+    friction: Option<f64>,
     interrupt: &AtomicBool,
 ) -> Result<Record<D>, OverlapAtRest> {
-    impact.law.choose(Followed { sample, impact, interrupt })
+    impact.law.choose(Followed { sample, impact, friction, interrupt })
 }
 
 /// An impact whose law is still to be chosen.
 struct Followed<'a, const D: usize> {
     sample: &'a Sample<D>,
     impact: &'a Impact,
+    friction: Option<f64>,
     interrupt: &'a AtomicBool,
 }
 
 impl<const D: usize> WithLaw for Followed<'_, D> {
     type Output = Result<Record<D>, OverlapAtRest>;
 
-    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L) -> Self::Output {
-        follow(self.sample, self.impact, self.interrupt, make)
+    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L + Copy + Sync) -> Self::Output {
+        follow(self.sample, self.impact, (self.friction, self.interrupt), make)
     }
 }
 
 fn follow<const D: usize, L: NormalLaw + Copy + Sync>(
     sample: &Sample<D>,
     impact: &Impact,
-    interrupt: &AtomicBool,
-    law: impl Fn(&Pair) -> L,
+    (friction, interrupt): (Option<f64>, &AtomicBool),
+    law: impl Fn(&Pair) -> L + Copy + Sync,
 ) -> Result<Record<D>, OverlapAtRest> {
-    let touching = Touching::find(sample, &impact.mirrors)?;
-    let laws = LawTable::new(sample, &touching, impact.constants, law);
-    let mut grains = Grains::<f64, D>::at_rest(&[sample], &impact.mirrors);
-    let mut contacts = Contacts::new(touching, &grains, laws, true);
-    let mut drive = Drive::new(impact.pulse, impact.slope, &impact.struck);
-    grains.set_moving(&impact.moving);
-    for &(i, speed) in &impact.moving {
-        // What moves at the start has been put in before it.
-        drive.work += 0.5 * grains.weight[i] / grains.inverse_mass[i] * speed * speed;
-    }
-    let mut stepper = Stepper::new(impact.integrator, Sweep::AcceptAndAccount, impact.step, sample.spheres.len());
-    let mut felt = Felt::<D>::new(sample.spheres.len(), impact.exit.clone());
-
+    let samples = [sample];
+    let mut strangers = Strangers::new(&samples, &impact.mirrors);
+    let touching = Touching::find(&samples, &impact.mirrors, |i, j| strangers.tell(i, j))?;
     let steps = steps_in(impact.window, impact.step);
-    let mut stop = None;
-    let mut missed_contact = None;
-    let least_radius = sample.spheres.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
-    while stepper.count < steps && stop.is_none() {
-        let pause = steps_until_next_look(&grains, impact.step, least_radius);
-        for _ in 0..pause.min(steps - stepper.count) {
-            stepper.advance(&mut grains, &mut contacts, &mut drive);
-            felt.accepted(stepper.time(), &grains);
+    let mut vigilances = VIGILANCE.into_iter().peekable();
+    loop {
+        let Some(vigilance) = vigilances.next() else { unreachable!("the last one ends the run") };
+        let laws = LawTable::new(sample, &touching, impact.constants, law);
+        let mut grains = Grains::<f64, D>::at_rest(&samples, &impact.mirrors);
+        let mut contacts = Contacts::new(&samples, &impact.mirrors, touching.clone(), &grains, laws, true);
+        if let Some(coefficient) = friction {
+            contacts = contacts.with_friction(coefficient, &grains, impact.step);
         }
-        stop = guard::check(&stepper, &grains, &contacts, 0).err();
-        if missed_contact.is_none() {
-            let ahead = steps_until_next_look(&grains, impact.step, least_radius) as f64 * impact.step;
-            let margin = 4.0 * fastest(&grains) * ahead;
-            missed_contact = nearing(sample, impact, &grains, &contacts, margin).map(|pair| (pair, stepper.time()));
+        let mut drive = Drive::new(impact.pulse, impact.slope, &impact.struck);
+        grains.set_moving(&impact.moving);
+        for &(i, speed) in &impact.moving {
+            // What moves at the start has been put in before it.
+            drive.work += 0.5 * grains.mass(i) * speed * speed;
         }
-        if stop.is_none() && interrupt.load(Ordering::Relaxed) {
-            stop = Some(Stop::Interrupted { time_s: stepper.time() });
+        let mut stepper = Stepper::new(impact.integrator, Sweep::AcceptAndAccount, impact.step, sample.spheres.len());
+        let mut felt = Felt::<D>::new(sample.spheres.len(), impact.exit.clone());
+        let mut strangers = strangers.clone();
+        strangers.begin(&grains, vigilance);
+        let mut fastest = Fastest::new(sample.spheres.len(), strangers.size);
+
+        let mut stop = None;
+        let mut too_fast = false;
+        while stepper.count < steps && stop.is_none() && !too_fast {
+            let look = steps.min(stepper.count + WATCH);
+            while stepper.count < look && !too_fast {
+                let pause = vigilance.pause.min(look - stepper.count);
+                for _ in 0..pause {
+                    stepper.advance(&mut grains, &mut contacts, &mut drive);
+                    felt.accepted(stepper.time(), &grains);
+                    fastest.accepted(stepper.time(), &grains);
+                }
+                let time = pause as f64 * impact.step;
+                let seen = strangers.watch(&mut fastest.of_block, time, &[true], &mut contacts, &grains);
+                too_fast = matches!(seen, Err(Lapse::TooFast));
+            }
+            stop = guard::check(&stepper, &grains, &contacts, 0).err();
+            if stop.is_none() && interrupt.load(Ordering::Relaxed) {
+                stop = Some(Stop::Interrupted { time_s: stepper.time() });
+            }
         }
+        if too_fast && vigilances.peek().is_some() {
+            continue;
+        }
+        if too_fast {
+            stop = stop.or(Some(Stop::Leap { step_s: impact.step }));
+        }
+        let ledger = Ledger::close(&grains, &contacts, drive.work);
+        if stop.is_none() && ledger.residual().is_some_and(|residual| residual.abs() > RESIDUAL_LIMIT) {
+            stop = ledger.residual().map(|residual| Stop::Residual { residual });
+        }
+        let mut record = collect(sample, &grains, &contacts, &felt, &stepper);
+        (record.ledger, record.stop) = (ledger, stop);
+        return Ok(record);
     }
-    let ledger = Ledger::close(&grains, &contacts, drive.work);
-    if stop.is_none() && ledger.residual().is_some_and(|residual| residual.abs() > RESIDUAL_LIMIT) {
-        stop = ledger.residual().map(|residual| Stop::Residual { residual });
-    }
-    let mut record = collect(sample, &grains, &contacts, &felt, &stepper);
-    (record.ledger, record.missed_contact, record.stop) = (ledger, missed_contact, stop);
-    Ok(record)
 }
 
 /// Number of steps that end within the window; one that ends within a billionth of a step of it counts.
@@ -208,39 +242,10 @@ pub fn steps_in(window: f64, step: f64) -> u64 {
     (window / step + 1e-9).floor() as u64
 }
 
-/// Greatest speed (m/s).
-fn fastest<const D: usize>(grains: &Grains<f64, D>) -> f64 {
-    (0..grains.reached).map(|i| grains.speed_squared(i)).fold(0.0, f64::max).sqrt()
-}
-
-/// Steps in which no two spheres come nearer by more than a small part of a radius: both may run towards each other, and
-/// be pushed to twice today's greatest speed.
-fn steps_until_next_look<const D: usize>(grains: &Grains<f64, D>, step: f64, least_radius: f64) -> u64 {
-    let travel = 4.0 * fastest(grains) * step;
-    if travel > 0.0 { ((0.6 * least_radius / travel) as u64).clamp(1, WATCH) } else { WATCH }
-}
-
-/// Two spheres, no contact of the packing at rest, whose surfaces are nearer than `margin` (m).
-fn nearing<const D: usize, L: NormalLaw + Copy + Sync>(
-    sample: &Sample<D>,
-    impact: &Impact,
-    grains: &Grains<f64, D>,
-    contacts: &Contacts<f64, D, LawTable<L>>,
-    margin: f64,
-) -> Option<[usize; 2]> {
-    let centres: Vec<[f64; D]> = sample
-        .spheres
-        .iter()
-        .zip(&grains.displacement)
-        .map(|(sphere, moved)| std::array::from_fn(|k| sphere.centre[k] + moved[k]))
-        .collect();
-    nearing_strangers(sample, &impact.mirrors, &centres, |i, j| contacts.holds(i, j), margin)
-}
-
 fn collect<const D: usize, L: NormalLaw + Copy + Sync>(
     sample: &Sample<D>,
     grains: &Grains<f64, D>,
-    contacts: &Contacts<f64, D, LawTable<L>>,
+    contacts: &Contacts<'_, f64, D, LawTable<'_, L>>,
     felt: &Felt<D>,
     stepper: &Stepper<f64, D>,
 ) -> Record<D> {
@@ -250,17 +255,19 @@ fn collect<const D: usize, L: NormalLaw + Copy + Sync>(
     let mut records = Vec::new();
     let ever_closed = (0..contacts.history.len()).filter(|&c| contacts.history[c].overlap_max > 0.0);
     for c in ever_closed {
-        let (ends, history, account) = (contacts.spheres(c), contacts.history[c], contacts.account[c]);
-        let stored = contacts.laws.of(c).stored(account.overlap, &history);
+        let (ends, account, stored) = (contacts.spheres(c), contacts.account[c], contacts.stored(c));
+        let (overlap_max, force_max) = contacts.greatest(c, 0);
+        let friction = contacts.friction.as_ref().filter(|friction| c < friction.work.len());
+        let rubbed = friction.map_or(0.0, |friction| friction.work[c] - friction.stored(c));
         for i in ends {
-            max_contact_force[i] = max_contact_force[i].max(history.force_max);
-            dissipated[i] += 0.5 * (account.work - stored) * contacts.weight[c] / grains.weight[i];
+            max_contact_force[i] = max_contact_force[i].max(force_max);
+            dissipated[i] += 0.5 * (account.work - stored + rubbed) * contacts.weight[c] / grains.weight[i];
         }
         records.push(ContactRecord {
             spheres: ends,
             weight: contacts.weight[c],
-            overlap_max: history.overlap_max,
-            force_max: history.force_max,
+            overlap_max,
+            force_max,
             work: account.work,
             stored,
         });
@@ -279,7 +286,6 @@ fn collect<const D: usize, L: NormalLaw + Copy + Sync>(
         displacement: grains.displacement.clone(),
         velocity: grains.velocity.clone(),
         steps: stepper.count,
-        missed_contact: None,
         stop: None,
     }
 }

@@ -7,20 +7,18 @@
 use serde::{Deserialize, Serialize};
 
 use super::body::Grains;
-use super::contacts::Contacts;
-use super::table::LawTable;
-use crate::contact::NormalLaw;
+use super::contacts::{Contacts, Laws};
 
 /// Energies (J) of the simulated half, spheres and contacts on mirrors counting by their part in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Work of the load, and kinetic energy at the start.
     pub work_in: f64,
-    /// Σ ½ m v²
+    /// Σ ½ m v², and ½ I ω² where spheres turn
     pub kinetic: f64,
-    /// What the contacts would give back on opening.
+    /// What the contacts would give back on opening, and what their tangential springs hold.
     pub stored: f64,
-    /// ∫F dδ of all contacts, less what they store.
+    /// ∫F dδ of all contacts, and ∫T u dt by friction, less what they store.
     pub dissipated: f64,
     /// Σ ½ δ_max F_max, the estimate of Burgoyne 2016, eq. 5.6.
     pub estimate: f64,
@@ -28,21 +26,29 @@ pub struct Ledger {
 
 impl Ledger {
     /// Draws the balance.
-    pub(super) fn close<const D: usize, L: NormalLaw + Copy + Sync>(
+    pub(super) fn close<const D: usize, L: Laws<f64>>(
         grains: &Grains<f64, D>,
-        contacts: &Contacts<f64, D, LawTable<L>>,
+        contacts: &Contacts<'_, f64, D, L>,
         work_in: f64,
     ) -> Self {
         let mut ledger = Self { work_in, ..Self::default() };
         for i in 0..grains.reached {
-            ledger.kinetic += 0.5 * grains.weight[i] / grains.inverse_mass[i] * grains.speed_squared(i);
+            ledger.kinetic += 0.5 * grains.mass(i) * grains.speed_squared(i);
         }
-        for (c, (history, account)) in contacts.history.iter().zip(&contacts.account).enumerate() {
-            let weight = contacts.weight[c];
-            let stored = contacts.laws.of(c).stored(account.overlap, history);
+        for (c, account) in contacts.account.iter().enumerate() {
+            let (weight, stored) = (contacts.weight[c], contacts.stored(c));
+            let (overlap_max, force_max) = contacts.greatest(c, 0);
             ledger.stored += weight * stored;
             ledger.dissipated += weight * (account.work - stored);
-            ledger.estimate += weight * 0.5 * history.overlap_max * history.force_max;
+            ledger.estimate += weight * 0.5 * overlap_max * force_max;
+        }
+        if let Some(friction) = &contacts.friction {
+            ledger.kinetic += friction.kinetic();
+            for (c, work) in friction.work.iter().enumerate() {
+                let (weight, stored) = (contacts.weight[c], friction.stored(c));
+                ledger.stored += weight * stored;
+                ledger.dissipated += weight * (work - stored);
+            }
         }
         ledger
     }

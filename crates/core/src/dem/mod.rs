@@ -4,8 +4,9 @@
 //! [`Record`], what each sphere felt and when. Nothing here knows why it is asked. Spheres, normal forces, δ ≪ R; SI.
 //!
 //! - `load`, `boundary`: what strikes the crystal and where it ends
-//! - `neighbour`: which spheres touch
+//! - `neighbour`: which spheres touch; `strangers`: which others may come to; `size`: contacts of unequal spheres
 //! - `body`, `contacts`, `table`: the state, the forces and the laws, as parallel arrays
+//! - `friction`: tangential forces and rotation in the plane
 //! - `step`: velocity Verlet, Adams's multistep scheme and Runge-Kutta
 //! - `record`, `ledger`: what was felt, where the energy went
 //! - `guard`: what stops a run; `clock`: where its time goes
@@ -22,6 +23,7 @@ mod body;
 mod boundary;
 mod clock;
 mod contacts;
+mod friction;
 mod guard;
 mod impact;
 mod ledger;
@@ -30,14 +32,18 @@ mod neighbour;
 mod record;
 pub mod rig;
 pub mod sheet;
+mod size;
 mod step;
+mod strangers;
 mod table;
 
-pub use batch::{BatchError, Brief, simulate_batch, simulate_batch_timed};
+pub use batch::{
+    BatchError, Brief, Limit, simulate_batch, simulate_batch_timed, simulate_batch_with_friction, simulate_batch_within,
+};
 pub use boundary::Mirror;
 pub use clock::Phases;
 pub use guard::{OVERLAP_LIMIT, OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
-pub use impact::{ContactRecord, Impact, Record, simulate, steps_in};
+pub use impact::{ContactRecord, Impact, Record, simulate, simulate_with_friction, steps_in};
 pub use ledger::Ledger;
 pub use load::ForcePulse;
 pub use neighbour::OverlapAtRest;

@@ -1,37 +1,70 @@
-//! Which spheres touch, and whether others are about to meet.
+//! Which spheres touch at rest or lie so near that their contact is followed from the start.
 
 use super::boundary::Mirror;
-use crate::sample::Sample;
+use super::size::{TOUCHING, gap_squared};
+use crate::sample::{Sample, Sphere};
 
-/// Two touching spheres, at rest.
+/// Two spheres that may touch, at rest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touch<const D: usize> {
     /// Indices, the lower one first.
     pub pair: [usize; 2],
     /// From the centre of the first to that of the second (m).
     pub offset: [f64; D],
-    /// |offset|² − (r₁ + r₂)² (m²); exactly zero where the spheres just touch.
+    /// |offset|² − (r₁ + r₂)² (m²) in the first sample; exactly zero where the spheres just touch.
     pub gap: f64,
-    /// r₁ + r₂ (m)
+    /// r₁ + r₂ (m) in the first sample
     pub reach: f64,
 }
 
-/// A sphere that touches its own image in a mirror.
+impl<const D: usize> Touch<D> {
+    pub fn new(sample: &Sample<D>, pair: [usize; 2]) -> Self {
+        let [a, b] = pair.map(|i| &sample.spheres[i]);
+        let offset = std::array::from_fn(|k| b.centre[k] - a.centre[k]);
+        Self { pair, offset, gap: gap_squared(sample, pair), reach: a.radius + b.radius }
+    }
+}
+
+/// A sphere that may touch its own image in a mirror.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SelfTouch {
     pub sphere: usize,
     pub axis: usize,
     pub inward: f64,
-    /// Its diameter (m)
+    /// From surface to surface (m) at rest, in the first sample; exactly zero where they just touch.
+    pub gap: f64,
+    /// Its diameter (m) in the first sample
     pub reach: f64,
 }
 
-/// The contacts of a packing at rest.
+impl SelfTouch {
+    pub fn new<const D: usize>(sample: &Sample<D>, sphere: usize, mirror: &Mirror) -> Self {
+        let (gap, reach) = (image_gap(sample, sphere, mirror), 2.0 * sample.spheres[sphere].radius);
+        Self { sphere, axis: mirror.axis, inward: mirror.inward, gap, reach }
+    }
+
+    /// Whether it is the image in this mirror.
+    pub fn is_in(&self, mirror: &Mirror) -> bool {
+        self.axis == mirror.axis && self.inward == mirror.inward
+    }
+}
+
+/// From the surface of a sphere of a sample to that of its image (m).
+pub(super) fn image_gap<const D: usize>(sample: &Sample<D>, sphere: usize, mirror: &Mirror) -> f64 {
+    let sphere = &sample.spheres[sphere];
+    if sphere.radius == 0.0 {
+        return f64::INFINITY;
+    }
+    let gap = mirror.distance(&sphere.centre) - sphere.radius;
+    if gap.abs() <= TOUCHING * sphere.radius { 0.0 } else { 2.0 * gap }
+}
+
+/// The contacts of a packing at rest, and those that are nearly ones.
 #[derive(Clone, Debug)]
 pub(super) struct Touching<const D: usize> {
     /// In order of the first sphere, then the second.
     pub pairs: Vec<Touch<D>>,
-    /// In order of the sphere.
+    /// In order of the sphere, then the mirror.
     pub images: Vec<SelfTouch>,
 }
 
@@ -45,24 +78,45 @@ pub struct OverlapAtRest {
     pub overlap: f64,
 }
 
-/// Spheres nearer than this part of their reach count as touching, and their gap as zero.
-const TOUCHING: f64 = 1e-9;
+/// Spheres nearer than this part of their reach are followed from the start; others when they come near.
+const NEAR: f64 = 0.05;
 
 impl<const D: usize> Touching<D> {
-    /// Finds all contacts of a packing at rest.
-    pub fn find(sample: &Sample<D>, mirrors: &[Mirror]) -> Result<Self, OverlapAtRest> {
-        let spheres = &sample.spheres;
+    /// Finds the contacts of packings at rest that have the same centres: what is near in any of them. `visit` hears of all other
+    /// pairs whose centres are nearer than two of the greatest diameters.
+    pub fn find(
+        samples: &[&Sample<D>],
+        mirrors: &[Mirror],
+        mut visit: impl FnMut(usize, usize),
+    ) -> Result<Self, OverlapAtRest> {
+        let spheres = &samples[0].spheres;
         let centres: Vec<[f64; D]> = spheres.iter().map(|s| s.centre).collect();
         let mut pairs = Vec::new();
         let mut overlapping = None;
-        Cells::new(&centres, widest(sample) * (1.0 + TOUCHING)).pairs(|i, j| {
-            let offset: [f64; D] = std::array::from_fn(|k| centres[j][k] - centres[i][k]);
-            let reach = spheres[i].radius + spheres[j].radius;
-            let gap = offset.iter().map(|x| x * x).sum::<f64>().sqrt() - reach;
-            if gap < -TOUCHING * reach {
-                overlapping.get_or_insert(OverlapAtRest { pair: [i, j], overlap: -gap });
-            } else if gap <= TOUCHING * reach {
-                pairs.push(Touch { pair: [i, j], offset, gap: 0.0, reach });
+        let widest = widest(samples);
+        let far = ((1.0 + 2.0 * NEAR) * widest).powi(2);
+        Cells::new(&centres, 2.0 * widest).pairs(|i, j| {
+            let squared = (0..D).map(|k| (centres[j][k] - centres[i][k]).powi(2)).sum::<f64>();
+            if squared > far {
+                return visit(i, j);
+            }
+            let distance = squared.sqrt();
+            let mut is_near = false;
+            for sample in samples {
+                let [r, s] = [i, j].map(|k| sample.spheres[k].radius);
+                let (gap, reach) = (distance - (r + s), r + s);
+                if r * s == 0.0 {
+                    continue;
+                }
+                if gap < -TOUCHING * reach {
+                    overlapping.get_or_insert(OverlapAtRest { pair: [i, j], overlap: -gap });
+                }
+                is_near |= gap <= NEAR * reach;
+            }
+            if is_near {
+                pairs.push(Touch::new(samples[0], [i, j]));
+            } else {
+                visit(i, j);
             }
         });
         if let Some(error) = overlapping {
@@ -71,19 +125,22 @@ impl<const D: usize> Touching<D> {
         pairs.sort_by_key(|touch| touch.pair);
 
         let mut images = Vec::new();
-        for (i, sphere) in spheres.iter().enumerate() {
-            for mirror in mirrors.iter().filter(|mirror| !mirror.carries(&sphere.centre, sphere.radius)) {
-                let gap = mirror.distance(&sphere.centre) - sphere.radius;
-                if gap < -TOUCHING * sphere.radius {
-                    return Err(OverlapAtRest { pair: [i, i], overlap: -2.0 * gap });
+        for i in 0..spheres.len() {
+            for mirror in mirrors {
+                let mut is_near = false;
+                for sample in samples {
+                    let Sphere { centre, radius, .. } = &sample.spheres[i];
+                    if *radius == 0.0 || mirror.carries(centre, *radius) {
+                        continue;
+                    }
+                    let gap = image_gap(sample, i, mirror);
+                    if gap < -TOUCHING * radius {
+                        return Err(OverlapAtRest { pair: [i, i], overlap: -gap });
+                    }
+                    is_near |= gap <= 2.0 * NEAR * radius;
                 }
-                if gap <= TOUCHING * sphere.radius {
-                    images.push(SelfTouch {
-                        sphere: i,
-                        axis: mirror.axis,
-                        inward: mirror.inward,
-                        reach: 2.0 * sphere.radius,
-                    });
+                if is_near {
+                    images.push(SelfTouch::new(samples[0], i, mirror));
                 }
             }
         }
@@ -92,8 +149,8 @@ impl<const D: usize> Touching<D> {
 }
 
 /// Diameter of the largest sphere (m).
-fn widest<const D: usize>(sample: &Sample<D>) -> f64 {
-    sample.spheres.iter().map(|s| 2.0 * s.radius).fold(0.0, f64::max)
+pub(super) fn widest<const D: usize>(samples: &[&Sample<D>]) -> f64 {
+    samples.iter().flat_map(|sample| &sample.spheres).map(|s| 2.0 * s.radius).fold(0.0, f64::max)
 }
 
 /// Centres sorted into cubes, so that near pairs are found without looking at all pairs.
@@ -130,39 +187,10 @@ impl<'a, const D: usize> Cells<'a, D> {
     }
 }
 
-/// Looks for two spheres that are no contact of the packing at rest and whose surfaces are nearer than `margin` (m) now.
-pub(super) fn nearing_strangers<const D: usize>(
-    sample: &Sample<D>,
-    mirrors: &[Mirror],
-    centres: &[[f64; D]],
-    known: impl Fn(usize, usize) -> bool,
-    margin: f64,
-) -> Option<[usize; 2]> {
-    let spheres = &sample.spheres;
-    let mut found = None;
-    Cells::new(centres, widest(sample) + margin).pairs(|i, j| {
-        let squared: f64 = (0..D).map(|k| (centres[j][k] - centres[i][k]).powi(2)).sum();
-        let near = spheres[i].radius + spheres[j].radius + margin;
-        if squared < near * near && !known(i, j) {
-            found.get_or_insert([i, j]);
-        }
-    });
-    // A sphere and its own image; with the image of another it meets no sooner than with that other itself.
-    let image = (0..spheres.len()).find(|&i| {
-        mirrors.iter().any(|mirror| {
-            !mirror.carries(&spheres[i].centre, spheres[i].radius)
-                && 2.0 * (mirror.distance(&centres[i]) - spheres[i].radius) < margin
-                && !known(i, i)
-        })
-    });
-    found.or(image.map(|i| [i, i]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::material::find;
-    use crate::sample::Sphere;
 
     fn sheet(rows: usize, columns: usize) -> Sample<2> {
         let spheres = (0..rows * columns)
@@ -175,36 +203,55 @@ mod tests {
         Sample { materials: vec![find("440c", &[]).unwrap()], spheres }
     }
 
+    fn touching(samples: &[&Sample<2>], mirrors: &[Mirror]) -> Result<Touching<2>, OverlapAtRest> {
+        Touching::find(samples, mirrors, |_, _| {})
+    }
+
     /// In an open sheet of R rows by C columns each row has C − 1 contacts and each pair of rows 2C − 1.
     #[test]
     fn a_hexagonal_sheet_has_its_contacts() {
-        assert_eq!(Touching::find(&sheet(7, 9), &[]).unwrap().pairs.len(), 7 * 8 + 6 * 17);
+        assert_eq!(touching(&[&sheet(7, 9)], &[]).unwrap().pairs.len(), 7 * 8 + 6 * 17);
     }
 
-    /// Second neighbours lie √3 diameters apart.
+    /// Second neighbours lie √3 diameters apart, third ones two: both are visited, and none that touches.
     #[test]
-    fn strangers_are_found_from_the_second_neighbours_gap_on() {
+    fn what_does_not_touch_but_lies_within_two_diameters_is_told() {
         let sample = sheet(7, 9);
-        let pairs = Touching::find(&sample, &[]).unwrap().pairs;
-        let known = |i, j| pairs.binary_search_by_key(&[i, j], |touch| touch.pair).is_ok();
-        let centres: Vec<_> = sample.spheres.iter().map(|s| s.centre).collect();
-        let gap = 3_f64.sqrt() - 1.0;
-        assert_eq!(nearing_strangers(&sample, &[], &centres, known, gap - 1e-9), None);
-        assert!(nearing_strangers(&sample, &[], &centres, known, gap + 1e-9).is_some());
+        let mut distances = Vec::new();
+        Touching::find(&[&sample], &[], |i, j| {
+            let [a, b] = [i, j].map(|k| sample.spheres[k].centre);
+            distances.push((b[0] - a[0]).hypot(b[1] - a[1]));
+        })
+        .unwrap();
+        // Straight down: 9 in each of 5 pairs of rows; by one and a half to each side: 8 and 7 in each of 6.
+        let second = distances.iter().filter(|&&d| (d - 3_f64.sqrt()).abs() < 1e-9).count();
+        assert_eq!(second, 9 * 5 + (8 + 7) * 6);
+        assert!(distances.iter().all(|&d| d > 1.1));
     }
 
     #[test]
     fn spheres_half_a_diameter_from_a_mirror_touch_their_image() {
         let mirror = Mirror { axis: 0, position: 0.0, inward: 1.0 };
-        let touching = Touching::find(&sheet(4, 5), &[mirror]).unwrap();
+        let touching = touching(&[&sheet(4, 5)], &[mirror]).unwrap();
         let spheres: Vec<usize> = touching.images.iter().map(|t| t.sphere).collect();
         assert_eq!(spheres, [5, 15]);
+    }
+
+    /// A gap in one of two packings is no reason to leave the contact out.
+    #[test]
+    fn what_touches_in_one_packing_counts_for_all() {
+        let (whole, mut holed) = (sheet(3, 3), sheet(3, 3));
+        holed.spheres[4].radius = 0.0;
+        let (alone, both) = (touching(&[&holed], &[]).unwrap(), touching(&[&holed, &whole], &[]).unwrap());
+        assert_eq!((alone.pairs.len(), both.pairs.len()), (16 - 6, 16));
+        let centre = both.pairs.iter().filter(|touch| touch.pair.contains(&4));
+        assert!(centre.clone().count() == 6 && centre.clone().all(|touch| touch.gap == f64::INFINITY));
     }
 
     #[test]
     fn overlapping_spheres_are_refused() {
         let mut sample = sheet(2, 2);
         sample.spheres[1].centre[0] -= 0.01;
-        assert_eq!(Touching::find(&sample, &[]).map(|_| ()).unwrap_err().pair, [0, 1]);
+        assert_eq!(touching(&[&sample], &[]).map(|_| ()).unwrap_err().pair, [0, 1]);
     }
 }

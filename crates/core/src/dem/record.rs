@@ -101,7 +101,7 @@ impl<const D: usize> Observer<f64, D> for Felt<D> {
         }
         let (mut momentum, mut force) = (0.0, 0.0);
         for &i in self.exit.iter().filter(|&&i| i < grains.reached) {
-            let mass = grains.weight[i] / grains.inverse_mass[i];
+            let mass = grains.mass(i);
             momentum += mass * grains.velocity[i][D - 1];
             force += mass * grains.acceleration[i][D - 1];
         }
@@ -110,14 +110,38 @@ impl<const D: usize> Observer<f64, D> for Felt<D> {
     }
 }
 
-/// Maxima of v² only, of every design side by side.
-pub(super) struct Fastest<V>(pub Vec<V>);
+/// Maxima of v² only, of every design side by side; and those since they were last asked for, of each block of spheres.
+pub(super) struct Fastest<V> {
+    pub of_sphere: Vec<V>,
+    pub of_block: Vec<V>,
+    /// Spheres of a block.
+    size: usize,
+}
+
+impl<V: Lanes> Fastest<V> {
+    pub fn new(spheres: usize, size: usize) -> Self {
+        let zeros = |count| vec![V::splat(0.0); count];
+        Self { of_sphere: zeros(spheres), of_block: zeros(spheres.div_ceil(size)), size }
+    }
+}
 
 impl<V: Lanes, const D: usize> Observer<V, D> for Fastest<V> {
     #[inline(always)]
     fn accepted(&mut self, _: f64, grains: &Grains<V, D>) {
-        for i in 0..grains.reached {
-            self.0[i] = grains.speed_squared(i).max(self.0[i]);
+        let mut i = 0;
+        for top in &mut self.of_block {
+            let end = (i + self.size).min(grains.reached);
+            let mut greatest = *top;
+            while i < end {
+                let speed = grains.speed_squared(i);
+                self.of_sphere[i] = speed.max(self.of_sphere[i]);
+                greatest = speed.max(greatest);
+                i += 1;
+            }
+            *top = greatest;
+            if i == grains.reached {
+                break;
+            }
         }
     }
 }

@@ -87,7 +87,7 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
     pub fn advance<L: Laws<V>>(
         &mut self,
         grains: &mut Grains<V, D>,
-        contacts: &mut Contacts<V, D, L>,
+        contacts: &mut Contacts<'_, V, D, L>,
         drive: &mut Drive<V>,
     ) {
         grains.reached = grains.reached.max(drive.reach);
@@ -104,7 +104,7 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
     fn runge_kutta<L: Laws<V>>(
         &mut self,
         grains: &mut Grains<V, D>,
-        contacts: &mut Contacts<V, D, L>,
+        contacts: &mut Contacts<'_, V, D, L>,
         drive: &mut Drive<V>,
     ) {
         let Some(stages) = &mut self.stages else { return };
@@ -153,7 +153,15 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
                 grains.velocity[i][k] = grains.velocity[i][k] + sixth * stages.acceleration_sum[i][k];
             }
         }
+        // Spins follow by the predictor and corrector of Verlet's table; the stages see them, and the springs, as they were.
+        let [b, m] = [self.coefficients.velocity, self.coefficients.corrector].map(|row| row.map(V::splat));
+        if let Some(friction) = &mut contacts.friction {
+            friction.predict(grains.reached, b);
+        }
         contacts.sweep(&grains.displacement, &grains.velocity, &mut self.force, &mut grains.reached, self.accept);
+        if let Some(friction) = &mut contacts.friction {
+            friction.correct(grains.reached, m);
+        }
         for i in 0..grains.reached {
             grains.acceleration[i] = grains.acceleration_of(i, &self.force[i]);
         }

@@ -4,36 +4,66 @@ use std::marker::PhantomData;
 
 use super::contacts::Laws;
 use super::neighbour::Touching;
+use super::size::reference_radius;
 use crate::contact::{Asked, Constants, History, LaneLaw, NormalLaw, Pair};
 use crate::material::Material;
 use crate::real::Lanes;
 use crate::sample::Sample;
 
-/// The laws of the kinds of pairs that occur, found by materials and radii.
-struct Kinds<'a, L, F> {
+/// The laws of the kinds of pairs that occur, found by materials and radii; a law that obeys similarity is made for spheres of the
+/// samples' reference radius.
+struct Kinds<'a, L> {
     constants: Constants,
-    make: F,
-    seen: Vec<[(&'a Material, f64); 2]>,
+    make: Box<dyn Fn(&Pair) -> L + Sync + 'a>,
+    /// Materials, and the radius for which their laws are made (m).
+    classes: Vec<(&'a Material, f64)>,
+    /// The class of every sphere of every sample.
+    class: Vec<Vec<u16>>,
+    seen: Vec<[u16; 2]>,
     laws: Vec<L>,
 }
 
-impl<'a, L, F: Fn(&Pair) -> L> Kinds<'a, L, F> {
-    fn new(constants: Constants, make: F) -> Self {
-        Self { constants, make, seen: Vec::new(), laws: Vec::new() }
+impl<'a, L: NormalLaw> Kinds<'a, L> {
+    fn new<const D: usize>(
+        samples: &[&'a Sample<D>],
+        constants: Constants,
+        make: impl Fn(&Pair) -> L + Sync + 'a,
+    ) -> Self {
+        let mut classes: Vec<(&'a Material, f64)> = Vec::new();
+        let class = samples.iter().map(|sample| {
+            let reference = reference_radius(sample);
+            let mut last = None;
+            let of_sphere = sample.spheres.iter().map(|sphere| {
+                let radius = if L::is_similar() { reference } else { sphere.radius };
+                // Spheres that follow each other are often alike, and materials take long to compare.
+                if let Some((material, of_last, class)) = last
+                    && (material, of_last) == (sphere.material, radius)
+                {
+                    return class;
+                }
+                let one = (&sample.materials[sphere.material], radius);
+                let class = classes.iter().position(|known| *known == one).unwrap_or_else(|| {
+                    classes.push(one);
+                    classes.len() - 1
+                }) as u16;
+                last = Some((sphere.material, radius, class));
+                class
+            });
+            of_sphere.collect()
+        });
+        let class = class.collect();
+        Self { constants, make: Box::new(make), classes, class, seen: Vec::new(), laws: Vec::new() }
     }
 
     /// The place of the law between two spheres of a sample.
-    fn place<const D: usize>(&mut self, sample: &'a Sample<D>, [a, b]: [usize; 2]) -> usize {
-        let end = |i: usize| {
-            let sphere = &sample.spheres[i];
-            (&sample.materials[sphere.material], sphere.radius)
-        };
-        let (first, second) = (end(a), end(b));
-        let known = |kind: &[(&Material, f64); 2]| *kind == [first, second] || *kind == [second, first];
-        self.seen.iter().position(known).unwrap_or_else(|| {
-            self.seen.push([first, second]);
-            let pair = Pair::new([first.0, second.0], [first.1, second.1], self.constants);
-            self.laws.push((self.make)(&pair));
+    fn place(&mut self, sample: usize, [a, b]: [usize; 2]) -> usize {
+        let of = &self.class[sample.min(self.class.len() - 1)];
+        let pair = [of[a].min(of[b]), of[a].max(of[b])];
+        self.seen.iter().position(|known| *known == pair).unwrap_or_else(|| {
+            let [first, second] = pair.map(|class| self.classes[usize::from(class)]);
+            let pair_constants = Pair::new([first.0, second.0], [first.1, second.1], self.constants);
+            self.seen.push(pair);
+            self.laws.push((self.make)(&pair_constants));
             self.laws.len() - 1
         })
     }
@@ -46,12 +76,12 @@ fn ends<const D: usize>(touching: &Touching<D>) -> impl Iterator<Item = [usize; 
 }
 
 /// One law per kind of pair, and for each contact its kind.
-pub(super) struct LawTable<L> {
-    kinds: Vec<L>,
+pub(super) struct LawTable<'a, L> {
+    kinds: Kinds<'a, L>,
     kind: Vec<u16>,
 }
 
-impl<L: NormalLaw + Copy + Sync> Laws<f64> for LawTable<L> {
+impl<L: NormalLaw + Copy + Sync> Laws<f64> for LawTable<'_, L> {
     type One = L;
     #[inline(always)]
     fn force(&self, contact: usize, overlap: f64, closing_speed: f64, history: &History) -> f64 {
@@ -64,31 +94,40 @@ impl<L: NormalLaw + Copy + Sync> Laws<f64> for LawTable<L> {
     fn one(&self, contact: usize, _: usize) -> L {
         *self.of(contact)
     }
+    fn renumber(&mut self, from: &[Option<usize>], ends: &[[usize; 2]]) -> bool {
+        let kinds = &mut self.kinds;
+        let kind = |(from, ends): (&Option<usize>, &[usize; 2])| match from {
+            Some(old) => self.kind[*old],
+            None => kinds.place(0, *ends) as u16,
+        };
+        self.kind = from.iter().zip(ends).map(kind).collect();
+        true
+    }
 }
 
-impl<L> LawTable<L> {
+impl<'a, L: NormalLaw> LawTable<'a, L> {
     /// The law of a contact.
     #[inline(always)]
-    pub fn of(&self, contact: usize) -> &L {
-        &self.kinds[usize::from(self.kind[contact])]
+    fn of(&self, contact: usize) -> &L {
+        &self.kinds.laws[usize::from(self.kind[contact])]
     }
 
     /// Makes a law for every kind of pair that touches.
     pub fn new<const D: usize>(
-        sample: &Sample<D>,
+        sample: &'a Sample<D>,
         touching: &Touching<D>,
         constants: Constants,
-        make: impl Fn(&Pair) -> L,
+        make: impl Fn(&Pair) -> L + Sync + 'a,
     ) -> Self {
-        let mut kinds = Kinds::new(constants, make);
-        let kind = ends(touching).map(|pair| kinds.place(sample, pair) as u16).collect();
-        Self { kinds: kinds.laws, kind }
+        let mut kinds = Kinds::new(&[sample], constants, make);
+        let kind = ends(touching).map(|pair| kinds.place(0, pair) as u16).collect();
+        Self { kinds, kind }
     }
 }
 
 /// Up to 16 kinds of pairs, and for each contact the kind that it is in each design.
-pub(super) struct LaneTable<L, V> {
-    kinds: Vec<L>,
+pub(super) struct LaneTable<'a, L, V> {
+    kinds: Kinds<'a, L>,
     /// Parameter k of every kind.
     tables: Vec<[f64; 16]>,
     /// Kinds of contact c: from `c * LANES` on.
@@ -96,7 +135,7 @@ pub(super) struct LaneTable<L, V> {
     width: PhantomData<V>,
 }
 
-impl<L: LaneLaw, V: Lanes> Laws<V> for LaneTable<L, V> {
+impl<L: LaneLaw, V: Lanes> Laws<V> for LaneTable<'_, L, V> {
     type One = L;
     #[inline(always)]
     fn force(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> V {
@@ -109,33 +148,54 @@ impl<L: LaneLaw, V: Lanes> Laws<V> for LaneTable<L, V> {
         L::respond_at(&Asked { tables: &self.tables, place, overlap, closing_speed, history })
     }
     fn one(&self, contact: usize, lane: usize) -> L {
-        self.kinds[usize::from(self.kind[contact * V::LANES + lane])]
+        self.kinds.laws[usize::from(self.kind[contact * V::LANES + lane])]
+    }
+    fn renumber(&mut self, from: &[Option<usize>], ends: &[[usize; 2]]) -> bool {
+        let old = std::mem::take(&mut self.kind);
+        for (from, ends) in from.iter().zip(ends) {
+            match from {
+                Some(from) => self.kind.extend(&old[from * V::LANES..(from + 1) * V::LANES]),
+                None if !self.add(*ends) => return false,
+                None => {}
+            }
+        }
+        self.fill();
+        true
     }
 }
 
-impl<L: LaneLaw, V: Lanes> LaneTable<L, V> {
+impl<'a, L: LaneLaw, V: Lanes> LaneTable<'a, L, V> {
     /// Makes a law for every kind of pair that touches in any of the samples, one sample per lane; none if there are more
     /// than 16 kinds.
     pub fn new<const D: usize>(
-        samples: &[&Sample<D>],
+        samples: &[&'a Sample<D>],
         touching: &Touching<D>,
         constants: Constants,
-        make: impl Fn(&Pair) -> L,
+        make: impl Fn(&Pair) -> L + Sync + 'a,
     ) -> Option<Self> {
-        let mut kinds = Kinds::new(constants, make);
-        let mut kind = Vec::new();
+        let kinds = Kinds::new(samples, constants, make);
+        let tables = vec![[0.0; 16]; L::PARAMETERS];
+        let mut table = Self { kinds, tables, kind: Vec::new(), width: PhantomData };
         for pair in ends(touching) {
-            for lane in 0..V::LANES {
-                let sample = samples[lane.min(samples.len() - 1)];
-                kind.push(u8::try_from(kinds.place(sample, pair)).ok().filter(|&place| place < 16)?);
+            if !table.add(pair) {
+                return None;
             }
         }
-        let mut tables = vec![[0.0; 16]; L::PARAMETERS];
-        for (place, law) in kinds.laws.iter().enumerate() {
-            for (table, parameter) in tables.iter_mut().zip(law.parameters()) {
+        table.fill();
+        Some(table)
+    }
+
+    /// Adds a contact; false if there are more than 16 kinds then.
+    fn add(&mut self, ends: [usize; 2]) -> bool {
+        self.kind.extend((0..V::LANES).map(|lane| self.kinds.place(lane, ends).min(16) as u8));
+        self.kinds.laws.len() <= 16
+    }
+
+    fn fill(&mut self) {
+        for (place, law) in self.kinds.laws.iter().enumerate() {
+            for (table, parameter) in self.tables.iter_mut().zip(law.parameters()) {
                 table[place] = parameter;
             }
         }
-        Some(Self { kinds: kinds.laws, tables, kind, width: PhantomData })
     }
 }

@@ -1,7 +1,7 @@
 //! Two spheres meet head-on.
 
 use granulens_core::contact::{Constants, Hertz, History, LawKind, NormalLaw as _, Pair};
-use granulens_core::dem::{ForcePulse, Impact, Integrator, Record};
+use granulens_core::dem::{ForcePulse, Impact, Integrator, Mirror, Record};
 use granulens_core::sample::{Sample, Sphere};
 
 use crate::problem::{DIAMETER, run};
@@ -118,6 +118,42 @@ fn hertz_collision_reaches_the_closed_form_overlap() {
     };
     // Half the sampling error (π/steps)²/8 of a half sine, and Verlet's own of the same size.
     assert!(error(400.0) < 3e-5, "{}", error(400.0));
+}
+
+/// Spheres that lie apart at rest, one of them flying, meet with the same overlap and swap their velocities; so does a sphere that
+/// flies towards a mirror, and meets its image at twice its speed. Neither is a contact before it comes near.
+#[test]
+fn spheres_that_lie_apart_meet_when_they_come_together() {
+    let speed = 2.0;
+    let (mut sample, _) = collide(["440c", "440c"], speed, |_| ());
+    sample.spheres[1].centre[0] += 0.37 * DIAMETER;
+    let exact = closest_approach(&sample, speed);
+    let impact = Impact {
+        mirrors: Vec::new(),
+        law: LawKind::Hertz,
+        constants: Constants::Code,
+        pulse: ForcePulse { force: 0.0, duration: 0.0 },
+        slope: 0.0,
+        struck: Vec::new(),
+        moving: vec![(0, speed)],
+        exit: vec![1],
+        integrator: Integrator::Verlet,
+        step: 2.5e-8,
+        window: 2e-3,
+    };
+    let record = run(&sample, &impact);
+    // The contact lasts some 17 µs, 680 steps; see the closed form above.
+    assert!((record.contacts[0].overlap_max / exact - 1.0).abs() < 3e-5);
+    assert!((record.velocity[1][0] / speed - 1.0).abs() < 1e-4 && record.velocity[0][0].abs() < 1e-4 * speed);
+
+    sample.spheres.pop();
+    let mirror = Mirror { axis: 0, position: sample.spheres[0].centre[0] + 0.9 * DIAMETER, inward: -1.0 };
+    let record = run(&sample, &Impact { mirrors: vec![mirror], exit: vec![0], ..impact });
+    let contact = record.contacts[0];
+    let closest = exact * 2_f64.powf(0.8);
+    assert_eq!(contact.spheres, [0, 0]);
+    assert!((contact.overlap_max / closest - 1.0).abs() < 1e-4, "{} {closest}", contact.overlap_max);
+    assert!((record.velocity[0][0] / -speed - 1.0).abs() < 1e-4);
 }
 
 /// Velocity while the contact is being loaded (8 µs after 440c met 440c at 5 m/s, region II, rate on), against a fine

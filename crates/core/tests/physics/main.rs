@@ -14,6 +14,7 @@ mod laws;
 mod lens;
 mod problem;
 mod reference;
+mod rubbing;
 mod surface;
 mod symmetry;
 mod wave;

@@ -12,10 +12,10 @@ mod reference;
 use std::sync::atomic::AtomicBool;
 
 use granulens_core::contact::LawKind;
-use granulens_core::dem::{Integrator, simulate, simulate_batch};
+use granulens_core::dem::{Integrator, simulate, simulate_batch, simulate_batch_with_friction, simulate_with_friction};
 use granulens_core::layout::{Baseline, Layout};
 use granulens_core::real::Width;
-use granulens_core::sample::Sample;
+use granulens_core::sample::{Sample, Sphere};
 
 use problem::{impact, is_lens, layout};
 use reference::material;
@@ -60,4 +60,83 @@ fn a_batch_has_the_bits_of_single_runs_at_every_width_and_in_every_order() {
             }
         }
     }
+}
+
+/// Whether two spheres of a sample lie more than a tenth of a diameter apart at rest.
+fn lie_apart(sample: &Sample<2>, [i, j]: [usize; 2]) -> bool {
+    let Sphere { centre: a, radius, .. } = sample.spheres[i];
+    let b = sample.spheres[j].centre;
+    i != j && (a[0] - b[0]).hypot(a[1] - b[1]) > 2.2 * radius
+}
+
+/// Under a strong and long impact spheres meet that did not touch at rest. When their contacts are taken up depends on the
+/// fastest sphere of all designs side by side, what comes of it on none of the others: so none is taken up too late.
+#[test]
+fn contacts_that_arise_later_are_the_same_in_every_company() {
+    let samples = designs();
+    let never = AtomicBool::new(false);
+    let mut impact = impact(&layout(is_lens).lattice);
+    (impact.step, impact.window) = (2e-7, 350e-6);
+    (impact.pulse.force, impact.pulse.duration) = (52e3, 20e-6);
+    let records: Vec<_> = samples.iter().map(|sample| simulate(sample, &impact, &never).unwrap()).collect();
+    let arose = |k: usize| records[k].contacts.iter().filter(|c| lie_apart(&samples[k], c.spheres)).count();
+    let arose: Vec<usize> = (0..samples.len()).map(arose).collect();
+    assert!(arose.iter().any(|&count| count > 0), "{arose:?}");
+    let order: Vec<usize> = (0..samples.len()).map(|k| 5 * k % samples.len()).collect();
+    let shuffled: Vec<Sample<2>> = order.iter().map(|&k| samples[k].clone()).collect();
+    for (order, samples) in [((0..samples.len()).collect(), &samples), (order, &shuffled)] {
+        let batch = simulate_batch(samples, &impact, Width::widest(), &never).unwrap();
+        for (k, brief) in order.into_iter().zip(batch) {
+            assert_eq!(brief.stop, records[k].stop, "design {k}");
+            assert!(brief.max_kinetic == records[k].max_kinetic, "design {k}, {arose:?}");
+        }
+    }
+}
+
+/// Crystals of unequal spheres, with empty sites and gaps, beside perfect ones.
+#[test]
+fn imperfect_crystals_have_the_bits_of_single_runs() {
+    let mut samples = designs();
+    for (k, sample) in samples.iter_mut().enumerate().filter(|(k, _)| k % 4 != 0) {
+        for (i, sphere) in sample.spheres.iter_mut().enumerate() {
+            // Spread without a pattern; the second of four is of two sizes only.
+            let share = ((i * 7919 + k * 104_729) % 1009) as f64 / 1009.0;
+            sphere.radius *= if k % 4 == 1 && share < 0.5 { 1.0 } else { 1.0 - 2e-3 * share };
+            if k % 4 == 3 && i % 97 == k {
+                sphere.radius = 0.0;
+            }
+        }
+    }
+    let never = AtomicBool::new(false);
+    for &law in LawKind::ALL {
+        let mut impact = impact(&layout(is_lens).lattice);
+        (impact.law, impact.step, impact.window) = (law, 2e-7, 60e-6);
+        impact.pulse.force = 8e3;
+        let single: Vec<_> = samples.iter().map(|s| simulate(s, &impact, &never).unwrap()).collect();
+        for record in &single {
+            // Ledgers close, or a guard would say otherwise.
+            assert_eq!(record.stop, None, "{law}");
+        }
+        for width in Width::available() {
+            let batch = simulate_batch(&samples, &impact, width, &never).unwrap();
+            for (k, record) in single.iter().enumerate() {
+                assert_eq!(batch[k].stop, None);
+                assert!(batch[k].max_kinetic == record.max_kinetic, "{law}, {width:?}, design {k}");
+            }
+        }
+    }
+    // And with friction.
+    let mut rubbing = impact(&layout(is_lens).lattice);
+    (rubbing.step, rubbing.window, rubbing.pulse.force) = (2e-7, 60e-6, 8e3);
+    let single: Vec<_> = samples.iter().map(|s| simulate_with_friction(s, &rubbing, 0.2, &never).unwrap()).collect();
+    for width in Width::available() {
+        let batch = simulate_batch_with_friction(&samples, &rubbing, 0.2, None, width, &never).unwrap();
+        for (k, record) in single.iter().enumerate() {
+            assert_eq!(record.stop, None);
+            assert!(batch[k].max_kinetic == record.max_kinetic, "friction, {width:?}, design {k}");
+        }
+    }
+    // An empty site feels nothing.
+    let record = &single[3];
+    assert!(record.max_kinetic[3] == 0.0 && record.max_kinetic[100] == 0.0 && record.max_kinetic[101] > 0.0);
 }

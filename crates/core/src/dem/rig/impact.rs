@@ -80,7 +80,6 @@ pub fn simulate_as_rig<const D: usize>(
         displacement: (0..spheres).map(|i| view.displacement(i)).collect(),
         velocity: (0..spheres).map(|i| view.velocity(i)).collect(),
         steps: simulation.steps(),
-        missed_contact: None,
         stop: stop.map(translate),
     })
 }

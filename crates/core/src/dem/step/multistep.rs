@@ -32,9 +32,9 @@ pub(super) struct Coefficients {
     /// s₁ h, s₂ h
     displacement: [f64; 2],
     /// b₁ h, b₂ h
-    velocity: [f64; 2],
+    pub velocity: [f64; 2],
     /// m₂ h, m₃ h
-    corrector: [f64; 2],
+    pub corrector: [f64; 2],
 }
 
 impl Coefficients {
@@ -70,7 +70,7 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
     pub(super) fn multistep<L: Laws<V>>(
         &mut self,
         grains: &mut Grains<V, D>,
-        contacts: &mut Contacts<V, D, L>,
+        contacts: &mut Contacts<'_, V, D, L>,
         drive: &mut Drive<V>,
     ) {
         let past = &mut self.past;
@@ -114,10 +114,16 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
                 }
             }
         }
+        if let Some(friction) = &mut contacts.friction {
+            friction.predict(grains.reached, [b1, b2]);
+        }
         self.clock.lap(Phase::Motion);
         contacts.sweep(&grains.displacement, &self.predicted, &mut self.force, &mut grains.reached, self.accept);
         self.clock.lap(Phase::Contacts);
         let [m2, m3] = self.coefficients.corrector.map(V::splat);
+        if let Some(friction) = &mut contacts.friction {
+            friction.correct(grains.reached, [m2, m3]);
+        }
         for i in 0..grains.reached {
             let new = grains.acceleration_of(i, &self.force[i]);
             for k in 0..D {

@@ -1,0 +1,274 @@
+//! Spheres that do not touch at rest may meet all the same: who could have by now.
+//!
+//! Spheres stand in blocks, in their order. For every two blocks it is known how far their nearest spheres that are no contact yet
+//! were apart when last looked at, and how far at most the fastest sphere of either has come since. As long as both ways together
+//! are shorter than that gap no two of them have met, and nobody looks; pairs that have come near become contacts. So it is proven
+//! that no contact is missed, at the cost of a handful of looks at most blocks. The same for blocks and the mirrors, which
+//! spheres reach at half the distance to their image.
+
+use super::body::{Grains, square};
+use super::boundary::Mirror;
+use super::contacts::{Contacts, Laws, NoRoom};
+use super::neighbour::widest;
+use crate::real::Lanes;
+use crate::sample::Sample;
+
+/// How often it is asked who may meet, and how far spheres are trusted to come beyond what their speeds say.
+#[derive(Clone, Copy)]
+pub(super) struct Vigilance {
+    /// Steps between two looks at the ways.
+    pub pause: u64,
+    /// Part of the greatest diameter.
+    allowance: f64,
+}
+
+/// The first serves; if spheres were faster than expected the run is made again with the next.
+pub(super) const VIGILANCE: [Vigilance; 3] = [
+    Vigilance { pause: 8, allowance: 0.01 },
+    Vigilance { pause: 1, allowance: 0.01 },
+    Vigilance { pause: 1, allowance: 1.0 },
+];
+
+/// Why a look ended.
+pub(super) enum Lapse {
+    /// Spheres were so fast that some may have met unseen.
+    TooFast,
+    /// See [`NoRoom`].
+    NoRoom,
+}
+
+impl From<NoRoom> for Lapse {
+    fn from(_: NoRoom) -> Self {
+        Self::NoRoom
+    }
+}
+
+/// Who is no contact yet, and when to look at whom.
+#[derive(Clone)]
+pub(super) struct Strangers<const D: usize> {
+    /// Spheres of a block.
+    pub size: usize,
+    centres: Vec<[f64; D]>,
+    /// The greatest of each sphere's radii (m).
+    radius: Vec<f64>,
+    /// The greatest of each block's radii (m).
+    block_radius: Vec<f64>,
+    mirrors: Vec<Mirror>,
+    /// How far the fastest sphere of each block has come at most (m), and how far it may be at the next look.
+    way: Vec<f64>,
+    ahead: Vec<f64>,
+    /// Its greatest speed between the last two looks (m/s).
+    speed: Vec<f64>,
+    /// The sum of two blocks' ways at which their nearest strangers may meet (m): a ≤ b at `a * blocks + b`.
+    meet: Vec<f64>,
+    /// The same for twice a block's way and its images: block times mirrors, and mirror.
+    meet_image: Vec<f64>,
+    /// (m)
+    allowance: f64,
+}
+
+/// A quarter is added to what speeds at the accepted steps say of the way between them.
+const BETWEEN: f64 = 1.25;
+
+impl<const D: usize> Strangers<D> {
+    /// For packings with the same centres. Strangers within two diameters are told by [`tell`](Self::tell); their contacts know the rest.
+    pub fn new(samples: &[&Sample<D>], mirrors: &[Mirror]) -> Self {
+        let count = samples[0].spheres.len();
+        let size = count.isqrt().max(16);
+        let blocks = count.div_ceil(size);
+        let radius: Vec<f64> =
+            (0..count).map(|i| samples.iter().map(|sample| sample.spheres[i].radius).fold(0.0, f64::max)).collect();
+        let block_radius: Vec<f64> =
+            radius.chunks(size).map(|block| block.iter().copied().fold(0.0, f64::max)).collect();
+        let centres: Vec<[f64; D]> = samples[0].spheres.iter().map(|sphere| sphere.centre).collect();
+        let bounds: Vec<[[f64; 2]; D]> = centres.chunks(size).map(bounds).collect();
+        let widest = widest(samples);
+        // Whoever is not told lies beyond two diameters.
+        let mut meet = vec![f64::INFINITY; blocks * blocks];
+        for a in 0..blocks {
+            for b in a..blocks {
+                meet[a * blocks + b] = widest.max(apart(&bounds[a], &bounds[b]) - block_radius[a] - block_radius[b]);
+            }
+        }
+        let mut meet_image = Vec::new();
+        for block in 0..blocks {
+            for mirror in mirrors {
+                let gap = |i: usize| 2.0 * (mirror.distance(&centres[i]) - radius[i]);
+                let strangers = (block * size..((block + 1) * size).min(count))
+                    .filter(|&i| !mirror.carries(&centres[i], radius[i]) && gap(i) > 0.01 * radius[i]);
+                meet_image.push(strangers.map(gap).fold(f64::INFINITY, f64::min));
+            }
+        }
+        Self {
+            size,
+            centres,
+            radius,
+            block_radius,
+            mirrors: mirrors.to_vec(),
+            way: vec![0.0; blocks],
+            ahead: vec![0.0; blocks],
+            speed: vec![0.0; blocks],
+            meet,
+            meet_image,
+            allowance: 0.01 * widest,
+        }
+    }
+
+    /// Says of two spheres that they are near and yet no contact.
+    pub fn tell(&mut self, i: usize, j: usize) {
+        let distance = (0..D).map(|k| (self.centres[j][k] - self.centres[i][k]).powi(2)).sum::<f64>().sqrt();
+        let place = i / self.size * self.way.len() + j / self.size;
+        self.meet[place] = self.meet[place].min(distance - self.radius[i] - self.radius[j]);
+    }
+
+    /// Before a run: the speeds with which it starts.
+    pub fn begin<V: Lanes>(&mut self, grains: &Grains<V, D>, vigilance: Vigilance) {
+        self.allowance *= vigilance.allowance / VIGILANCE[0].allowance;
+        for i in 0..grains.reached {
+            let block = i / self.size;
+            for lane in 0..V::LANES {
+                self.speed[block] = self.speed[block].max(grains.speed_squared(i).lane(lane).sqrt());
+            }
+        }
+    }
+
+    /// After some time (s), with the greatest v² of each block in it, which are forgotten: looks at those who may have come near
+    /// each other in any of the designs that go on, and takes up their contacts.
+    #[inline(always)]
+    pub fn watch<V: Lanes, L: Laws<V>>(
+        &mut self,
+        fastest: &mut [V],
+        time: f64,
+        goes_on: &[bool],
+        contacts: &mut Contacts<'_, V, D, L>,
+        grains: &Grains<V, D>,
+    ) -> Result<(), Lapse> {
+        let blocks = self.way.len();
+        let lanes = || (0..V::LANES).filter(|&lane| goes_on.get(lane) == Some(&true));
+        for (block, fastest) in fastest.iter_mut().enumerate() {
+            let speed = lanes().map(|lane| fastest.lane(lane)).fold(0.0, f64::max).sqrt();
+            let way = BETWEEN * time * speed.max(self.speed[block]);
+            self.speed[block] = speed;
+            self.way[block] += way;
+            self.ahead[block] = self.way[block] + 2.0 * way + self.allowance;
+            *fastest = V::splat(0.0);
+        }
+        let (mut pairs, mut images) = (Vec::new(), Vec::new());
+        for a in 0..blocks {
+            let row = &self.meet[a * blocks..(a + 1) * blocks];
+            if !row[a..].iter().zip(&self.ahead[a..]).any(|(meet, ahead)| *meet <= self.ahead[a] + ahead) {
+                continue;
+            }
+            for b in a..blocks {
+                let place = a * blocks + b;
+                if self.meet[place] > self.ahead[a] + self.ahead[b] {
+                    continue;
+                }
+                if self.meet[place] <= self.way[a] + self.way[b] {
+                    return Err(Lapse::TooFast);
+                }
+                let near = 3.0 * (self.ahead[a] - self.way[a] + self.ahead[b] - self.way[b]);
+                let clear = self.look([a, b], near, lanes(), contacts, grains, &mut pairs);
+                self.meet[place] = self.way[a] + self.way[b] + clear;
+            }
+        }
+        let mirrors = self.mirrors.len();
+        for place in 0..self.meet_image.len() {
+            let (block, mirror) = (place / mirrors, &self.mirrors[place % mirrors]);
+            if self.meet_image[place] > 2.0 * self.ahead[block] {
+                continue;
+            }
+            if self.meet_image[place] <= 2.0 * self.way[block] {
+                return Err(Lapse::TooFast);
+            }
+            let near = 6.0 * (self.ahead[block] - self.way[block]);
+            let mut clear = f64::INFINITY;
+            for i in self.block(block) {
+                let centre = &self.centres[i];
+                if mirror.carries(centre, self.radius[i]) || self.radius[i] == 0.0 || contacts.holds_image(i, mirror) {
+                    continue;
+                }
+                let moved = |lane| mirror.inward * grains.displacement[i][mirror.axis].lane(lane);
+                let gap = |lane| 2.0 * (mirror.distance(centre) - self.radius[i] + moved(lane));
+                let gap = lanes().map(gap).fold(f64::INFINITY, f64::min);
+                if gap < near {
+                    images.push((i, *mirror));
+                } else {
+                    clear = clear.min(gap);
+                }
+            }
+            self.meet_image[place] = 2.0 * self.way[block] + clear;
+        }
+        if pairs.is_empty() && images.is_empty() {
+            return Ok(());
+        }
+        Ok(contacts.take_up(&pairs, &images, &self.mirrors, grains)?)
+    }
+
+    fn block(&self, block: usize) -> std::ops::Range<usize> {
+        block * self.size..((block + 1) * self.size).min(self.centres.len())
+    }
+
+    /// Adds the strangers of two blocks whose surfaces are nearer than `near` (m), and gives the least gap of the others.
+    #[inline(always)]
+    fn look<V: Lanes, L: Laws<V>>(
+        &self,
+        [a, b]: [usize; 2],
+        near: f64,
+        lanes: impl Iterator<Item = usize> + Clone,
+        contacts: &Contacts<'_, V, D, L>,
+        grains: &Grains<V, D>,
+        pairs: &mut Vec<[usize; 2]>,
+    ) -> f64 {
+        let squared = |i: usize, j: usize| {
+            let between = std::array::from_fn(|k| {
+                V::splat(self.centres[j][k] - self.centres[i][k])
+                    + (grains.displacement[j][k] - grains.displacement[i][k])
+            });
+            square::<V, D>(&between)
+        };
+        let mut clear = f64::INFINITY;
+        for i in self.block(a).filter(|&i| self.radius[i] > 0.0) {
+            let others = self.block(b);
+            let others = others.start.max(i + 1)..others.end;
+            let strangers = || {
+                let mut partners = contacts.partners(i).skip_while(|&j| j < others.start).peekable();
+                others.clone().filter(move |&j| partners.next_if_eq(&j).is_none() && self.radius[j] > 0.0)
+            };
+            let mut least = V::splat(f64::INFINITY);
+            for j in strangers() {
+                least = squared(i, j).min(least);
+            }
+            let least = lanes.clone().map(|lane| least.lane(lane)).fold(f64::INFINITY, f64::min);
+            let bound = least.sqrt() - self.radius[i] - self.block_radius[b];
+            if bound >= near {
+                clear = clear.min(bound);
+                continue;
+            }
+            for j in strangers() {
+                let squared = squared(i, j);
+                let least = lanes.clone().map(|lane| squared.lane(lane)).fold(f64::INFINITY, f64::min);
+                let gap = least.sqrt() - self.radius[i] - self.radius[j];
+                if gap < near {
+                    pairs.push([i, j]);
+                } else {
+                    clear = clear.min(gap);
+                }
+            }
+        }
+        clear
+    }
+}
+
+/// The smallest box around centres.
+fn bounds<const D: usize>(centres: &[[f64; D]]) -> [[f64; 2]; D] {
+    std::array::from_fn(|k| {
+        let along = || centres.iter().map(|centre| centre[k]);
+        [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)]
+    })
+}
+
+/// Distance of two boxes (m).
+fn apart<const D: usize>(a: &[[f64; 2]; D], b: &[[f64; 2]; D]) -> f64 {
+    (0..D).map(|k| (b[k][0] - a[k][1]).max(a[k][0] - b[k][1]).max(0.0).powi(2)).sum::<f64>().sqrt()
+}
