@@ -12,7 +12,7 @@ use granulens::wave::Decay;
 
 use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
-use super::folder::write_file;
+use super::folder::{probe_all, write_file};
 use super::{Common, propose, time};
 
 /// Trace rays through the proposed lens: paths, wavefronts, caustic and first arrivals; milliseconds, no sphere moves
@@ -49,6 +49,7 @@ impl Trace {
             ));
         }
         let design = Design::read(&self.design)?;
+        probe_all(common, &[common.out.as_ref(), self.spots.as_ref()])?;
         let traced = match &self.layout {
             Some(path) => {
                 let layout = super::compare::read_layout(common, &design, path)?;

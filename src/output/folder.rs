@@ -242,7 +242,8 @@ fn listed(place: &Path) -> Option<Digests> {
     for page in PAGES {
         let Ok(text) = fs::read_to_string(place.join(page)) else { continue };
         let Some(at) = text.rfind(OPENING) else { continue };
-        let lines = text[at + OPENING.len()..].strip_suffix(CLOSING)?.lines();
+        // Whatever was written behind it.
+        let lines = text[at + OPENING.len()..].lines().take_while(|line| *line != CLOSING.trim_end());
         return lines.map(|line| line.split_once(' ').map(|(crc, name)| (name.to_owned(), crc.to_owned()))).collect();
     }
     MANIFESTS.iter().find_map(|name| {
@@ -299,6 +300,13 @@ mod tests {
             let place = desk.path().join("results");
             fill(&place, false, page).unwrap();
             fill(&place, false, page).unwrap();
+            if page {
+                let path = place.join("report.html");
+                let longer = fs::read_to_string(&path).unwrap() + "\n";
+                fs::write(&path, longer).unwrap();
+                assert!(fill(&place, false, page).unwrap_err().to_string().contains("report.html"));
+                fill(&place, true, page).unwrap();
+            }
             for (name, text) in [("numbers.csv", "mine"), ("notes.txt", "mine"), ("manifest.json", "{\"name\": 2}")] {
                 if page || name != "manifest.json" {
                     fs::write(place.join(name), text).unwrap();

@@ -17,7 +17,7 @@ fn no_command_replaces_what_it_reads() {
             &["check", "small.csv", "--design", "small.toml", "--out", "small.csv"],
             &["check", "small.csv", "--design", "small.toml", "--spheres", "small.toml"],
             &["compare", "small.toml", "small.csv", "--out", "small.csv"],
-            &["export", "small.toml", "--xyz", "small.toml", "--window", "10 us"],
+            &["export", "small.toml", "--xyz", "small.toml", "--window", "30 us"],
             &["run", "results/../small.toml", "--out", "small.toml"],
         ];
         for call in calls {
@@ -50,7 +50,7 @@ fn only_what_nobody_changed_is_replaced() {
         ("c.csv", vec!["contact", "--pair", "440c,brass", "--states", "states.csv", "--quiet", "--out", "c.csv"]),
         ("b.json", vec!["materials", "--quiet", "--out", "b.json"]),
         ("d.csv", vec!["study", "export", "study.toml", "--out", "s", "--quiet", "--layout", "d.csv"]),
-        ("e.xyz", vec!["export", "small.toml", "--quiet", "--window", "10 us", "--xyz", "e.xyz"]),
+        ("e.xyz", vec!["export", "small.toml", "--quiet", "--window", "30 us", "--xyz", "e.xyz"]),
     ];
     for (file, call) in calls {
         desk.write(file, "mine");
