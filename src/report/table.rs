@@ -82,9 +82,7 @@ pub fn table(outcome: &Outcome) -> String {
     };
     let _ = writeln!(text, "C = F/P; G = F/F(all-host); Q = P/P(all-lens); {reference}.");
     text.push_str("Plens/P: below 1 the first protects better than this arrangement; lost: in all contacts.\n");
-    text.push_str(
-        "piece: spheres to be built, both halves, that are not of the host; energies: of the simulated half.\n",
-    );
+    text.push_str("The piece is both halves, its spheres those not of the host; energies are of the simulated half.\n");
     if let Some(seeds) = lines.iter().map(|line| line.members.len()).max().filter(|&n| n > 1) {
         let _ = writeln!(text, "±: standard deviation over {seeds} seeds.");
     }
