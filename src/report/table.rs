@@ -80,7 +80,7 @@ pub fn table(outcome: &Outcome) -> String {
         Some(material) => format!("all-lens, flat strips and mixtures are of {material}"),
         None => "no Q, strips and mixtures: there is but one material".to_owned(),
     };
-    let _ = writeln!(text, "C = F/P; G = F/F(all-host); Q = P/P(all-lens); {reference}.");
+    let _ = writeln!(text, "C = F/P; G = F/F(all-host); Q = P/P(all-lens);\n{reference}.");
     text.push_str("Plens/P: below 1 the first protects better than this arrangement; lost: in all contacts.\n");
     text.push_str("The piece is both halves, its spheres those not of the host; energies are of the simulated half.\n");
     if let Some(seeds) = lines.iter().map(|line| line.members.len()).max().filter(|&n| n > 1) {
