@@ -137,10 +137,15 @@ impl LayoutCounter {
     pub fn piece(&self, materials: &[u8]) -> Bill {
         let mut counts = vec![0; self.mass.len()];
         materials.iter().zip(&self.copies).for_each(|(&m, copies)| counts[usize::from(m)] += copies);
+        let known = priced(&counts, &self.price);
+        // Over the sites in their order, so that the sum's bits do not depend on that of the palette.
+        let weighed = |each: &dyn Fn(usize) -> f64| -> f64 {
+            materials.iter().zip(&self.copies).map(|(&m, &copies)| copies as f64 * each(usize::from(m))).sum()
+        };
         let amount = Amount {
             spheres: counts.iter().skip(1).sum(),
-            mass: counts.iter().zip(&self.mass).map(|(&count, mass)| count as f64 * mass).sum(),
-            cost: priced(&counts, &self.price, |price, k| counts[k] as f64 * price),
+            mass: weighed(&|k| self.mass[k]),
+            cost: known.then(|| weighed(&|k| self.price[k].unwrap_or_default())),
         };
         Bill { counts, amount }
     }
@@ -152,7 +157,7 @@ impl LayoutCounter {
         let weighed = |each: &dyn Fn(usize) -> f64| -> f64 {
             materials.iter().zip(&self.weight).map(|(&m, weight)| weight * each(usize::from(m))).sum()
         };
-        let known = priced(&counts, &self.price, |price, _| price).is_some();
+        let known = priced(&counts, &self.price);
         let amount = Amount {
             spheres: counts.iter().skip(1).sum(),
             mass: weighed(&|k| self.mass[k]),
@@ -167,10 +172,9 @@ fn copies(x: f64, diameter: f64) -> u64 {
     if x < 0.25 * diameter { 1 } else { 2 }
 }
 
-/// A sum over the materials that occur; none where one of them has no price, or there is no price at all.
-fn priced(counts: &[u64], prices: &[Option<f64>], of: impl Fn(f64, usize) -> f64) -> Option<f64> {
-    let used = counts.iter().zip(prices).enumerate().filter(|(_, (count, _))| **count > 0);
-    used.map(|(k, (_, price))| price.map(|price| of(price, k))).sum()
+/// Whether all materials that occur have a price.
+fn priced(counts: &[u64], prices: &[Option<f64>]) -> bool {
+    counts.iter().zip(prices).all(|(&count, price)| count == 0 || price.is_some())
 }
 
 impl Layout {
