@@ -5,7 +5,9 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use super::{BedImpact, Body, Damping, Ensemble, Grains, Intruder, Outline, Packing, Pile, Rubbing, Sides, Surface};
+use super::{
+    Arm, BedImpact, Body, Damping, Ensemble, Grains, Intruder, Outline, Packing, Pile, Rubbing, Sides, Surface,
+};
 use crate::document::{self, DocumentError, Entry, Scope, Section, Source, Written, is_plain_name, section};
 
 /// A checked bed file.
@@ -57,7 +59,9 @@ struct Kind {
 }
 
 section!(BedSection: Written { packing, width, height, spread, sides, seed, file });
-section!(GrainsSection: Written { stiffness, gravity, restitution, friction, tangential_stiffness, damping, pull });
+section!(GrainsSection: Written {
+    stiffness, gravity, restitution, friction, tangential_stiffness, damping, pull, arm
+});
 section!(WallsSection: Written { restitution, friction, tangential_stiffness });
 section!(IntruderSection: Written {
     shape, diameter, half_width, half_height, width, mass, body, turns, speed, height, place
@@ -84,6 +88,7 @@ const EXAMPLES: &[&str] = &[
     "grains.tangential_stiffness = 0.8",
     "grains.damping = \"kondic\"",
     "grains.pull = true",
+    "grains.arm = \"contact\"",
     "walls.restitution = 0.1",
     "walls.friction = 0.9",
     "walls.tangential_stiffness = 0.8",
@@ -294,11 +299,17 @@ fn read_origin((scope, bed): &(Scope, &BedSection), path: &Path) -> Result<Origi
 }
 
 fn read_surface(scope: &Scope, [e, mu, kt]: [&Written; 3], usual: Surface) -> Result<Surface, DocumentError> {
-    Ok(Surface {
+    let surface = Surface {
         restitution: number(scope, "restitution", e, usual.restitution, 0.01..=1.0)?,
         friction: number(scope, "friction", mu, usual.friction, 0.0..=10.0)?,
         tangential_stiffness: number(scope, "tangential_stiffness", kt, usual.tangential_stiffness, 0.0..=1.0)?,
-    })
+    };
+    if surface.restitution == 1.0 && surface.friction > 0.0 && surface.tangential_stiffness == 0.0 {
+        let help =
+            "Its damping follows from the restitution. Write friction = 0, or give tangential_stiffness, like 0.8.";
+        return Err(scope.fail("has friction without damping and without a spring, which would do nothing", help));
+    }
+    Ok(surface)
 }
 
 fn read_grains((scope, file): &(Scope, &GrainsSection)) -> Result<Grains, DocumentError> {
@@ -307,6 +318,10 @@ fn read_grains((scope, file): &(Scope, &GrainsSection)) -> Result<Grains, Docume
         Some(entry) => entry.choice("damping", &[("kondic", Damping::Kondic), ("exact", Damping::Exact)])?,
         None => usual.damping,
     };
+    let arm = match scope.optional("arm", &file.arm) {
+        Some(entry) => entry.choice("end of lever arms", &[("radius", Arm::Radius), ("contact", Arm::Contact)])?,
+        None => usual.arm,
+    };
     Ok(Grains {
         stiffness: number(scope, "stiffness", &file.stiffness, usual.stiffness, 10.0..=1e9)?,
         gravity: number(scope, "gravity", &file.gravity, usual.gravity, 1e-3..=100.0)?,
@@ -314,6 +329,7 @@ fn read_grains((scope, file): &(Scope, &GrainsSection)) -> Result<Grains, Docume
         walls: usual.walls,
         damping,
         cut: !truth(scope, "pull", &file.pull, !usual.cut)?,
+        arm,
     })
 }
 

@@ -159,7 +159,7 @@ fn table(summary: &Summary) -> String {
         ("put in", ledger.work_in),
         ("kinetic", ledger.kinetic),
         ("stored in contacts", ledger.stored),
-        ("stored in tangential springs", ledger.wound),
+        ("stored in tangential springs", ledger.tangential_stored),
         ("potential", ledger.potential),
         ("dissipated in contacts", ledger.dissipated),
         ("friction", ledger.friction),

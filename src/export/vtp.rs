@@ -48,7 +48,7 @@ pub fn contacts<const D: usize>(simulation: &Simulation<D>) -> String {
         };
         let flat = matches!(first, Body::Flat(_)) || matches!(second, Body::Flat(_));
         let reach = if flat {
-            radius(Body::Sphere(sphere)) - 0.5 * contact.overlap
+            radius(Body::Sphere(sphere)) - contact.overlap
         } else {
             radius(first) + radius(second) - contact.overlap
         };

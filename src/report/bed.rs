@@ -83,7 +83,7 @@ fn energy(name: &str, course: &Course) -> String {
     let base = course.moments.first().map_or(0.0, |m| m.energy.stored);
     let parts: [Part; 5] = [
         ("kinetic", |m| m.energy.kinetic),
-        ("stored, against start", |m| m.energy.stored + m.energy.wound),
+        ("stored, against start", |m| m.energy.stored + m.energy.tangential_stored),
         ("potential, against start", |m| m.energy.potential),
         ("lost along normals", |m| m.energy.dissipated),
         ("lost by friction", |m| m.energy.friction),

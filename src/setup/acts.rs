@@ -1,7 +1,7 @@
 //! What holds and what strikes the crystal: the sections [sides], [[flat]], [[bar]], [[load]], [[moving]] and [gravity].
 
 use super::file::{BarFile, FlatFile, LoadFile, MovingFile, SidesFile};
-use super::place::{along_wave, axes, direction, named_axes, no_axis, selection, vector};
+use super::place::{along_wave, axes, direction, named_axes, no_axis, selection, spin_about_y, vector};
 use super::pulse::{path, pulse};
 use crate::dem::Mirror;
 use crate::dem::rig::{Bar, Body, Face, Flat, Load, LoadKind, Rig};
@@ -296,7 +296,7 @@ impl<const D: usize> Stage<'_, D> {
         let spin = match spin {
             None => None,
             Some(entry) if D == 1 => return Err(entry.fail("has no meaning in a chain", "Leave it out.")),
-            Some(entry) if D == 2 => Some([0.0, 0.0, entry.quantity(Dimension::Spin)?]),
+            Some(entry) if D == 2 => Some([0.0, 0.0, spin_about_y(entry.quantity(Dimension::Spin)?)]),
             Some(entry) => {
                 let about: [f64; D] = vector(&entry, |item| item.quantity(Dimension::Spin))?;
                 Some(std::array::from_fn(|k| about.get(k).copied().unwrap_or(0.0)))

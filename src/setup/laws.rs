@@ -179,5 +179,10 @@ fn read_friction(scope: &Scope, file: &FrictionFile) -> Result<Friction, Documen
         },
         None => 0.0,
     };
-    Ok(Friction { coefficient, spring, damping })
+    let friction = Friction { coefficient, spring, damping };
+    if friction.does_nothing() {
+        let help = "Write spring = \"mindlin\", or give damping, like damping = \"1e4 1/s\".";
+        return Err(entry.fail("is none and there is no damping, so that friction would do nothing", help));
+    }
+    Ok(friction)
 }

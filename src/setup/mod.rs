@@ -29,6 +29,7 @@ use std::path::{Path, PathBuf};
 
 pub use intruder::Intruder;
 pub use lens::SetupError;
+pub use place::spin_about_y;
 pub use plan::RunPlan;
 pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region};
 

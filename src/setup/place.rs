@@ -103,3 +103,10 @@ pub(super) fn no_axis<const D: usize>(entry: &Entry) -> DocumentError {
     let help = format!("A rig with this packing has the axes {}.", axes::<D>().join(", "));
     entry.fail("is along an axis that there is not", &help)
 }
+
+/// A spin or angle (rad/s, rad) of a sheet counted about y, from one counted in the plane from x towards z, or the other way: the axes
+/// x, y, z are right-handed, so that a turn from x to z is one about −y.
+pub fn spin_about_y(turn: f64) -> f64 {
+    // Not −0, which would be written with its sign.
+    0.0 - turn
+}

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::TrialError;
 use super::events::{self, Events, State};
 use crate::dem::rig::{Body, Simulation, Touching, View};
-use crate::setup::{Bench, Contacts, Intruder, Labels, Quantity, RecordPlan};
+use crate::setup::{Bench, Contacts, Intruder, Labels, Quantity, RecordPlan, spin_about_y};
 
 /// Names of the axes in `D` dimensions.
 pub(super) const fn axes<const D: usize>() -> &'static [&'static str] {
@@ -68,8 +68,7 @@ impl Streams {
         let along = |stem: &str, unit: &str| -> String {
             axes::<D>().iter().fold(String::new(), |text, axis| format!("{text},{stem}{axis}_{unit}"))
         };
-        let energies =
-            "time_s,work_in_J,kinetic_J,stored_J,wound_J,potential_J,dissipated_J,friction_J,absorbed_J,residual";
+        let energies = "time_s,work_in_J,kinetic_J,stored_J,tangential_stored_J,potential_J,dissipated_J,friction_J,absorbed_J,residual";
         let layers = (1..=bench.layers).fold("time_s".to_owned(), |text, layer| format!("{text},layer_{layer}_m_s"));
         let flats = rig.flats.iter().fold("time_s".to_owned(), |text, flat| {
             let name = &flat.name;
@@ -82,7 +81,7 @@ impl Streams {
                 Quantity::Position => along("", "m"),
                 Quantity::Displacement => along("u", "m"),
                 Quantity::Velocity => along("v", "m_s"),
-                Quantity::Spin => ",wx_rad_s,wy_rad_s,wz_rad_s".to_owned(),
+                Quantity::Spin => spin_header::<D>().to_owned(),
                 Quantity::Force => along("F", "N"),
                 Quantity::Maxima => ",max_speed_m_s,max_force_N".to_owned(),
                 Quantity::Dissipated => ",dissipated_J".to_owned(),
@@ -137,7 +136,7 @@ impl Streams {
             ledger.work_in,
             ledger.kinetic,
             ledger.stored,
-            ledger.wound,
+            ledger.tangential_stored,
             ledger.potential,
             ledger.dissipated,
             ledger.friction,
@@ -209,7 +208,7 @@ impl Streams {
                         Quantity::Position => append(row, view.position(i)),
                         Quantity::Displacement => append(row, view.displacement(i)),
                         Quantity::Velocity => append(row, view.velocity(i)),
-                        Quantity::Spin => append(row, view.spin(i)),
+                        Quantity::Spin => append(row, spin_of::<D>(view.spin(i))),
                         Quantity::Force => append(row, view.whole_force(i)),
                         Quantity::Maxima => append(row, [maxima[0][i], maxima[1][i]]),
                         Quantity::Dissipated => append(row, [dissipated[i]]),
@@ -271,6 +270,16 @@ impl Streams {
     }
 }
 
+/// Columns of a spin. A sheet lies in x and z: it turns about y, counted as the same sphere in space would be, and in the plane from x
+/// towards z, which is the other way round (z × x = y).
+const fn spin_header<const D: usize>() -> &'static str {
+    if D == 2 { ",wx_rad_s,wy_rad_s,wxz_rad_s" } else { ",wx_rad_s,wy_rad_s,wz_rad_s" }
+}
+
+fn spin_of<const D: usize>(spin: [f64; 3]) -> [f64; 3] {
+    if D == 2 { [0.0, spin_about_y(spin[2]), spin[2]] } else { spin }
+}
+
 /// Columns of a table of contacts.
 pub(super) fn contact_header<const D: usize>() -> String {
     let normal = axes::<D>().iter().fold(String::new(), |text, axis| format!("{text},n{axis}"));
@@ -284,7 +293,7 @@ fn state_of<const D: usize>(intruder: &Intruder, view: &View<'_, D>) -> Vec<f64>
     let (moved, velocity, force, angle) = match intruder.cluster {
         Some(cluster) => {
             let state = view.cluster(cluster);
-            (state.moved, state.velocity, state.force, Some(state.angle))
+            (state.moved, state.velocity, state.force, Some(spin_about_y(state.angle)))
         }
         None => (view.displacement(ball), view.velocity(ball), view.whole_force(ball), None),
     };

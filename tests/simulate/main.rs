@@ -4,10 +4,12 @@
 //! - `resume`: runs that are killed, interrupted and taken up; checkpoints that cannot be used; guards
 //! - `sections`: what each section of a file does, by what moves
 //! - `records`: events, regions, sampled maxima and losses
+//! - `cases`: small rigs that were wrong elsewhere, with the values that are right
 //! - `intruders`: bodies that strike, layouts as patterns, springs and dashpots
 //! - `steps`: the step that is chosen: guards, accuracy, restitution, laws that make energy
 //! - `refusals`: what a wrong rig file hears
 
+mod cases;
 mod felt;
 mod intruders;
 mod records;

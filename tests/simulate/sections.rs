@@ -239,7 +239,7 @@ fn friction_turns_spheres() {
         Ran::of(&sheet(&text(friction))).series("spheres.csv").column("wy_rad_s").len()
             + Ran::of(&sheet(&text(friction)))
                 .series("spheres.csv")
-                .column("wz_rad_s")
+                .column("wxz_rad_s")
                 .iter()
                 .filter(|w| **w != 0.0)
                 .count()

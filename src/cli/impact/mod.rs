@@ -283,7 +283,8 @@ fn hundredths(x: f64) -> f64 {
 
 fn moments(course: &Course) -> String {
     let mut text =
-        "time_tau_c,depth_d,vx,vy,turn,fx,fy,work_in,kinetic,stored,wound,potential,dissipated,friction\n".to_owned();
+        "time_tau_c,depth_d,vx,vy,turn,fx,fy,work_in,kinetic,stored,tangential_stored,potential,dissipated,friction\n"
+            .to_owned();
     for m in &course.moments {
         let e = &m.energy;
         let row = [
@@ -297,7 +298,7 @@ fn moments(course: &Course) -> String {
             e.work_in,
             e.kinetic,
             e.stored,
-            e.wound,
+            e.tangential_stored,
             e.potential,
             e.dissipated,
             e.friction,

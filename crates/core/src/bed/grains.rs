@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::settle::STEP;
 use super::{Bed, Disk};
 use crate::contact::Dashpot;
-use crate::dem::rig::{Friction, LawBook, Loss, Rig, Spring};
+use crate::dem::rig::{Arm, Friction, LawBook, Loss, Rig, Spring};
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
 
@@ -48,6 +48,9 @@ pub struct Grains {
     pub damping: Damping,
     /// Whether forces are cut at zero, so that contacts never pull.
     pub cut: bool,
+    /// Where the lever arms of friction end.
+    #[serde(default)]
+    pub arm: Arm,
 }
 
 /// Spring stiffness in the units of beds, π²/2: half a period of two disks of mass 1 is then 1.
@@ -63,6 +66,7 @@ impl Default for Grains {
             walls: Surface { restitution: 0.1, friction: 0.9, tangential_stiffness: 0.0 },
             damping: Damping::Kondic,
             cut: false,
+            arm: Arm::Radius,
         }
     }
 }
@@ -117,7 +121,8 @@ impl Grains {
             };
             (loss, (with_friction && surface.friction > 0.0).then_some(friction))
         };
-        LawBook::Dashpot { stiffness: SPRING, materials: vec![of(&self.grains), of(&self.walls)], cut: self.cut }
+        let materials = vec![of(&self.grains), of(&self.walls)];
+        LawBook::Dashpot { stiffness: SPRING, materials, cut: self.cut, arm: self.arm }
     }
 
     /// A bed as a rig at rest: grains first, then walls. Masses D², moments of inertia m D²/8.

@@ -18,6 +18,7 @@ mod packing;
 mod settle;
 mod sound;
 
+pub use crate::dem::rig::Arm;
 pub use ensemble::{Case, Cell, Ensemble, Outcome, Rubbing, summarise};
 pub use grains::{Damping, Grains, Surface};
 pub use impact::{BedImpact, Course, Moment, Snapshot, stop_words, strike};

@@ -1,6 +1,6 @@
 //! Impacts on a bed of 5971 disks, from its given initial state, against an independent solution with a step of 0.001.
 
-use granulens_core::dem::rig::{LawBook, Loss, Rig, Simulation};
+use granulens_core::dem::rig::{Arm, LawBook, Loss, Rig, Simulation};
 use granulens_core::sample::{Sample, Sphere};
 
 use crate::friction::{STIFFNESS, damping, friction};
@@ -26,6 +26,7 @@ pub fn bed(speed: f64, kt: f64) -> Rig<2> {
         stiffness: STIFFNESS,
         materials: vec![(Loss::Rate(damping(0.5)), friction(0.5, 0.5, kt)), wall],
         cut: false,
+        arm: Arm::Radius,
     };
     let held = spheres.iter().map(|s| [s.material == 1; 2]).collect();
     let mass: Vec<f64> = spheres.iter().map(|s| 4.0 * s.radius * s.radius).collect();

@@ -2,6 +2,7 @@
 //! symmetric or periodic equivalent, a conservation law, or a solution computed independently.
 
 mod bed;
+mod contacts;
 mod crystal;
 mod friction;
 mod guards;

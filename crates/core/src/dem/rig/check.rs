@@ -51,6 +51,8 @@ pub enum RigError {
     Cluster(usize, &'static str),
     /// Friction in space between mirrors, on which spheres could spin about one axis only.
     MirroredFriction,
+    /// Friction without a spring and without damping, which would do nothing.
+    Frictionless,
     /// A body is fixed to a bar and has its velocity prescribed.
     Bound(Body),
 }
@@ -86,6 +88,11 @@ impl RigError {
             Self::Cluster(which, why) => format!("cluster {which} cannot be simulated: {why}"),
             Self::MirroredFriction => {
                 "friction in space does not go with mirrors; simulate the whole crystal".to_owned()
+            }
+            Self::Frictionless => {
+                "friction without a spring and without damping would do nothing; it needs one of both, such as \
+                                   the spring of elastic spheres (Mindlin)"
+                    .to_owned()
             }
             Self::Bound(body) => {
                 format!("{} is fixed to a bar, so that its velocity cannot be prescribed", name(*body))
@@ -178,6 +185,9 @@ pub(super) fn check<const D: usize>(rig: &Rig<D>, step: f64) -> Result<(), RigEr
     }
     if D == 3 && rig.laws.has_friction() && !rig.mirrors.is_empty() {
         return Err(RigError::MirroredFriction);
+    }
+    if rig.laws.frictions().any(|friction| friction.does_nothing()) {
+        return Err(RigError::Frictionless);
     }
     let least = Finder::new(rig).shortest_period();
     for period in rig.periods.into_iter().flatten() {

@@ -92,15 +92,15 @@ impl<const D: usize> ClusterState<D> {
         arm
     }
 
-    /// Moves on by a step; members follow, with their predicted velocities in `trial` and r ω in `trial_turn`.
+    /// Moves on by a step; members follow, with their predicted velocities in `trial` and spins times `lever` in `trial_turn`.
     pub(super) fn drift(
         &mut self,
         rig: &Rig<D>,
         cluster: &Cluster<D>,
         h: f64,
         bodies: &mut Bodies<D>,
-        trial: &mut [[f64; D]],
-        trial_turn: &mut Turns<D>,
+        (trial, trial_turn): (&mut [[f64; D]], &mut Turns<D>),
+        lever: &[f64],
     ) {
         for k in 0..D {
             self.moved[k] += h * (self.velocity[k] + 0.5 * h * self.acceleration[k]);
@@ -115,7 +115,7 @@ impl<const D: usize> ClusterState<D> {
             }
             trial[i] = moving(&velocity, &spin, &arm);
             if !trial_turn.numbers().is_empty() {
-                trial_turn.set(i, &spin.map(|w| rig.sample.spheres[i].radius * w));
+                trial_turn.set(i, &spin.map(|w| lever[i] * w));
             }
         }
     }

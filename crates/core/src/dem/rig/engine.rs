@@ -74,23 +74,24 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
     fn touching(&self, rig: &Rig<D>, c: usize) -> Option<Touching<D>> {
         let contacts = &self.contacts;
         let normal = contacts.normal(rig, &self.bodies, c)?;
-        let Account { overlap, force, work, slid, .. } = contacts.account.at(c);
-        let wound = contacts.wound(c);
-        let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
-        let [overlap_max, force_max] = L::greatest(&contacts.memory[c]).unwrap_or([overlap, force]);
+        let Account { overlap, force, work, friction_work, .. } = contacts.account.at(c);
+        let (law, memory) = (contacts.normal_law(c), &contacts.memory[c]);
+        let stored = law.stored(overlap, memory) + contacts.tangential_stored(c);
+        let [overlap_max, force_max] = L::greatest(memory).unwrap_or([overlap, force]);
         let closing_speed = contacts.closing_speed(&self.bodies, c, &normal);
+        let (weight, scale) = (contacts.weight(c), contacts.shown_scale(c));
         Some(Touching {
-            closing_speed,
-            yields: contacts.normal_law(c).yields(overlap, closing_speed, &contacts.memory[c]),
+            closing_speed: closing_speed / scale,
+            yields: law.yields(overlap, closing_speed, memory),
             bodies: contacts.bodies(c),
             normal,
-            overlap,
+            overlap: overlap / scale,
             force,
             tangential: contacts.tangential(c),
-            overlap_max,
+            overlap_max: overlap_max / scale,
             force_max,
-            stored: contacts.weight(c) * stored + contacts.share(c) * wound,
-            dissipated: contacts.weight(c) * (work - stored) + contacts.share(c) * (slid - wound),
+            stored: weight * stored,
+            dissipated: weight * (work + friction_work - stored),
         })
     }
 
@@ -117,12 +118,12 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         let (contacts, bodies) = (&self.contacts, &self.bodies);
         let mut sum = contacts.lost_by_sphere.clone();
         for c in 0..contacts.len() {
-            let Account { overlap, work, slid, .. } = contacts.account.at(c);
-            if work == 0.0 && slid == 0.0 {
+            let Account { overlap, work, friction_work, .. } = contacts.account.at(c);
+            if work == 0.0 && friction_work == 0.0 {
                 continue;
             }
             let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
-            let loss = contacts.weight(c) * (work - stored) + contacts.share(c) * (slid - contacts.wound(c));
+            let loss = contacts.weight(c) * (work - stored + friction_work - contacts.tangential_stored(c));
             for (sphere, part) in contacts.spheres(c) {
                 sum[sphere] += part * loss / bodies.weight[sphere];
             }
@@ -205,7 +206,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             Facing::Mirror(m) => (true, m),
         };
         let kept = |kept: &Kept<L::Memory>| {
-            let mut numbers = vec![kept.work, kept.slid, kept.weight, kept.share];
+            let mut numbers = vec![kept.work, kept.friction_work, kept.weight];
             numbers.extend(L::numbers(&kept.memory));
             numbers
         };
@@ -294,13 +295,12 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             axis.copy_from_slice(numbers);
         }
         let kept = |numbers: &[f64]| {
-            let [work, slid, weight, share, memory @ ..] = numbers else { return None };
+            let [work, friction_work, weight, memory @ ..] = numbers else { return None };
             (memory.len() == L::NUMBERS).then(|| Kept {
                 memory: L::from_numbers(memory),
                 work: *work,
-                slid: *slid,
+                friction_work: *friction_work,
                 weight: *weight,
-                share: *share,
             })
         };
         for (ends, shift, numbers) in &state.kept_pairs {

@@ -71,7 +71,7 @@ pub fn simulate_as_rig<const D: usize>(
         ledger: Ledger {
             work_in: energy.work_in,
             kinetic: energy.kinetic,
-            stored: energy.stored + energy.wound,
+            stored: energy.stored + energy.tangential_stored,
             dissipated: energy.dissipated + energy.friction + energy.absorbed,
             estimate,
         },

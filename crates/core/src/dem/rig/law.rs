@@ -29,7 +29,20 @@ pub enum LawBook {
         materials: Vec<(Loss, Option<Friction>)>,
         /// Whether the force is cut at zero, so that contacts never pull.
         cut: bool,
+        /// Where the lever arms of friction end.
+        arm: Arm,
     },
+}
+
+/// Where the lever arms of contact forces end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Arm {
+    /// In the contact, the middle of the overlap: a pair keeps its angular momentum. So it is by materials always.
+    Contact,
+    /// At the radius, as Kondic et al. 2012 have it: a pair gains angular momentum, F_t δ in the time.
+    #[default]
+    Radius,
 }
 
 /// A normal law by name or by table.
@@ -43,8 +56,11 @@ pub enum Law {
     SpringDashpot(SpringDashpot),
 }
 
-/// Friction at a contact: F_t = −k_t ξ − γ_t m̄ v_t, at most μ |F_n|, with ξ the tangential spring (Cundall and Strack 1979;
-/// Kondic et al. 2012).
+/// Friction at a contact: a tangential spring and a dashpot γ_t m̄ u beside it, at most μ |F_n| (Cundall and Strack 1979).
+///
+/// By materials the spring is incremental while its stiffness grows and falls with its stiffness while that falls, so that no path
+/// of overlap and slip gives work; it is cut back to the cap by itself. Disks of [`LawBook::Dashpot`] in the plane follow Kondic et
+/// al. (2012): k_t ξ + γ_t m̄ u is cut as a whole. Spin about the normal meets no friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// μ
@@ -58,7 +74,7 @@ pub struct Friction {
 /// The spring of static friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spring {
-    /// None: kinetic friction, by damping and the cap alone.
+    /// None: kinetic friction, by damping and the cap alone; without damping there would be none, which is refused.
     None,
     /// k_t (N/m)
     Constant(f64),
@@ -74,6 +90,14 @@ impl LawBook {
         match self {
             Self::Materials { law, pairs, .. } => viscous(law) || pairs.iter().any(|(_, law)| viscous(law)),
             Self::Dashpot { .. } => true,
+        }
+    }
+
+    /// Where the lever arms of friction end.
+    pub fn arm(&self) -> Arm {
+        match self {
+            Self::Materials { .. } => Arm::Contact,
+            Self::Dashpot { arm, .. } => *arm,
         }
     }
 
@@ -94,10 +118,16 @@ impl LawBook {
 
     /// Whether any contact has friction, so that spheres turn.
     pub fn has_friction(&self) -> bool {
-        match self {
-            Self::Materials { friction, .. } => friction.is_some(),
-            Self::Dashpot { materials, .. } => materials.iter().any(|(_, friction)| friction.is_some()),
-        }
+        self.frictions().next().is_some()
+    }
+
+    /// Every kind of friction in it.
+    pub(super) fn frictions(&self) -> impl Iterator<Item = &Friction> {
+        let (one, many) = match self {
+            Self::Materials { friction, .. } => (friction.as_ref(), &[][..]),
+            Self::Dashpot { materials, .. } => (None, materials.as_slice()),
+        };
+        one.into_iter().chain(many.iter().filter_map(|(_, friction)| friction.as_ref()))
     }
 
     /// One named law between all materials, with the code's constants and without friction.
@@ -123,6 +153,8 @@ pub(super) trait Bonding: Clone + Send + Sync + 'static {
     type Memory: Copy + Default + PartialEq + Send + Sync + 'static;
     /// How many numbers that is.
     const NUMBERS: usize;
+    /// Whether friction in the plane is that of Kondic et al., a constant spring and a dashpot under one cap.
+    const GRIPS: bool;
     /// Force (N) between bodies of reduced mass m̄ (kg), and the memory after an accepted step.
     fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &Self::Memory) -> (f64, Self::Memory);
     /// As `respond` in the first state in which the contact is closed, a step (s) after one in which it was open. The force
@@ -168,6 +200,7 @@ pub(super) enum Solid {
 impl Bonding for Solid {
     type Memory = History;
     const NUMBERS: usize = 3;
+    const GRIPS: bool = false;
 
     fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &History) -> (f64, History) {
         match self {
@@ -233,6 +266,7 @@ impl Bonding for Solid {
 impl Bonding for SpringDashpot {
     type Memory = ();
     const NUMBERS: usize = 0;
+    const GRIPS: bool = true;
 
     #[inline(always)]
     fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, (): &()) -> (f64, ()) {
@@ -369,6 +403,11 @@ impl Friction {
     /// Coulomb's friction with the tangential spring of elastic spheres, undamped.
     pub fn mindlin(coefficient: f64) -> Self {
         Self { coefficient, spring: Spring::Mindlin, damping: 0.0 }
+    }
+
+    /// Whether it is asked for and has neither a spring nor damping, so that no force would ever come of it.
+    pub fn does_nothing(&self) -> bool {
+        self.coefficient > 0.0 && self.spring == Spring::None && self.damping == 0.0
     }
 
     fn slip(&self, mindlin: f64) -> Slip {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Energies (J) of the simulated part, spheres and contacts on mirrors counting by their part in it:
 ///
-///   work in = kinetic + stored + wound + potential + dissipated + friction + absorbed
+///   work in = kinetic + stored + tangential stored + potential + dissipated + friction + absorbed
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyLedger {
     /// Work of loads and prescribed motion, and energy present at the start.
@@ -14,7 +14,8 @@ pub struct EnergyLedger {
     /// What the contacts would give back on opening.
     pub stored: f64,
     /// What the tangential springs hold.
-    pub wound: f64,
+    #[serde(alias = "wound")]
+    pub tangential_stored: f64,
     /// −Σ m g·u, against the start.
     pub potential: f64,
     /// ∫F dδ of all contacts, less what they store: plastic and viscous loss along the normal.
@@ -35,8 +36,8 @@ pub struct EnergyLedger {
 impl EnergyLedger {
     /// What is left over (J): zero in an exact integration.
     pub fn left(&self) -> f64 {
-        let Self { work_in, kinetic, stored, wound, potential, dissipated, friction, absorbed, .. } = self;
-        work_in - kinetic - stored - wound - potential - dissipated - friction - absorbed
+        let Self { work_in, kinetic, stored, tangential_stored, potential, dissipated, friction, absorbed, .. } = self;
+        work_in - kinetic - stored - tangential_stored - potential - dissipated - friction - absorbed
     }
 
     /// What is left over, without what the scheme holds back, relative to the most energy that was at hand; none before there was

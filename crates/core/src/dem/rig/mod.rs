@@ -48,7 +48,7 @@ pub use felt::Arrival;
 pub use flat::{Face, Flat};
 pub use guard::RigStop;
 pub use impact::{rig_step, simulate_as_rig};
-pub use law::{Friction, Law, LawBook, Spring};
+pub use law::{Arm, Friction, Law, LawBook, Spring};
 pub use ledger::{EnergyLedger, Gain};
 pub use simulation::Simulation;
 pub use view::{FlatState, Touching, View};

@@ -263,7 +263,7 @@ fn choose<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
             };
             Box::new(Machine::new(rig, binder, 2.0, step))
         }
-        LawBook::Dashpot { stiffness, materials, cut } => {
+        LawBook::Dashpot { stiffness, materials, cut, .. } => {
             let binder = ByDashpot { stiffness: *stiffness, materials: materials.clone(), cut: *cut };
             Box::new(Machine::new(rig, binder, 1.0, step))
         }

@@ -23,7 +23,7 @@ pub struct Touching<const D: usize> {
     pub bodies: [Body; 2],
     /// From the first to the second, of unit length.
     pub normal: [f64; D],
-    /// Overlap (m); twice that of a sphere and a flat where the flat stands for an equal sphere.
+    /// Overlap (m); of a sphere and a flat its depth in it.
     pub overlap: f64,
     /// Normal force (N).
     pub force: f64,

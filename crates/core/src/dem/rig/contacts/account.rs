@@ -11,8 +11,9 @@ pub struct Account {
     pub force: f64,
     /// ∫F dδ by the trapezoidal rule (J)
     pub work: f64,
-    /// Work done against the tangential force (J), of which the spring may still hold a part; its power (W) at the last step.
-    pub slid: f64,
+    /// Work done against the tangential force (J), of which the spring may still hold a part; at the last step the power (W) of all of
+    /// it, or, by `coulomb`, of its dashpot.
+    pub friction_work: f64,
     pub power: f64,
 }
 
@@ -21,25 +22,32 @@ impl Account {
     pub const NUMBERS: usize = 5;
 
     pub fn numbers(&self) -> [f64; 5] {
-        [self.overlap, self.force, self.work, self.slid, self.power]
+        [self.overlap, self.force, self.work, self.friction_work, self.power]
     }
 
     /// From its five numbers.
     pub fn from_numbers(n: &[f64]) -> Self {
-        Self { overlap: n[0], force: n[1], work: n[2], slid: n[3], power: n[4] }
+        Self { overlap: n[0], force: n[1], work: n[2], friction_work: n[3], power: n[4] }
     }
 
-    /// The contact is closed after a step, with this tangential power (W).
+    /// Overlap and normal force of a contact after a step.
     #[inline(always)]
-    pub fn accept(&mut self, overlap: f64, force: f64, power: f64, step: f64) {
+    pub fn push(&mut self, overlap: f64, force: f64) {
         self.work += 0.5 * (self.force + force) * (overlap - self.overlap);
-        self.slid += 0.5 * step * (self.power + power);
-        (self.overlap, self.force, self.power) = (overlap, force, power);
+        (self.overlap, self.force) = (overlap, force);
+    }
+
+    /// The power (W) of its friction after a step.
+    #[inline(always)]
+    pub fn rub(&mut self, power: f64, step: f64) {
+        self.friction_work += 0.5 * step * (self.power + power);
+        self.power = power;
     }
 
     /// The contact opens, its normal force having been `last` (N) when it did; what the spring held is lost.
     pub fn open(&mut self, last: f64, step: f64) {
-        self.accept(0.0, last, 0.0, step);
+        self.push(0.0, last);
+        self.rub(0.0, step);
         self.force = 0.0;
     }
 }
@@ -50,7 +58,7 @@ pub struct Accounts {
     pub overlap: Vec<f64>,
     pub force: Vec<f64>,
     pub work: Vec<f64>,
-    pub slid: Vec<f64>,
+    pub friction_work: Vec<f64>,
     pub power: Vec<f64>,
 }
 
@@ -59,27 +67,33 @@ pub struct AccountRows<'a> {
     pub overlap: &'a mut [f64],
     pub force: &'a mut [f64],
     pub work: &'a mut [f64],
-    pub slid: &'a mut [f64],
+    pub friction_work: &'a mut [f64],
     pub power: &'a mut [f64],
 }
 
 impl Accounts {
     /// The rows that stood in these places; see [`inherited`].
     pub fn inherited(&self, from: &[u32]) -> Self {
-        let Self { overlap, force, work, slid, power } = self;
+        let Self { overlap, force, work, friction_work, power } = self;
         Self {
             overlap: inherited(overlap, from),
             force: inherited(force, from),
             work: inherited(work, from),
-            slid: inherited(slid, from),
+            friction_work: inherited(friction_work, from),
             power: inherited(power, from),
         }
     }
 
     /// Row c.
     pub fn at(&self, c: usize) -> Account {
-        let Self { overlap, force, work, slid, power } = self;
-        Account { overlap: overlap[c], force: force[c], work: work[c], slid: slid[c], power: power[c] }
+        let Self { overlap, force, work, friction_work, power } = self;
+        Account {
+            overlap: overlap[c],
+            force: force[c],
+            work: work[c],
+            friction_work: friction_work[c],
+            power: power[c],
+        }
     }
 
     /// Replaces row c.
@@ -89,20 +103,20 @@ impl Accounts {
 
     /// All rows.
     pub fn rows(&mut self) -> AccountRows<'_> {
-        let Self { overlap, force, work, slid, power } = self;
-        AccountRows { overlap, force, work, slid, power }
+        let Self { overlap, force, work, friction_work, power } = self;
+        AccountRows { overlap, force, work, friction_work, power }
     }
 }
 
 impl<'a> AccountRows<'a> {
     /// The first `count` rows, which the rest is left without.
     pub fn cut(&mut self, count: usize) -> Self {
-        let Self { overlap, force, work, slid, power } = self;
+        let Self { overlap, force, work, friction_work, power } = self;
         Self {
             overlap: cut(overlap, count),
             force: cut(force, count),
             work: cut(work, count),
-            slid: cut(slid, count),
+            friction_work: cut(friction_work, count),
             power: cut(power, count),
         }
     }
@@ -110,8 +124,14 @@ impl<'a> AccountRows<'a> {
     /// Row c.
     #[inline(always)]
     pub fn at(&self, c: usize) -> Account {
-        let Self { overlap, force, work, slid, power } = self;
-        Account { overlap: overlap[c], force: force[c], work: work[c], slid: slid[c], power: power[c] }
+        let Self { overlap, force, work, friction_work, power } = self;
+        Account {
+            overlap: overlap[c],
+            force: force[c],
+            work: work[c],
+            friction_work: friction_work[c],
+            power: power[c],
+        }
     }
 
     /// Replaces row c.
@@ -120,7 +140,7 @@ impl<'a> AccountRows<'a> {
         self.overlap[c] = account.overlap;
         self.force[c] = account.force;
         self.work[c] = account.work;
-        self.slid[c] = account.slid;
+        self.friction_work[c] = account.friction_work;
         self.power[c] = account.power;
     }
 }

@@ -1,4 +1,10 @@
 //! Contacts of spheres with faces: flats, and mirrors, in which a sphere meets its own image.
+//!
+//! Flats that join are one face: where a sphere's nearest point of one also lies on another that is nearer to it, the other alone is
+//! met, and takes over what the contact remembers. So a sphere on the seam of two coplanar plates, or on the ridge of two others,
+//! is borne once, and an edge that is covered by the neighbouring plate gives no kick.
+
+use std::ops::Range;
 
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::Bodies;
@@ -6,7 +12,22 @@ use crate::dem::rig::flat::Face;
 use crate::dem::rig::pairs::{Finder, TOUCHING};
 use crate::sample::Sphere;
 
+use super::Contacts;
 use super::react::CLOSED;
+use crate::dem::rig::law::Bonding;
+
+/// How a sphere stands to a face that it overlaps.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing<const D: usize> {
+    /// How far it reaches beyond the face (m), and its centre's distance from it.
+    pub depth: f64,
+    pub distance: f64,
+    /// From the face to the centre.
+    pub normal: [f64; D],
+}
+
+/// Flats nearer to each other than this part of a sphere's radius join.
+const JOINT: f64 = 1e-6;
 
 /// What a face contact is made with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,8 +82,8 @@ impl NearFace {
         }
     }
 
-    /// Distance of a sphere's centre from the face and the unit vector from face to sphere, where they overlap.
-    pub fn overlapping<const D: usize>(&self, rig: &Rig<D>, bodies: &Bodies<D>) -> Option<(f64, [f64; D])> {
+    /// How the sphere stands to the face, where they overlap.
+    pub fn standing<const D: usize>(&self, rig: &Rig<D>, bodies: &Bodies<D>) -> Option<Standing<D>> {
         let Self { sphere, facing, gap, radius, .. } = *self;
         let moved = &bodies.displacement[sphere as usize];
         match facing {
@@ -71,7 +92,7 @@ impl NearFace {
                 let mut normal = [0.0; D];
                 normal[mirror.axis] = mirror.inward;
                 let apart = gap + mirror.inward * moved[mirror.axis];
-                (apart < -CLOSED * radius).then_some((radius + apart, normal))
+                (apart < -CLOSED * radius).then_some(Standing { depth: -apart, distance: radius + apart, normal })
             }
             Facing::Flat(flat) => {
                 let (flat, face) = (&rig.flats[flat as usize], flat as usize);
@@ -80,12 +101,20 @@ impl NearFace {
                     for k in 0..D {
                         apart += flat.normal[k] * (moved[k] - bodies.flat_moved[face][k]);
                     }
-                    return (apart < -CLOSED * radius).then_some((radius + apart, flat.normal));
+                    return (apart < -CLOSED * radius).then_some(Standing {
+                        depth: -apart,
+                        distance: radius + apart,
+                        normal: flat.normal,
+                    });
                 }
                 let centre = rig.sample.spheres[sphere as usize].centre;
                 let at: [f64; D] = std::array::from_fn(|k| centre[k] + moved[k]);
                 let (distance, normal) = flat.distance(&bodies.flat_moved[face], &at);
-                (distance < radius * (1.0 - CLOSED_EDGE)).then_some((distance, normal))
+                (distance < radius * (1.0 - CLOSED_EDGE)).then_some(Standing {
+                    depth: radius - distance,
+                    distance,
+                    normal,
+                })
             }
         }
     }
@@ -113,4 +142,54 @@ pub fn near_faces<const D: usize>(rig: &Rig<D>, finder: &Finder<D>, bodies: &Bod
         }
     }
     faces
+}
+
+impl<const D: usize, L: Bonding> Contacts<D, L> {
+    /// How a sphere stands to one of the faces `all` that it is near, if it overlaps it and meets no neighbour in its place.
+    pub fn stands(&mut self, face: usize, all: &Range<usize>, rig: &Rig<D>, bodies: &Bodies<D>) -> Option<Standing<D>> {
+        let standing = self.faces[face].standing(rig, bodies)?;
+        if all.len() > 1
+            && let Some(cover) = self.covering(face, &standing, all, rig, bodies)
+        {
+            let [left, met] = [face, cover].map(|face| self.near.len() + face);
+            if self.account.overlap[left] > 0.0 && self.account.overlap[met] == 0.0 {
+                self.exchange(left, met);
+            }
+            return None;
+        }
+        Some(standing)
+    }
+
+    /// The nearest of the flats on which the sphere's nearest point of this one lies too, if nearer than it.
+    fn covering(
+        &self,
+        face: usize,
+        standing: &Standing<D>,
+        all: &Range<usize>,
+        rig: &Rig<D>,
+        bodies: &Bodies<D>,
+    ) -> Option<usize> {
+        let NearFace { sphere, facing: Facing::Flat(_), radius, .. } = self.faces[face] else { return None };
+        let (centre, moved) = (rig.sample.spheres[sphere as usize].centre, bodies.displacement[sphere as usize]);
+        let point: [f64; D] = std::array::from_fn(|k| centre[k] + moved[k] - standing.distance * standing.normal[k]);
+        let mut nearest = (standing.distance, face);
+        for other in all.clone().filter(|&other| other != face) {
+            let Facing::Flat(f) = self.faces[other].facing else { continue };
+            let Some(Standing { distance, .. }) = self.faces[other].standing(rig, bodies) else { continue };
+            let away = rig.flats[f as usize].distance(&bodies.flat_moved[f as usize], &point).0;
+            if (distance, other) < nearest && away.abs() < JOINT * radius {
+                nearest = (distance, other);
+            }
+        }
+        (nearest.1 != face).then_some(nearest.1)
+    }
+
+    /// Exchanges all that two contacts remember.
+    fn exchange(&mut self, a: usize, b: usize) {
+        self.memory.swap(a, b);
+        self.stretch.iter_mut().filter(|axis| !axis.is_empty()).for_each(|axis| axis.swap(a, b));
+        let (one, other) = (self.account.at(a), self.account.at(b));
+        self.account.put(a, other);
+        self.account.put(b, one);
+    }
 }

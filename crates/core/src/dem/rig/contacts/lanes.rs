@@ -10,7 +10,8 @@ use crate::dem::rig::share::rows;
 use crate::dem::rig::turns;
 use crate::real::{Kernel, Lanes};
 
-use super::react::{CLOSED, Grip, between, meet};
+use super::friction::Grip;
+use super::react::{CLOSED, between, meet};
 use super::sections::{Piece, Spill};
 
 /// Near pairs as parallel arrays: row c of each is pair c, as in [`Near`].
@@ -192,19 +193,19 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
             if SPRING {
                 stretch = [V::load(&self.piece.stretch[0][c..]), V::load(&self.piece.stretch[1][c..])];
             }
-            let rub = grip.rub::<2, SPRING>(&meeting, push, &mut stretch, self.step);
+            let rub = grip.rub::<SPRING>(&meeting, push, &mut stretch, self.step);
             if SPRING {
                 V::select(closed, stretch[0], zero).store(&mut self.piece.stretch[0][c..]);
                 V::select(closed, stretch[1], zero).store(&mut self.piece.stretch[1][c..]);
             }
             power = V::select(closed, rub.power, zero);
             force = [force[0] + rub.drag[0], force[1] + rub.drag[1]];
-            twist = rub.twist[2];
+            twist = rub.twist;
         }
         V::select(closed, force[0], release[0]).store(&mut block.force[0][n..]);
         V::select(closed, force[1], release[1]).store(&mut block.force[1][n..]);
         V::select(closed, twist, zero).store(&mut block.twist[n..]);
-        // As `Account::accept`; an open contact has neither overlap nor force nor power.
+        // As `Account::push` and `rub`; an open contact has neither overlap nor force nor power.
         let overlap = V::select(closed, meeting.overlap, zero);
         let account = &mut self.piece.account;
         let work = half * (from + V::select(closed, push, last)) * (overlap - before);
@@ -213,8 +214,8 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         overlap.store(&mut account.overlap[c..]);
         push.store(&mut account.force[c..]);
         if TURNING {
-            let slid = V::splat(0.5 * self.step) * (V::load(&account.power[c..]) + power);
-            (V::load(&account.slid[c..]) + slid).store(&mut account.slid[c..]);
+            let rubbed = V::splat(0.5 * self.step) * (V::load(&account.power[c..]) + power);
+            (V::load(&account.friction_work[c..]) + rubbed).store(&mut account.friction_work[c..]);
             power.store(&mut account.power[c..]);
         }
     }

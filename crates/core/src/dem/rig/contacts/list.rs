@@ -53,7 +53,8 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 };
                 if let Some(kept) = kept {
                     memory[c] = kept.memory;
-                    account.put(c, Account { work: kept.work, slid: kept.slid, ..Account::default() });
+                    account
+                        .put(c, Account { work: kept.work, friction_work: kept.friction_work, ..Account::default() });
                 }
             }
         }
@@ -76,22 +77,22 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// Keeps what a contact remembers that is no longer near.
     fn drop_contact(&mut self, c: usize, bodies: &Bodies<D>) {
-        let Account { work, slid, .. } = self.account.at(c);
+        let Account { work, friction_work, .. } = self.account.at(c);
         let memory = self.memory[c];
-        if memory == L::Memory::default() && work == 0.0 && slid == 0.0 {
+        if memory == L::Memory::default() && work == 0.0 && friction_work == 0.0 {
             return;
         }
         self.dropped.extend(self.strain(c));
         if L::NUMBERS == 0 {
             self.lost[0] += self.weight(c) * work;
-            self.lost[1] += self.share(c) * slid;
+            self.lost[1] += self.weight(c) * friction_work;
             for (sphere, part) in self.spheres(c) {
-                let energy = part * (self.weight(c) * work + self.share(c) * slid);
+                let energy = part * self.weight(c) * (work + friction_work);
                 self.lost_by_sphere[sphere] += energy / bodies.weight[sphere];
             }
             return;
         }
-        let kept = Kept { memory, work, slid, weight: self.weight(c), share: self.share(c) };
+        let kept = Kept { memory, work, friction_work, weight: self.weight(c) };
         match self.near.get(c) {
             Some(pair) => {
                 self.kept_pairs.insert(pair.key(), kept);

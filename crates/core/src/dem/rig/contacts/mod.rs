@@ -4,7 +4,7 @@
 //! contact does is worked out in one place (`react`) and added up in order of the contacts, or, where there are many, of those of each
 //! section, which threads share out: the same sums for any number of threads.
 //!
-//! - `react`: what contacts do; `faces`: contacts with flats and mirrors
+//! - `react`: what contacts do; `friction`: its tangential part; `faces`: contacts with flats and mirrors
 //! - `sweep`: forces on all bodies; `lanes`: the same for disks with springs and dashpots, several contacts side by side
 //! - `list`: how the list changes
 //! - `sections`: parts of the list of pairs that threads share out
@@ -12,6 +12,7 @@
 
 mod account;
 mod faces;
+mod friction;
 mod lanes;
 mod list;
 mod react;
@@ -24,14 +25,14 @@ use std::collections::{BTreeMap, HashMap};
 
 pub(super) use account::Account;
 pub(super) use faces::{Facing, NearFace};
-pub(super) use react::Trial;
+pub(super) use react::Predicted;
 pub(super) use sweep::Sums;
 
 use super::bodies::{Bodies, dot};
 use super::law::{Bond, Bonding, End};
 use super::pairs::Near;
 use super::share::parts;
-use super::{Body, Rig};
+use super::{Arm, Body, Rig};
 use crate::real::Width;
 use account::Accounts;
 use lanes::Lines;
@@ -42,16 +43,15 @@ use sections::Sections;
 pub(super) struct Kept<M> {
     pub memory: M,
     pub work: f64,
-    pub slid: f64,
-    /// Parts of both works that are simulated.
+    pub friction_work: f64,
+    /// The part of both works that is simulated.
     pub weight: f64,
-    pub share: f64,
 }
 
 impl<M> Kept<M> {
     /// What the contact has lost (J); open, it holds nothing.
     pub fn loss(&self) -> f64 {
-        self.weight * self.work + self.share * self.slid
+        self.weight * (self.work + self.friction_work)
     }
 }
 
@@ -95,15 +95,17 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     pub lost_by_sphere: Vec<f64>,
     /// What contacts had borne when they were dropped, for the guards' next look.
     pub dropped: Vec<Strain>,
-    /// Overlap and closing speed of a face contact over those of sphere and face: 2 where a face stands for an equal sphere.
+    /// Overlap, closing and sliding of a contact with a flat over those of sphere and flat: 2 where a flat stands for an equal sphere.
     face_factor: f64,
     /// Kinds of spheres: those of one kind have the same laws.
     class: Vec<u32>,
     ends: Vec<End>,
     turning: bool,
     sections: Sections<D>,
-    /// All radii (m).
+    /// What spins and couples per lever arm are multiplied by: the radius (m), or 1 where arms end in the contact.
     pub lever: Vec<f64>,
+    /// All radii (m) where arms end in the contact, else none.
+    radius: Vec<f64>,
     /// For disks in lanes: the pairs as parallel arrays.
     lines: Lines,
     width: Width,
@@ -130,6 +132,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 }
             })
             .collect();
+        let in_contact = rig.laws.arm() == Arm::Contact;
         let mut kinds: HashMap<(usize, u64), u32> = HashMap::new();
         let class = ends
             .iter()
@@ -156,7 +159,8 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             dropped: Vec::new(),
             face_factor,
             class,
-            lever: ends.iter().map(|end| end.radius).collect(),
+            lever: ends.iter().map(|end| if in_contact { 1.0 } else { end.radius }).collect(),
+            radius: ends.iter().map(|end| end.radius).filter(|_| in_contact).collect(),
             ends,
             turning: rig.laws.has_friction(),
             sections: Sections::of(&[], count),
@@ -184,7 +188,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         }
     }
 
-    /// The part of ∫F dδ that is simulated.
+    /// The part of a contact's works and energies that is simulated.
     pub fn weight(&self, c: usize) -> f64 {
         match c.checked_sub(self.near.len()) {
             Some(f) => match self.faces[f].facing {
@@ -192,6 +196,23 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 Facing::Mirror(_) => 0.5,
             },
             None => self.share(c),
+        }
+    }
+
+    /// Overlap, closing and sliding of a contact over those of its two bodies.
+    pub fn face_scale(&self, c: usize) -> f64 {
+        match c.checked_sub(self.near.len()).map(|f| self.faces[f].facing) {
+            Some(Facing::Flat(_)) => self.face_factor,
+            Some(Facing::Mirror(_)) => 2.0,
+            None => 1.0,
+        }
+    }
+
+    /// The same over those that records show: of a flat they show the sphere's own, of a mirror those of sphere and image.
+    pub fn shown_scale(&self, c: usize) -> f64 {
+        match c.checked_sub(self.near.len()).map(|f| self.faces[f].facing) {
+            Some(Facing::Flat(_)) => self.face_factor,
+            Some(Facing::Mirror(_)) | None => 1.0,
         }
     }
 
@@ -262,14 +283,17 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// Normal of a contact (from its first body to its second), where it is closed.
     pub fn normal(&self, rig: &Rig<D>, bodies: &Bodies<D>, c: usize) -> Option<[f64; D]> {
+        if self.account.overlap[c] == 0.0 {
+            return None;
+        }
         if let Some(f) = c.checked_sub(self.near.len()) {
-            return self.faces[f].overlapping(rig, bodies).map(|(_, normal)| normal);
+            return self.faces[f].standing(rig, bodies).map(|standing| standing.normal);
         }
         let Near { ends: [a, b], offset, .. } = self.near[c];
         let (from, to) = (bodies.displacement[a as usize], bodies.displacement[b as usize]);
         let between: [f64; D] = std::array::from_fn(|k| offset[k] + to[k] - from[k]);
         let distance = dot(&between, &between).sqrt();
-        (self.account.overlap[c] > 0.0).then(|| between.map(|x| x / distance))
+        Some(between.map(|x| x / distance))
     }
 
     /// How fast a contact's overlap grows (m/s), with the normal from its first body to its second.
@@ -278,10 +302,11 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         match c.checked_sub(self.near.len()) {
             Some(f) => {
                 let speed = -along(&bodies.velocity[self.faces[f].sphere as usize]);
-                match self.faces[f].facing {
-                    Facing::Flat(flat) => self.face_factor * (speed + along(&bodies.flat_velocity[flat as usize])),
-                    Facing::Mirror(_) => 2.0 * speed,
-                }
+                let of_face = match self.faces[f].facing {
+                    Facing::Flat(flat) => along(&bodies.flat_velocity[flat as usize]),
+                    Facing::Mirror(_) => 0.0,
+                };
+                self.face_scale(c) * (speed + of_face)
             }
             None => {
                 let [a, b] = self.near[c].ends.map(|i| along(&bodies.velocity[i as usize]));
@@ -296,12 +321,12 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     }
 
     /// ½ k_t ξ² (J), what a contact's tangential spring holds.
-    pub fn wound(&self, c: usize) -> f64 {
+    pub fn tangential_stored(&self, c: usize) -> f64 {
         self.spring(c).map_or(0.0, |[stiffness, squared]| 0.5 * stiffness * squared)
     }
 
     /// Whether there are tangential springs.
-    pub fn winds(&self) -> bool {
+    pub fn has_tangential_springs(&self) -> bool {
         self.turning && self.bonds.iter().any(|bond| bond.slip.stiffness > 0.0 || bond.slip.mindlin > 0.0)
     }
 

@@ -1,21 +1,24 @@
-//! What contacts do: the normal and the tangential force of two overlapping ends.
+//! What contacts do: the force and the couple of two overlapping ends.
 //!
-//! Geometry and friction are written for any [`Lanes`]: one contact at a time, or in lanes (`lanes`).
+//! A contact is one pure function of where its ends are, how they move and what it remembers, [`react`], for pairs of spheres
+//! ([`react_pair`]) and for faces (`faces`) alike. Its geometry is written for any [`Lanes`]: one contact at a time, or in lanes
+//! (`lanes`).
 
-use crate::dem::rig::bodies::{cross, dot, spin_cross};
+use crate::dem::rig::bodies::{Bodies, cross, dot, spin_cross};
 use crate::dem::rig::dashpot::Ended;
-use crate::dem::rig::law::{Bond, Bonding, Slip};
+use crate::dem::rig::law::{Begun, Bond, Bonding};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::turns::Turns;
 use crate::real::Lanes;
 
 use super::account::Account;
+use super::friction::{Grip, coulomb};
 
-/// The velocities at which forces are asked for, and the step that follows.
+/// The velocities at which forces are asked for, and the step that led here.
 #[derive(Clone, Copy)]
-pub struct Trial<'a, const D: usize> {
+pub struct Predicted<'a, const D: usize> {
     pub velocity: &'a [[f64; D]],
-    /// r ω of each sphere (m/s); not asked for without friction.
+    /// r ω of each sphere (m/s), or ω where arms end in the contact; not asked for without friction.
     pub turn: &'a Turns<D>,
     pub flat_velocity: &'a [[f64; D]],
     /// (s)
@@ -27,6 +30,18 @@ pub struct Trial<'a, const D: usize> {
 pub struct Reaction<const D: usize> {
     pub force: [f64; D],
     pub twist: [f64; 3],
+    /// By what each end's couple is multiplied besides its `lever`.
+    pub arms: [f64; 2],
+}
+
+/// What a contact remembers.
+#[derive(Clone, Copy, Debug)]
+pub struct Past<M, const D: usize> {
+    /// Of its normal law.
+    pub memory: M,
+    /// ξ, the tangential spring (m).
+    pub stretch: [f64; D],
+    pub account: Account,
 }
 
 /// The state of two ends that overlap.
@@ -37,29 +52,31 @@ pub struct Meeting<V, const D: usize> {
     pub normal: [V; D],
     /// Velocity of the first end's centre relative to the second's.
     pub approach: [V; D],
-    /// r₁ ω₁ + r₂ ω₂
+    /// a₁ ω₁ + a₂ ω₂ with the lever arms a
     pub turn: [V; 3],
 }
 
-/// What friction does at a contact.
-pub struct Rub<V, const D: usize> {
-    /// The force that holds the first end back, and drags the second along.
-    pub drag: [V; D],
-    /// The couple per lever arm on both.
-    pub twist: [V; 3],
-    /// What it takes (W).
-    pub power: V,
+impl<V: Lanes, const D: usize> Meeting<V, D> {
+    /// Velocity of the first end's surface relative to the second's, in the tangent plane.
+    #[inline(always)]
+    pub fn sliding(&self) -> [V; D] {
+        sliding(&self.approach, &self.turn, &self.normal)
+    }
+}
+
+/// Velocity of the first end's surface relative to the second's, across a normal.
+#[inline(always)]
+pub fn sliding<V: Lanes, const D: usize>(approach: &[V; D], turn: &[V; 3], normal: &[V; D]) -> [V; D] {
+    let (along, turn) = (dot(approach, normal), spin_cross(turn, normal));
+    let mut sliding = *approach;
+    for k in 0..D {
+        sliding[k] = sliding[k] - along * normal[k] + turn[k];
+    }
+    sliding
 }
 
 /// Overlap over the radii's sum from which on a contact counts as closed; as in `dem::contacts`.
 pub const CLOSED: f64 = 1e-15;
-
-impl Slip {
-    #[inline(always)]
-    pub fn stiffness_at(&self, overlap: f64) -> f64 {
-        if self.mindlin > 0.0 { self.stiffness + self.mindlin * overlap.sqrt() } else { self.stiffness }
-    }
-}
 
 /// From the centre of the first sphere to that of the second, Δ = offset + shift, and S² − |Δ|² with S² − |offset|² = −gap:
 /// without the cancellation of two nearly equal squares. Positive where they overlap.
@@ -97,207 +114,182 @@ pub fn meet<V: Lanes, const D: usize>(
     Meeting { overlap, closing_speed, normal, approach: *approach, turn: *turn }
 }
 
-/// Friction at closed contacts.
-pub struct Grip<V> {
-    /// μ
-    pub coefficient: V,
-    /// k_t (N/m)
-    pub stiffness: V,
-    /// γ_t m̄ (kg/s)
-    pub damping: V,
+/// Where the lever arms of contact forces end.
+#[derive(Clone, Copy, Debug)]
+pub enum Arms<'a> {
+    /// At the radii, which `lever` holds already.
+    Radius,
+    /// In the middle of the overlap, of spheres of these radii (m): |Δ| = a₁ + a₂, so that a pair keeps its angular momentum.
+    Contact(&'a [f64]),
 }
 
-impl<V: Lanes> Grip<V> {
-    /// The force that the first end's sliding meets, F_t = k_t ξ + γ_t m̄ u, at most μ |F_n|; ξ advances by one step. Without
-    /// `SPRING` k_t is zero, and ξ is left alone.
+impl Arms<'_> {
+    /// Of two spheres, besides `lever`.
     #[inline(always)]
-    pub fn rub<const D: usize, const SPRING: bool>(
-        &self,
-        meeting: &Meeting<V, D>,
-        push: V,
-        stretch: &mut [V; D],
-        step: f64,
-    ) -> Rub<V, D> {
-        if D == 2 {
-            return self.rub_in_plane::<D, SPRING>(meeting, push, stretch, step);
+    fn of(&self, [a, b]: [usize; 2], overlap: f64) -> [f64; 2] {
+        match self {
+            Self::Radius => [1.0; 2],
+            Self::Contact(radius) => [radius[a] - 0.5 * overlap, radius[b] - 0.5 * overlap],
         }
-        let (zero, normal) = (V::splat(0.0), &meeting.normal);
-        // Velocity of the first end's surface relative to the second's, in the tangent plane.
-        let (along, turn) = (dot(&meeting.approach, normal), spin_cross(&meeting.turn, normal));
-        let mut sliding = meeting.approach;
-        for k in 0..D {
-            sliding[k] = sliding[k] - along * normal[k] + turn[k];
-        }
-        let mut drag = [zero; D];
-        if SPRING {
-            // ξ is turned into the tangent plane, then follows the sliding: ξ̇ = u.
-            let along = dot(stretch, normal);
-            for k in 0..D {
-                stretch[k] = stretch[k] + (V::splat(step) * sliding[k] - along * normal[k]);
-                drag[k] = self.stiffness * stretch[k] + self.damping * sliding[k];
-            }
-        } else {
-            for k in 0..D {
-                drag[k] = self.damping * sliding[k];
-            }
-        }
-        let cap = self.coefficient * push.max(-push);
-        let (most, squared) = (cap * cap, dot(&drag, &drag));
-        let slips = most.lt(squared);
-        if V::any(slips) {
-            let shorter = V::select(slips, cap / squared.sqrt(), V::splat(1.0));
-            let softness =
-                if SPRING { V::select(zero.lt(self.stiffness), V::splat(1.0) / self.stiffness, zero) } else { zero };
-            for k in 0..D {
-                drag[k] = drag[k] * shorter;
-                if SPRING {
-                    let kept = (drag[k] - self.damping * sliding[k]) * softness;
-                    stretch[k] = V::select(slips, kept, stretch[k]);
-                }
-            }
-        }
-        Rub { twist: cross(&drag, normal), power: dot(&drag, &sliding), drag }
-    }
-
-    /// The same in the plane, where friction has one direction: a force is cut to its cap without a root.
-    #[inline(always)]
-    fn rub_in_plane<const D: usize, const SPRING: bool>(
-        &self,
-        meeting: &Meeting<V, D>,
-        push: V,
-        stretch: &mut [V; D],
-        step: f64,
-    ) -> Rub<V, D> {
-        let zero = V::splat(0.0);
-        let mut tangent = meeting.normal;
-        (tangent[0], tangent[D - 1]) = (-meeting.normal[D - 1], meeting.normal[0]);
-        let slide = dot(&meeting.approach, &tangent) + meeting.turn[2];
-        let (mut wound, damped) = (zero, self.damping * slide);
-        let mut drag = damped;
-        if SPRING {
-            // ξ is turned into the tangent, then follows the sliding: ξ̇ = u.
-            wound = dot(stretch, &tangent) + V::splat(step) * slide;
-            drag = self.stiffness * wound + damped;
-        }
-        let cap = self.coefficient * push.max(-push);
-        let cut = drag.min(cap).max(-cap);
-        if SPRING {
-            let slips = cap.lt(drag.max(-drag));
-            if V::any(slips) {
-                let softness = V::select(zero.lt(self.stiffness), V::splat(1.0) / self.stiffness, zero);
-                wound = V::select(slips, (cut - damped) * softness, wound);
-            }
-            for k in 0..D {
-                stretch[k] = wound * tangent[k];
-            }
-        }
-        for k in 0..D {
-            tangent[k] = cut * tangent[k];
-        }
-        Rub { drag: tangent, twist: [zero, zero, -cut], power: cut * slide }
     }
 }
 
-/// The reaction of two spheres, if they overlap.
+/// How the bodies moved from the accepted step before to here, and how they are predicted to move now.
+#[derive(Clone, Copy)]
+pub struct Motion<'a, const D: usize> {
+    pub bodies: &'a Bodies<D>,
+    pub lever: &'a [f64],
+    pub arms: Arms<'a>,
+    pub predicted: Predicted<'a, D>,
+}
+
+impl<const D: usize> Motion<'_, D> {
+    /// Mean of r ω (or ω) over the step.
+    #[inline(always)]
+    pub fn mean_turn(&self, sphere: usize) -> [f64; 3] {
+        let (now, before) = (self.predicted.turn.get(sphere), self.bodies.spin.get(sphere));
+        std::array::from_fn(|k| 0.5 * (now[k] + self.lever[sphere] * before[k]))
+    }
+
+    /// Mean velocity over the step: Verlet's displacement by it.
+    #[inline(always)]
+    pub fn mean_velocity(&self, sphere: usize) -> [f64; D] {
+        let (now, before) = (&self.predicted.velocity[sphere], &self.bodies.velocity[sphere]);
+        std::array::from_fn(|k| 0.5 * (now[k] + before[k]))
+    }
+}
+
+/// The reaction of two spheres and what the contact remembers then, if they overlap or have just parted.
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "the columns of one row of parallel arrays")]
 pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     near: &Near<D>,
-    displacement: &[[f64; D]],
-    trial: Trial<D>,
+    motion: Motion<D>,
     (bond, reduced): (&Bond<L>, f64),
-    memory: &mut L::Memory,
-    stretch: &mut [f64; D],
-    account: &mut Account,
-    share: f64,
-) -> Option<Reaction<D>> {
-    let Trial { velocity, turn, step, .. } = trial;
+    past: &Past<L::Memory, D>,
+) -> Option<(Reaction<D>, Past<L::Memory, D>)> {
+    let Predicted { velocity, turn, step, .. } = motion.predicted;
     let Near { ends: [a, b], offset, gap, reach, .. } = *near;
     let (a, b) = (a as usize, b as usize);
-    let (from, to) = (&displacement[a], &displacement[b]);
+    let (from, to) = (&motion.bodies.displacement[a], &motion.bodies.displacement[b]);
     let mut shift = [0.0; D];
     for k in 0..D {
         shift[k] = to[k] - from[k];
     }
     let (between, excess) = between(&offset, &shift, gap);
     let closed = excess > 2.0 * CLOSED * reach * reach;
-    if !closed && account.overlap == 0.0 {
+    if !closed && past.account.overlap == 0.0 {
         return None;
     }
     let mut approach = [0.0; D];
     for k in 0..D {
         approach[k] = velocity[a][k] - velocity[b][k];
     }
+    let mut meeting = meet::<f64, D>((&between, excess), reach, &approach, &[0.0; 3]);
     if !closed {
-        let meeting = meet::<f64, D>((&between, excess), reach, &approach, &[0.0; 3]);
-        *stretch = [0.0; D];
-        return release::<D, L>(&meeting, (bond, reduced), memory, account, step, share);
+        return Some(release::<D, L>(&meeting, (bond, reduced), past, step));
     }
-    let mut turns = [0.0; 3];
+    let (mut arms, mut way) = ([1.0; 2], [0.0; D]);
     if TURNING {
-        let (first, second) = (turn.get(a), turn.get(b));
-        for k in 0..3 {
-            turns[k] = first[k] + second[k];
+        arms = motion.arms.of([a, b], meeting.overlap);
+        let together =
+            |first: [f64; 3], second: [f64; 3]| std::array::from_fn(|k| arms[0] * first[k] + arms[1] * second[k]);
+        meeting.turn = together(turn.get(a), turn.get(b));
+        if !by_grip::<D, L>() && step > 0.0 {
+            let (first, second) = (motion.mean_velocity(a), motion.mean_velocity(b));
+            let approach: [f64; D] = std::array::from_fn(|k| first[k] - second[k]);
+            // Half a step ago, where the mean velocities hold.
+            let middle: [f64; D] = std::array::from_fn(|k| between[k] + 0.5 * step * approach[k]);
+            let distance = dot(&middle, &middle).sqrt();
+            let turn = together(motion.mean_turn(a), motion.mean_turn(b));
+            way = sliding(&approach, &turn, &middle.map(|x| x / distance)).map(|u| u * step);
         }
     }
-    let meeting = meet::<f64, D>((&between, excess), reach, &approach, &turns);
-    Some(react::<D, L, TURNING>(&meeting, (bond, reduced), memory, stretch, account, step, share))
+    let (reaction, past) = react::<D, L, TURNING>(&meeting, &way, (bond, reduced), past, step);
+    Some((Reaction { arms, ..reaction }, past))
 }
 
-/// What the normal force still does of a contact that has just opened, whose overlap is negative.
+/// Whether friction is [`Grip`]'s.
+#[inline(always)]
+fn by_grip<const D: usize, L: Bonding>() -> bool {
+    L::GRIPS && D == 2
+}
+
+/// What the normal force still does of a contact that has just opened, whose overlap is negative, and what is remembered then.
 #[inline(always)]
 pub fn release<const D: usize, L: Bonding>(
     meeting: &Meeting<f64, D>,
     (bond, reduced): (&Bond<L>, f64),
-    memory: &L::Memory,
-    account: &mut Account,
+    past: &Past<L::Memory, D>,
     step: f64,
-    share: f64,
-) -> Option<Reaction<D>> {
+) -> (Reaction<D>, Past<L::Memory, D>) {
+    let (memory, mut account) = (past.memory, past.account);
     let before = [account.overlap, account.force];
-    let Ended { acts, last } = bond.normal.end(before, -meeting.overlap, meeting.closing_speed, reduced, memory);
+    let Ended { acts, last } = bond.normal.end(before, -meeting.overlap, meeting.closing_speed, reduced, &memory);
     account.open(last, step);
-    (acts != 0.0).then(|| Reaction { force: meeting.normal.map(|n| share * acts * n), twist: [0.0; 3] })
+    let reaction = Reaction { force: meeting.normal.map(|n| acts * n), twist: [0.0; 3], arms: [1.0; 2] };
+    (reaction, Past { memory, stretch: [0.0; D], account })
 }
 
-/// Normal and tangential force of a closed contact; its memories advance by one step.
+/// Normal and tangential force of a closed contact, whose ends slid by `way` (m) during the step, and what it remembers then.
 #[inline(always)]
 pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
     meeting: &Meeting<f64, D>,
+    way: &[f64; D],
     (bond, reduced): (&Bond<L>, f64),
-    memory: &mut L::Memory,
-    stretch: &mut [f64; D],
-    account: &mut Account,
+    past: &Past<L::Memory, D>,
     step: f64,
-    share: f64,
-) -> Reaction<D> {
+) -> (Reaction<D>, Past<L::Memory, D>) {
     let Meeting { overlap, closing_speed, normal, .. } = meeting;
-    let (push, acts) = if account.overlap > 0.0 {
-        let (push, next) = bond.normal.respond(*overlap, *closing_speed, reduced, memory);
-        *memory = next;
-        (push, push)
+    let (mut twist, mut stretch, mut account) = ([0.0; 3], past.stretch, past.account);
+    let (push, acts, memory) = if past.account.overlap > 0.0 {
+        let (push, memory) = bond.normal.respond(*overlap, *closing_speed, reduced, &past.memory);
+        (push, push, memory)
     } else {
-        let begun = bond.normal.begin(*overlap, *closing_speed, reduced, memory, step);
-        (*memory, account.force) = (begun.memory, begun.onset);
-        (begun.force, begun.acts)
+        let Begun { acts, force, onset, memory } =
+            bond.normal.begin(*overlap, *closing_speed, reduced, &past.memory, step);
+        account.force = onset;
+        (force, acts, memory)
     };
-    let mut force = normal.map(|n| share * acts * n);
-    let (mut twist, mut power) = ([0.0; 3], 0.0);
+    let mut force = normal.map(|n| acts * n);
     if TURNING && bond.slip.coefficient > 0.0 {
         let slip = &bond.slip;
-        let stiffness = slip.stiffness_at(*overlap);
-        let grip = Grip { coefficient: slip.coefficient, stiffness, damping: slip.rate * reduced };
-        let rub = if stiffness > 0.0 {
-            grip.rub::<D, true>(meeting, push, stretch, step)
+        let damping = slip.rate * reduced;
+        if by_grip::<D, L>() {
+            let grip = Grip { coefficient: slip.coefficient, stiffness: slip.stiffness, damping };
+            let (plane, mut spring) = (meeting.in_plane(), [stretch[0], stretch[D - 1]]);
+            let rub = match slip.stiffness > 0.0 {
+                true => grip.rub::<true>(&plane, push, &mut spring, step),
+                false => grip.rub::<false>(&plane, push, &mut spring, step),
+            };
+            (stretch[0], stretch[D - 1]) = (spring[0], spring[1]);
+            (force[0], force[D - 1]) = (force[0] + rub.drag[0], force[D - 1] + rub.drag[1]);
+            twist[2] = rub.twist;
+            account.rub(rub.power, step);
         } else {
-            grip.rub::<D, false>(meeting, push, stretch, step)
-        };
-        power = rub.power;
-        for k in 0..D {
-            force[k] += share * rub.drag[k];
+            // A contact that closed within the step has slid for the part of it since.
+            let since = match past.account.overlap == 0.0 && *closing_speed * step > *overlap {
+                true => *overlap / (*closing_speed * step),
+                false => 1.0,
+            };
+            let rubbed = coulomb(slip, damping, meeting, (push, &way.map(|x| since * x)), (&account, &stretch), step);
+            for k in 0..D {
+                force[k] += rubbed.drag[k];
+            }
+            (twist, stretch) = (cross(&rubbed.drag, normal), rubbed.stretch);
+            account.friction_work += rubbed.work;
+            account.power = rubbed.power;
         }
-        twist = rub.twist.map(|couple| share * couple);
     }
-    account.accept(*overlap, push, power, step);
-    Reaction { force, twist }
+    account.push(*overlap, push);
+    (Reaction { force, twist, arms: [1.0; 2] }, Past { memory, stretch, account })
+}
+
+impl<const D: usize> Meeting<f64, D> {
+    /// Its first and last component, which are all of it in the plane.
+    #[inline(always)]
+    fn in_plane(&self) -> Meeting<f64, 2> {
+        let plane = |v: &[f64; D]| [v[0], v[D - 1]];
+        let Self { overlap, closing_speed, turn, .. } = *self;
+        Meeting { overlap, closing_speed, turn, normal: plane(&self.normal), approach: plane(&self.approach) }
+    }
 }

@@ -3,9 +3,9 @@
 use std::any::Any;
 
 use super::Contacts;
-use super::faces::{Facing, NearFace};
+use super::faces::{Facing, NearFace, Standing};
 use super::lanes::{Disks, Sweep};
-use super::react::{Meeting, Reaction, Trial, react, react_pair, release};
+use super::react::{Arms, Meeting, Motion, Past, Predicted, Reaction, react, react_pair, release, sliding};
 use super::sections::{Piece, Spill};
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::{Bodies, dot};
@@ -29,70 +29,67 @@ impl<const D: usize> Sums<D> {
 
 impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// Adds up the forces on all spheres and flats at the given velocities; memories advance by one step.
-    pub fn sweep(&mut self, rig: &Rig<D>, bodies: &Bodies<D>, trial: Trial<D>, sums: &mut Sums<D>) {
+    pub fn sweep(&mut self, rig: &Rig<D>, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
         if self.turning {
-            self.sweep_pairs::<true>(bodies, trial, sums);
-            self.sweep_faces::<true>(rig, bodies, trial, sums);
+            self.sweep_pairs::<true>(bodies, predicted, sums);
+            self.sweep_faces::<true>(rig, bodies, predicted, sums);
         } else {
-            self.sweep_pairs::<false>(bodies, trial, sums);
-            self.sweep_faces::<false>(rig, bodies, trial, sums);
+            self.sweep_pairs::<false>(bodies, predicted, sums);
+            self.sweep_faces::<false>(rig, bodies, predicted, sums);
         }
     }
 
-    fn sweep_pairs<const TURNING: bool>(&mut self, bodies: &Bodies<D>, trial: Trial<D>, sums: &mut Sums<D>) {
+    fn sweep_pairs<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
         sums.flat.fill([0.0; D]);
-        let in_lanes = self.share.is_empty();
+        let in_lanes = self.share.is_empty() && self.radius.is_empty();
         let (disks, flat_sums) = (self as &mut dyn Any, sums as &mut dyn Any);
         match (disks.downcast_mut::<Contacts<2, SpringDashpot>>(), flat_sums.downcast_mut::<Sums<2>>()) {
             (Some(disks), Some(sums)) if in_lanes => {
-                let at = (plane(&bodies.displacement), plane(trial.velocity), trial.turn.numbers());
-                disks.sweep_disks::<TURNING>(trial.step, at, sums);
+                let at = (plane(&bodies.displacement), plane(predicted.velocity), predicted.turn.numbers());
+                disks.sweep_disks::<TURNING>(predicted.step, at, sums);
             }
-            _ => self.sweep_any::<TURNING>(bodies, trial, sums),
+            _ => self.sweep_any::<TURNING>(bodies, predicted, sums),
         }
     }
 
-    fn sweep_any<const TURNING: bool>(&mut self, bodies: &Bodies<D>, trial: Trial<D>, sums: &mut Sums<D>) {
-        let Self { near, share, bond, reduced, bonds, memory, stretch, account, lever, sections, .. } = self;
+    fn sweep_any<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
+        let Self { near, share, bond, reduced, bonds, memory, stretch, account, lever, radius, sections, .. } = self;
         let (near, share, bond, reduced) = (&near[..], &share[..], &bond[..], &reduced[..]);
-        let bonds = &bonds[..];
+        let (bonds, lever) = (&bonds[..], &lever[..]);
+        let motion = Motion { bodies, lever, arms: arms(radius), predicted };
         sections.run::<_, TURNING>(memory, account.rows(), stretch, lever, sums, |piece| {
-            let Piece { first, first_sphere, memory, mut account, stretch, force: sum, twist: couple, lever, spill } =
-                piece;
+            let Piece { first, first_sphere, memory, mut account, stretch, .. } = piece;
+            let Piece { force: sum, twist: couple, lever, spill, .. } = piece;
             for n in 0..account.overlap.len() {
                 let c = first + n;
                 let share = if share.is_empty() { 1.0 } else { share[c] };
-                let mut spring = spring_at::<D, TURNING>(stretch.each_ref().map(|axis| &axis[..]), n);
-                let mut row = account.at(n);
-                let reaction = react_pair::<D, L, TURNING>(
-                    &near[c],
-                    &bodies.displacement,
-                    trial,
-                    (&bonds[bond[c] as usize], reduced[c]),
-                    &mut memory[n],
-                    &mut spring,
-                    &mut row,
-                    share,
-                );
-                account.put(n, row);
+                let past = Past {
+                    memory: memory[n],
+                    stretch: spring_at::<D, TURNING>(stretch.each_ref().map(|axis| &axis[..]), n),
+                    account: account.at(n),
+                };
+                let law = (&bonds[bond[c] as usize], reduced[c]);
+                let reaction = react_pair::<D, L, TURNING>(&near[c], motion, law, &past);
+                let Some((Reaction { force, twist, arms }, now)) = reaction else { continue };
+                (memory[n], _) = (now.memory, account.put(n, now.account));
                 if TURNING {
                     for k in 0..D {
-                        stretch[k][n] = spring[k];
+                        stretch[k][n] = now.stretch[k];
                     }
                 }
-                let Some(Reaction { force, twist }) = reaction else { continue };
+                let (force, twist) = (force.map(|f| share * f), twist.map(|f| share * f));
                 let [a, b] = near[c].ends.map(|end| end as usize - first_sphere);
                 add(&mut sum[a], -1.0, &force);
                 if TURNING {
-                    turns::add::<D>(couple, a, 1.0, &twist);
+                    turns::add::<D>(couple, a, arms[0], &twist);
                 }
                 if b < sum.len() {
                     add(&mut sum[b], 1.0, &force);
                     if TURNING {
-                        turns::add::<D>(couple, b, 1.0, &twist);
+                        turns::add::<D>(couple, b, arms[1], &twist);
                     }
                 } else {
-                    spill.push(Spill { sphere: near[c].ends[1], force, twist });
+                    spill.push(Spill { sphere: near[c].ends[1], force, twist: twist.map(|couple| arms[1] * couple) });
                 }
             }
             if TURNING {
@@ -105,82 +102,138 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         &mut self,
         rig: &Rig<D>,
         bodies: &Bodies<D>,
-        trial: Trial<D>,
+        predicted: Predicted<D>,
         sums: &mut Sums<D>,
     ) {
-        let Trial { velocity, turn, flat_velocity, step } = trial;
-        for f in 0..self.faces.len() {
-            let c = self.near.len() + f;
-            let NearFace { sphere, facing, radius, share, .. } = self.faces[f];
-            let i = sphere as usize;
-            let Some((distance, normal)) = self.faces[f].overlapping(rig, bodies) else {
-                if self.account.overlap[c] > 0.0 {
-                    let mut row = self.account.at(c);
-                    let (distance, normal) = self.faces[f].apart(rig, bodies);
-                    let (factor, face_velocity) = match facing {
-                        Facing::Flat(flat) => (self.face_factor, flat_velocity[flat as usize]),
-                        Facing::Mirror(_) => (2.0, [0.0; D]),
-                    };
-                    let mut approach = [0.0; D];
-                    for k in 0..D {
-                        approach[k] = face_velocity[k] - velocity[i][k];
-                    }
-                    let (overlap, closing_speed) = (factor * (radius - distance), factor * dot(&approach, &normal));
-                    let meeting = Meeting { overlap, closing_speed, normal, approach, turn: [0.0; 3] };
-                    let bond = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
-                    if let Some(Reaction { force, .. }) =
-                        release::<D, L>(&meeting, bond, &self.memory[c], &mut row, step, share)
-                    {
-                        add(&mut sums.force[i], 1.0, &force);
-                        if let Facing::Flat(flat) = facing {
-                            add(&mut sums.flat[flat as usize], -1.0, &force);
-                        }
-                    }
-                    self.account.put(c, row);
-                    self.stretch.iter_mut().filter_map(|axis| axis.get_mut(c)).for_each(|part| *part = 0.0);
-                }
-                continue;
-            };
-            let (factor, face_velocity) = match facing {
-                Facing::Flat(flat) => (self.face_factor, flat_velocity[flat as usize]),
-                Facing::Mirror(_) => (2.0, [0.0; D]),
-            };
-            let mut approach = [0.0; D];
-            for k in 0..D {
-                approach[k] = face_velocity[k] - velocity[i][k];
-            }
-            let along = dot(&approach, &normal);
-            let slips = TURNING && matches!(facing, Facing::Flat(_));
-            let turn = if slips { turn.get(i) } else { [0.0; 3] };
-            let overlap = factor * (radius - distance);
-            let meeting = Meeting { overlap, closing_speed: factor * along, normal, approach, turn };
-            let mut spring = spring_at::<D, TURNING>(self.stretch.each_ref().map(|axis| axis.as_slice()), c);
-            let mut row = self.account.at(c);
-            let bond = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
-            let Reaction { force, twist } = if slips {
-                react::<D, L, true>(&meeting, bond, &mut self.memory[c], &mut spring, &mut row, step, share)
-            } else {
-                react::<D, L, false>(&meeting, bond, &mut self.memory[c], &mut spring, &mut row, step, share)
-            };
-            self.account.put(c, row);
-            if TURNING {
-                for k in 0..D {
-                    self.stretch[k][c] = spring[k];
+        let mut first = 0;
+        while first < self.faces.len() {
+            let sphere = self.faces[first].sphere;
+            let count = self.faces[first..].iter().take_while(|face| face.sphere == sphere).count();
+            let all = first..first + count;
+            if count > 1 {
+                // What passes from one face to another has passed before any of them reacts.
+                for face in all.clone() {
+                    let _ = self.stands(face, &all, rig, bodies);
                 }
             }
-            for k in 0..D {
-                sums.force[i][k] += force[k];
-            }
-            if slips {
-                sums.torque.add(i, radius, &twist);
-            }
-            if let Facing::Flat(flat) = facing {
-                for k in 0..D {
-                    sums.flat[flat as usize][k] -= force[k];
+            for face in all.clone() {
+                match self.stands(face, &all, rig, bodies) {
+                    Some(standing) => self.face_reacts::<TURNING>(face, standing, bodies, predicted, sums),
+                    None => self.face_opens(face, rig, bodies, predicted, sums),
                 }
             }
+            first += count;
         }
     }
+
+    /// A face contact that is not closed now; if it was, it opens.
+    fn face_opens(
+        &mut self,
+        face: usize,
+        rig: &Rig<D>,
+        bodies: &Bodies<D>,
+        predicted: Predicted<D>,
+        sums: &mut Sums<D>,
+    ) {
+        let c = self.near.len() + face;
+        let mut row = self.account.at(c);
+        if row.overlap == 0.0 {
+            return;
+        }
+        let NearFace { sphere, facing, radius, share, .. } = self.faces[face];
+        let (i, factor) = (sphere as usize, self.face_scale(c));
+        let (distance, normal) = self.faces[face].apart(rig, bodies);
+        if distance < radius {
+            // Another face has taken its place.
+            row.open(0.0, predicted.step);
+        } else {
+            let flat = match facing {
+                Facing::Flat(flat) => Some(flat as usize),
+                Facing::Mirror(_) => None,
+            };
+            let face_velocity = flat.map_or([0.0; D], |flat| predicted.flat_velocity[flat]);
+            let approach = std::array::from_fn(|k| factor * (face_velocity[k] - predicted.velocity[i][k]));
+            let (overlap, closing_speed) = (factor * (radius - distance), dot(&approach, &normal));
+            let meeting = Meeting { overlap, closing_speed, normal, approach, turn: [0.0; 3] };
+            let past = Past { memory: self.memory[c], stretch: [0.0; D], account: row };
+            let law = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
+            let (Reaction { force, .. }, now) = release::<D, L>(&meeting, law, &past, predicted.step);
+            row = now.account;
+            let force = force.map(|f| share * f);
+            add(&mut sums.force[i], 1.0, &force);
+            if let Some(flat) = flat {
+                add(&mut sums.flat[flat], -1.0, &force);
+            }
+        }
+        self.account.put(c, row);
+        self.stretch.iter_mut().filter_map(|axis| axis.get_mut(c)).for_each(|part| *part = 0.0);
+    }
+
+    fn face_reacts<const TURNING: bool>(
+        &mut self,
+        face: usize,
+        Standing { depth, distance, normal }: Standing<D>,
+        bodies: &Bodies<D>,
+        predicted: Predicted<D>,
+        sums: &mut Sums<D>,
+    ) {
+        let c = self.near.len() + face;
+        let NearFace { sphere, facing, share, .. } = self.faces[face];
+        let i = sphere as usize;
+        // The face is the first end: where it stands for an equal sphere, that sphere moves and turns so that the contact is the
+        // centre of symmetry of both. All that one sphere does then counts twice.
+        let factor = self.face_scale(c);
+        let moving = |sphere: &[f64; D], face: &[f64; D]| -> [f64; D] {
+            std::array::from_fn(|k| factor * (face[k] - sphere[k]))
+        };
+        let flat = match facing {
+            Facing::Flat(flat) => Some(flat as usize),
+            Facing::Mirror(_) => None,
+        };
+        let still = [0.0; D];
+        let approach = moving(&predicted.velocity[i], flat.map_or(&still, |flat| &predicted.flat_velocity[flat]));
+        let overlap = factor * depth;
+        let mut meeting = Meeting { overlap, closing_speed: dot(&approach, &normal), normal, approach, turn: [0.0; 3] };
+        let past = Past {
+            memory: self.memory[c],
+            stretch: spring_at::<D, TURNING>(self.stretch.each_ref().map(|axis| axis.as_slice()), c),
+            account: self.account.at(c),
+        };
+        let law = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
+        let step = predicted.step;
+        let arm = if self.radius.is_empty() { 1.0 } else { distance };
+        let slips = flat.filter(|_| TURNING);
+        let (Reaction { force, twist, .. }, now) = if let Some(flat) = slips {
+            let motion = Motion { bodies, lever: &self.lever, arms: arms(&self.radius), predicted };
+            meeting.turn = predicted.turn.get(i).map(|turn| factor * arm * turn);
+            let before = &bodies.flat_velocity[flat];
+            let of_flat = std::array::from_fn(|k| 0.5 * (before[k] + predicted.flat_velocity[flat][k]));
+            let turn = motion.mean_turn(i).map(|turn| factor * arm * turn);
+            let way = sliding(&moving(&motion.mean_velocity(i), &of_flat), &turn, &normal).map(|u| u * step);
+            react::<D, L, true>(&meeting, &way, law, &past, step)
+        } else {
+            react::<D, L, false>(&meeting, &still, law, &past, step)
+        };
+        (self.memory[c], _) = (now.memory, self.account.put(c, now.account));
+        if TURNING {
+            for k in 0..D {
+                self.stretch[k][c] = now.stretch[k];
+            }
+        }
+        let force = force.map(|f| share * f);
+        add(&mut sums.force[i], 1.0, &force);
+        if slips.is_some() {
+            sums.torque.add(i, self.lever[i] * arm, &twist.map(|f| share * f));
+        }
+        if let Some(flat) = flat {
+            add(&mut sums.flat[flat], -1.0, &force);
+        }
+    }
+}
+
+/// Where arms end, of contacts that know their spheres' radii only if in the contact.
+fn arms(radius: &[f64]) -> Arms<'_> {
+    if radius.is_empty() { Arms::Radius } else { Arms::Contact(radius) }
 }
 
 /// ξ of a contact (m).

@@ -1,10 +1,10 @@
 use super::sections::Sections;
-use super::{Contacts, Sums, Trial};
+use super::{Contacts, Predicted, Sums};
 use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::dashpot::SpringDashpot;
 use crate::dem::rig::law::ByDashpot;
 use crate::dem::rig::pairs::Finder;
-use crate::dem::rig::{Friction, LawBook, Loss, Rig, Spring};
+use crate::dem::rig::{Arm, Friction, LawBook, Loss, Rig, Spring};
 use crate::real::Width;
 use crate::sample::{Sample, Sphere};
 
@@ -31,7 +31,7 @@ fn jostled(
     let friction = |spring| Some(Friction { coefficient: 0.3, spring, damping: 0.7 });
     let materials = losses.into_iter().zip(grip).map(|(loss, spring)| (loss, friction(spring))).collect::<Vec<_>>();
     let binder = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut };
-    let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut };
+    let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut, arm: Arm::Radius };
     let material = crate::material::find("440c", &[]).unwrap();
     let mut rig = Rig::new(Sample { materials: vec![material; 2], spheres }, laws);
     rig.periods = [Some(20.0), None];
@@ -54,19 +54,19 @@ fn jostled(
                 bodies.displacement[i][k] += 0.1 * bodies.velocity[i][k];
             }
         }
-        let trial = Trial {
+        let predicted = Predicted {
             velocity: &bodies.velocity.clone(),
             turn: &bodies.spin.times(&contacts.lever),
             flat_velocity: &[],
             step: 0.1,
         };
-        contacts.sweep(&rig, &bodies, trial, &mut sums);
+        contacts.sweep(&rig, &bodies, predicted, &mut sums);
         felt.extend(sums.force.iter().flatten().chain(sums.torque.numbers()));
     }
     let closed = contacts.account.overlap.iter().filter(|&&overlap| overlap > 0.0).count();
     assert!(closed > 100 && closed < contacts.len() - 100, "{closed} of {}", contacts.len());
     let accounts = (0..contacts.len()).flat_map(|c| contacts.account.at(c).numbers());
-    [felt, accounts.chain((0..contacts.len()).map(|c| contacts.wound(c))).collect()]
+    [felt, accounts.chain((0..contacts.len()).map(|c| contacts.tangential_stored(c))).collect()]
 }
 
 fn bits(numbers: &[f64]) -> Vec<u64> {

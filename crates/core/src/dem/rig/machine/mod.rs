@@ -15,7 +15,7 @@ use std::ops::Range;
 use acts::{Act, Loaded};
 
 use super::bodies::{Bodies, dot};
-use super::contacts::{Contacts, Sums, Trial};
+use super::contacts::{Contacts, Predicted, Sums};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
 use super::pairs::Finder;
@@ -36,7 +36,7 @@ pub(super) struct Machine<const D: usize, L: Bonding, B> {
     pub flat_seen: Vec<[f64; D]>,
     pub sums: Sums<D>,
     trial: Vec<[f64; D]>,
-    /// r ω predicted; empty without friction.
+    /// r ω predicted, or ω where arms end in the contact; empty without friction.
     trial_turn: Turns<D>,
     flat_trial: Vec<[f64; D]>,
     /// Work of loads and prescribed motion, and what bars and drag took (J).
@@ -105,7 +105,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         let Self { bodies, contacts, sums, .. } = self;
         let (velocity, flat_velocity) = (&bodies.velocity, &bodies.flat_velocity);
         let turn = &bodies.spin.times(&contacts.lever);
-        contacts.sweep(rig, bodies, Trial { velocity, turn, flat_velocity, step: 0.0 }, sums);
+        contacts.sweep(rig, bodies, Predicted { velocity, turn, flat_velocity, step: 0.0 }, sums);
         for c in 0..contacts.len() {
             // What a squeezed contact stores at the start is no work of the motion.
             contacts.account.work[c] = contacts.normal_law(c).stored(contacts.account.overlap[c], &contacts.memory[c]);
@@ -126,7 +126,8 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         self.apply_acts(rig, h);
         for (c, cluster) in rig.clusters.iter().enumerate() {
             let mut state = self.bodies.clusters[c];
-            state.drift(rig, cluster, h, &mut self.bodies, &mut self.trial, &mut self.trial_turn);
+            let predicted = (&mut self.trial[..], &mut self.trial_turn);
+            state.drift(rig, cluster, h, &mut self.bodies, predicted, &self.contacts.lever);
             self.bodies.clusters[c] = state;
         }
         strayed |= self.driven_strayed(rig);
@@ -140,7 +141,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         contacts.sweep(
             rig,
             bodies,
-            Trial { velocity: trial, turn: trial_turn, flat_velocity: flat_trial, step: h },
+            Predicted { velocity: trial, turn: trial_turn, flat_velocity: flat_trial, step: h },
             sums,
         );
         self.kick(rig, h);
@@ -193,16 +194,16 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             }
         }
         let contacts = &self.contacts;
-        let winds = contacts.winds();
-        for part in parts(contacts.len(), |some| self.held(some, winds)) {
+        let springs = contacts.has_tangential_springs();
+        for part in parts(contacts.len(), |some| self.held(some, springs)) {
             ledger.stored += part.stored;
             ledger.dissipated += part.dissipated;
-            ledger.wound += part.wound;
+            ledger.tangential_stored += part.tangential_stored;
             ledger.friction += part.friction;
         }
         for kept in contacts.kept_pairs.values().chain(contacts.kept_faces.values()) {
             ledger.dissipated += kept.weight * kept.work;
-            ledger.friction += kept.share * kept.slid;
+            ledger.friction += kept.weight * kept.friction_work;
         }
         ledger.dissipated += contacts.lost[0];
         ledger.friction += contacts.lost[1];
@@ -232,21 +233,21 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
     }
 
     /// What some contacts hold and have taken, tangential springs only where there are any.
-    fn held(&self, some: Range<usize>, winds: bool) -> EnergyLedger {
+    fn held(&self, some: Range<usize>, springs: bool) -> EnergyLedger {
         let (contacts, mut held) = (&self.contacts, EnergyLedger::default());
         for c in some {
             let account = &contacts.account;
-            let (work, slid, overlap) = (account.work[c], account.slid[c], account.overlap[c]);
-            if work == 0.0 && slid == 0.0 && overlap == 0.0 {
+            let (work, friction_work, overlap) = (account.work[c], account.friction_work[c], account.overlap[c]);
+            if work == 0.0 && friction_work == 0.0 && overlap == 0.0 {
                 continue;
             }
             let stored = contacts.normal_law(c).stored(overlap, &contacts.memory[c]);
-            let (weight, share) = (contacts.weight(c), contacts.share(c));
+            let weight = contacts.weight(c);
             held.stored += weight * stored;
             held.dissipated += weight * (work - stored);
-            let wound = if winds { contacts.wound(c) } else { 0.0 };
-            held.wound += share * wound;
-            held.friction += share * (slid - wound);
+            let sheared = if springs { contacts.tangential_stored(c) } else { 0.0 };
+            held.tangential_stored += weight * sheared;
+            held.friction += weight * (friction_work - sheared);
         }
         held
     }
