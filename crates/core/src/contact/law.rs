@@ -222,8 +222,8 @@ pub trait WithLaw {
 }
 
 impl LawKind {
-    /// Chooses the law, once for all that follows. The two that lenses are designed with have loops of their own; the others
-    /// share one.
+    /// Chooses the law, once for all that follows. The two that lenses are designed with, and Hertz, with which other
+    /// programs are compared, have loops of their own; the others share one.
     pub fn choose<W: WithLaw>(self, then: W) -> W::Output {
         match self {
             Self::Thesis | Self::ThesisStatic => {
@@ -232,6 +232,7 @@ impl LawKind {
             Self::Consistent | Self::ConsistentStatic => {
                 then.with(move |pair: &Pair| Consistent::new(pair, self == Self::Consistent))
             }
+            Self::Hertz => then.with(Hertz::new),
             _ => then.with(move |pair: &Pair| AnyLaw::new(self, pair)),
         }
     }
