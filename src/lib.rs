@@ -28,4 +28,6 @@ pub mod trial;
 pub mod study;
 pub mod export;
 pub mod report;
+pub mod build;
+pub mod measured;
 pub mod reproduce;

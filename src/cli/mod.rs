@@ -6,17 +6,20 @@
 //! - `cost`: what a command would cost
 
 mod bench;
+mod build;
 mod check;
 mod compare;
 mod console;
 mod contact;
 mod cost;
 mod design;
+mod diff;
 mod export;
 mod failure;
 mod folder;
 mod impact;
 mod materials;
+mod measured;
 mod motion;
 mod network;
 mod over_laws;
@@ -77,7 +80,7 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: run, simulate and study a folder, design, trace, contact and surface what they make, the others their
+    /// Where to write: run, simulate, study, build and measured a folder, design, trace, contact and surface what they make, the others their
     /// JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -98,6 +101,9 @@ enum Command {
     Simulate(simulate::Simulate),
     Check(check::Check),
     Compare(compare::Compare),
+    Diff(diff::Diff),
+    Measured(measured::Measured),
+    Build(build::Build),
     Materials(materials::Materials),
     Contact(contact::Contact),
     Speed(speed::Speed),
@@ -118,6 +124,7 @@ impl Command {
             Self::Study(study) => study.simulates(),
             Self::Run(_) | Self::Simulate(_) | Self::Check(_) | Self::Compare(_) => true,
             Self::Reproduce(_) | Self::Export(_) | Self::Impact(_) => true,
+            Self::Diff(_) | Self::Build(_) | Self::Measured(_) => true,
             Self::Design(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
             Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
             Self::Network(_) | Self::Motion(_) => false,
@@ -157,6 +164,9 @@ pub fn main() -> ExitCode {
         Command::Simulate(command) => command.run(common),
         Command::Check(command) => command.run(common),
         Command::Compare(command) => command.run(common),
+        Command::Diff(command) => command.run(common),
+        Command::Measured(command) => command.run(common),
+        Command::Build(command) => command.run(common),
         Command::Materials(command) => command.run(common),
         Command::Contact(command) => command.run(common),
         Command::Speed(command) => command.run(common),

@@ -1,12 +1,17 @@
 //! Which material sits on which site (from the core), and layouts as files.
 //!
 //! - `write`: as CSV and JSON; `read`: the half or the whole piece; `error`: what a refused file hears
+//! - `extent`: the lattice that a file was written for; `piece`: the whole piece, both halves
 
 mod error;
+mod extent;
+mod piece;
 mod read;
 mod write;
 
 pub use error::LayoutFileError;
+pub use extent::lattice_of;
 pub use granulens_core::layout::*;
+pub use piece::{PieceSphere, whole};
 pub use read::{ReadLayout, read, read_noted};
 pub use write::{write, write_full, write_json};

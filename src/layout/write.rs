@@ -7,8 +7,8 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::Layout;
 use super::read::HEADER;
+use super::{Layout, whole};
 use crate::output::marked;
 
 /// The layout's format number, written in the first comment line.
@@ -26,14 +26,8 @@ pub fn write(layout: &Layout) -> String {
 /// The whole piece as CSV text: the simulated half and its mirror image about the axis, columns counted anew from the left.
 pub fn write_full(layout: &Layout) -> String {
     let mut text = preamble(layout, "whole piece, both halves");
-    let sites = layout.lattice.sites();
-    for row in 1..=layout.lattice.rows() {
-        let half: Vec<_> = sites.iter().zip(&layout.materials).filter(|(site, _)| site.row == row).collect();
-        let mirrored = half.iter().rev().filter(|(site, _)| site.x > 0.0).map(|&(site, &m)| (-site.x, site.z, m));
-        let whole = mirrored.chain(half.iter().map(|&(site, &m)| (site.x, site.z, m)));
-        for (column, (x, z, material)) in (1..).zip(whole) {
-            line(&mut text, [row, column], x, z, layout, material);
-        }
+    for sphere in whole(layout) {
+        line(&mut text, [sphere.row, sphere.column], sphere.x, sphere.z, layout, sphere.material);
     }
     marked(text)
 }

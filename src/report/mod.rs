@@ -44,6 +44,11 @@ mod trace;
 mod trial;
 mod verdict;
 
+pub(crate) use chart::{COLOURS, Chart, Line};
+pub(crate) use colour::material as material_colour;
+pub(crate) use plain_page::plain_page;
+pub(crate) use svg::escape;
+
 pub use bed::{BedPictures, BedRecord, draw_bed};
 pub use claims::{Claim, claims};
 pub use contact_curve::contact_curve;

@@ -6,6 +6,7 @@ use crate::dem::rig::{Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig};
 use crate::design::Design;
 use crate::document::DocumentError;
 use crate::evaluate::{Overrides, Plan, PlanError};
+use crate::layout::Layout;
 use crate::lens::{LensError, propose};
 
 /// A file that cannot be set up.
@@ -42,8 +43,14 @@ pub(super) fn setup(design: &Design, first_seed: Option<u64>) -> Result<Setup, S
                 lens.map_err(|error| SetupError::Lens { design: Box::new(design.clone()), error: Box::new(error) })?;
             lens.layout()
         }
-        None => crate::layout::Layout::new(*lattice, vec![design.host.clone()], |_| 0),
+        None => Layout::new(*lattice, vec![design.host.clone()], |_| 0),
     };
+    of_layout(design, &layout, first_seed)
+}
+
+/// Any layout of a design under its impact.
+pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64>) -> Result<Setup, SetupError> {
+    let lattice = &design.lattice;
     let verlet = Overrides { integrator: Some(crate::dem::Integrator::Verlet), ..Overrides::default() };
     let plan = Plan::new(design, verlet, &layout.palette)
         .map_err(|error| SetupError::Plan { design: Box::new(design.clone()), error })?;

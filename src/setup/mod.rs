@@ -36,6 +36,7 @@ pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region};
 use crate::dem::rig::{Body, Law, LawBook, Rig};
 use crate::design::Design;
 use crate::document::{self, DocumentError};
+use crate::layout::Layout;
 
 /// A rig in one, two or three dimensions.
 #[derive(Clone, Debug)]
@@ -189,6 +190,14 @@ impl Setup {
             Some(setup) => Ok(setup),
             None => lens::setup(&Design::read(path)?, first_seed),
         }
+    }
+
+    /// A layout of a design under the design's impact.
+    ///
+    /// # Errors
+    /// The step or window of the design cannot be.
+    pub fn of_layout(design: &Design, layout: &Layout) -> Result<Self, SetupError> {
+        lens::of_layout(design, layout, None)
     }
 
     /// Reads a rig file; none if the file is no rig file, but a lens design or nothing known.

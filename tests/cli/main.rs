@@ -1,6 +1,7 @@
 //! The program as its users and their scripts meet it: arguments in; files, stdout, stderr and an exit code out.
 //!
 //! - `jobs`: run, design and compare; the same numbers on any number of threads
+//! - `build`: what a workshop gets, and differences of layouts; `measured`: measurements on predictions
 //! - `check`: layouts under an impact, steps, guards and thresholds
 //! - `layouts`: what a wrong layout file hears
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
@@ -10,6 +11,7 @@
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption; `kept`: nothing of a user's is lost
 
+mod build;
 mod check;
 mod cost;
 mod folders;
@@ -18,6 +20,7 @@ mod jobs;
 mod kept;
 mod laws;
 mod layouts;
+mod measured;
 mod network;
 mod refusals;
 mod simulate;

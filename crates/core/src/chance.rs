@@ -36,11 +36,14 @@ impl Mean {
 }
 
 /// Quantile 0.975 of Student's distribution: tabulated to 10 degrees of freedom ν, then by its expansion in 1/ν (Abramowitz and
-/// Stegun 26.7.5), to 10⁻⁴.
-fn student(freedom: usize) -> f64 {
+/// Stegun 26.7.5), to 10⁻⁴. Of no freedom there is none to tell, and it is infinite.
+pub fn student(freedom: usize) -> f64 {
     const FEW: [f64; 10] =
         [12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582, 2.446_912, 2.364_624, 2.306_004, 2.262_157, 2.228_139];
-    if let Some(quantile) = freedom.checked_sub(1).and_then(|k| FEW.get(k)) {
+    if freedom == 0 {
+        return f64::INFINITY;
+    }
+    if let Some(quantile) = FEW.get(freedom - 1) {
         return *quantile;
     }
     let (x, v) = (1.959_963_985_f64, freedom as f64);

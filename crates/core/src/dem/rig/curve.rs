@@ -112,6 +112,18 @@ impl Table {
 }
 
 impl Curve {
+    /// The same curve with every value times `factor`.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut curve = self.clone();
+        match &mut curve {
+            Self::Square { peak, .. } | Self::HalfSine { peak, .. } | Self::Triangle { peak, .. } => *peak *= factor,
+            Self::Table(table) | Self::Path(table) => {
+                table.values.iter_mut().chain(&mut table.integrals).for_each(|value| *value *= factor);
+            }
+        }
+        curve
+    }
+
     /// Its greatest value, without the sign.
     pub fn peak(&self) -> f64 {
         match self {
@@ -218,6 +230,21 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A curve and its integral scale together, at every time.
+    #[test]
+    fn scaled_curves_are_so_many_times_as_high() {
+        let points = [(1.0, 0.5), (1.5, 3.0), (2.5, -1.0), (3.0, 0.25)];
+        let square = Curve::Square { peak: 3.0, start: 1.0, duration: 2.0 };
+        for curve in [square, Curve::table(&points).unwrap(), Curve::path(&points).unwrap()] {
+            let scaled = curve.scaled(2.5);
+            assert_eq!((scaled.peak(), scaled.end()), (2.5 * curve.peak(), curve.end()));
+            for time in [0.0, 1.2, 1.9, 2.6, 4.0] {
+                assert!((scaled.value(time) - 2.5 * curve.value(time)).abs() < 1e-14);
+                assert!((scaled.integral(time) - 2.5 * curve.integral(time)).abs() < 1e-14);
+            }
+        }
+    }
 
     /// The integral is that of the value: Simpson's rule over a grid that meets every kink is exact for lines, and to
     /// h⁴ f⁗/2880 = 4e-10 for the sine.

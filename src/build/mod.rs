@@ -1,0 +1,42 @@
+//! What a workshop gets: from a layout to drawings, lists and a frame.
+//!
+//! In: a [`Piece`], the layout as it is to be built, with the letter and the hatching of each material. Out: the texts and bytes of
+//! files; nothing here writes one. Lengths of drawings are in millimetres, x to the right from the lens axis and y down from row 1, as
+//! z is.
+//!
+//! - `piece`: what is built, and how its materials are told apart
+//! - `drawing`: shapes on paper; `pdf`, `svg`: the same shapes as files; `glyphs`: widths of letters
+//! - `map`: the assembly map at 1:1; `pages`: the map cut into sheets of paper
+//! - `dxf`: the map for CAD
+//! - `parts`: how many of what; `placement`: row by row, to tick
+//! - `frame`: the walls that stand for the mirror lines, as a solid; `walls`: what they change
+//! - `inspection`: which spheres to measure first; `sorted`: which sphere of a measured batch goes where
+//! - `diff`: what differs between two layouts
+
+mod diff;
+mod drawing;
+mod dxf;
+mod frame;
+mod glyphs;
+mod inspection;
+mod map;
+mod pages;
+mod parts;
+mod pdf;
+mod piece;
+mod placement;
+mod sorted;
+mod svg;
+mod walls;
+
+pub use diff::{Change, changes};
+pub use dxf::dxf;
+pub use frame::{Frame, Solid};
+pub use inspection::{Inspected, inspection, inspection_csv};
+pub use map::map_svg;
+pub use pages::{Paper, map_pdf};
+pub use parts::{Part, parts, parts_csv, total_cost};
+pub use piece::{Hatch, Mark, Piece};
+pub use placement::{placement_csv, placement_pdf};
+pub use sorted::{Ball, BatchError, Placing, placings, placings_csv, read_batch};
+pub use walls::{WallEffect, WallError, in_walls};

@@ -1,0 +1,78 @@
+//! How many of what: the piece, spares, mass and cost.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::piece::Piece;
+use crate::design::Design;
+use crate::layout::Layout;
+
+/// One line of the list.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Part {
+    /// As on the map.
+    pub letter: String,
+    /// Its material.
+    pub material: String,
+    /// Diameter (mm).
+    pub diameter_mm: f64,
+    /// Spheres of the piece.
+    pub count: usize,
+    /// Spheres to order besides.
+    pub spares: usize,
+    /// Mass of the piece's spheres of it (kg).
+    pub mass_kg: f64,
+    /// Price of one, as the design file says, in its currency.
+    pub price: Option<f64>,
+    /// Price of all, spares among them.
+    pub cost: Option<f64>,
+}
+
+/// What the piece is made of; spares are a fraction of each count, rounded up, and never none.
+pub fn parts(piece: &Piece, layout: &Layout, design: &Design, spares: f64) -> Vec<Part> {
+    let bill = layout.piece(|material| design.price(material));
+    let part = |(k, mark): (usize, &super::Mark)| {
+        let (count, material) = (bill.counts[k] as usize, &layout.palette[k]);
+        // A product such as 0.05 × 1200 must not be rounded up for its last bit.
+        let spares = ((count as f64 * spares - 1e-9).ceil() as usize).max(1);
+        let price = design.price(material);
+        Part {
+            letter: mark.letter.clone(),
+            material: mark.material.clone(),
+            diameter_mm: piece.diameter,
+            count,
+            spares,
+            mass_kg: count as f64 * material.sphere_mass(layout.lattice.diameter()),
+            price,
+            cost: price.map(|price| price * (count + spares) as f64),
+        }
+    };
+    piece.used().map(part).collect()
+}
+
+/// The list with a sum in its last line; a missing price leaves the sum of costs empty.
+pub fn parts_csv(parts: &[Part]) -> String {
+    let mut text = "letter,material,diameter_mm,count,spares,order,mass_kg,price,cost\n".to_owned();
+    let shown = |price: Option<f64>| price.map_or(String::new(), |price| format!("{price:.2}"));
+    for part in parts {
+        let Part { letter, material, diameter_mm, count, spares, mass_kg, price, cost } = part;
+        let order = count + spares;
+        let _ = writeln!(
+            text,
+            "{letter},{material},{diameter_mm},{count},{spares},{order},{mass_kg:.6},{},{}",
+            shown(*price),
+            shown(*cost)
+        );
+    }
+    let sum = |of: fn(&Part) -> usize| parts.iter().map(of).sum::<usize>();
+    let (count, spares) = (sum(|part| part.count), sum(|part| part.spares));
+    let mass: f64 = parts.iter().map(|part| part.mass_kg).sum();
+    let _ = writeln!(text, "all,,,{count},{spares},{},{mass:.6},,{}", count + spares, shown(total_cost(parts)));
+    text
+}
+
+/// What all of it costs; none where a price is missing.
+pub fn total_cost(parts: &[Part]) -> Option<f64> {
+    parts.iter().map(|part| part.cost).sum()
+}

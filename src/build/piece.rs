@@ -1,0 +1,173 @@
+//! What is built, and how its materials are told apart: by letter, by colour and by hatching, each of which would do alone.
+
+use crate::layout::{Layout, PieceSphere, whole};
+use crate::report::material_colour;
+
+/// A layout as it is to be built.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Name of the design.
+    pub name: String,
+    /// Diameter of the spheres (mm).
+    pub diameter: f64,
+    /// All spheres, row by row from left to right.
+    pub spheres: Vec<PieceSphere>,
+    /// How each material of the layout's palette is drawn.
+    pub marks: Vec<Mark>,
+    /// Number of rows.
+    pub rows: u32,
+}
+
+/// How one material is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Its name.
+    pub material: String,
+    /// A to Z without I and O, which are taken for 1 and 0; then AA, AB and so on.
+    pub letter: String,
+    /// Fill, red, green and blue.
+    pub colour: [u8; 3],
+    /// Hatching.
+    pub hatch: Hatch,
+    /// Spheres of the piece that are made of it.
+    pub count: usize,
+}
+
+/// Lines across a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hatch {
+    /// Directions of the lines, in degrees from the x axis, counter-clockwise on paper.
+    pub directions: &'static [f64],
+    /// Lines across a diameter, of each direction.
+    pub lines: u32,
+}
+
+/// Hatchings in the order in which materials take them; a second round is twice as dense.
+const DIRECTIONS: [&[f64]; 7] = [&[], &[45.0], &[-45.0], &[0.0], &[90.0], &[45.0, -45.0], &[0.0, 90.0]];
+
+impl Hatch {
+    /// Of the k-th material.
+    fn of(k: usize) -> Self {
+        let round = k / DIRECTIONS.len();
+        Self { directions: DIRECTIONS[k % DIRECTIONS.len()], lines: 5 * (1 + round as u32) }
+    }
+
+    /// The chords of a circle about the origin.
+    pub fn chords(&self, radius: f64) -> Vec<[[f64; 2]; 2]> {
+        let pitch = 2.0 * radius / f64::from(self.lines);
+        let mut chords = Vec::new();
+        for direction in self.directions {
+            // y points down on paper.
+            let (sin, cos) = direction.to_radians().sin_cos();
+            let (along, normal) = ([cos, -sin], [sin, cos]);
+            for k in 0..self.lines {
+                let offset = (f64::from(k) + 0.5) * pitch - radius;
+                let half = (radius * radius - offset * offset).max(0.0).sqrt();
+                let end = |sign: f64| std::array::from_fn(|i| offset * normal[i] + sign * half * along[i]);
+                chords.push([end(-1.0), end(1.0)]);
+            }
+        }
+        chords
+    }
+}
+
+/// The letters of the k-th material.
+fn letters(mut k: usize) -> String {
+    const ALPHABET: &[u8; 24] = b"ABCDEFGHJKLMNPQRSTUVWXYZ";
+    let mut letters = Vec::new();
+    loop {
+        letters.insert(0, char::from(ALPHABET[k % 24]));
+        if k < 24 {
+            return letters.into_iter().collect();
+        }
+        k = k / 24 - 1;
+    }
+}
+
+/// A colour that black letters and lines stand out from: half way to white.
+fn pale(hex: &str) -> [u8; 3] {
+    let part = |at: usize| hex.get(at..at + 2).and_then(|digits| u8::from_str_radix(digits, 16).ok()).unwrap_or(255);
+    [1, 3, 5].map(|at| part(at) / 2 + 128)
+}
+
+impl Piece {
+    /// The whole piece of a layout. Materials that do not occur take no letter.
+    pub fn new(name: &str, layout: &Layout) -> Self {
+        let spheres = whole(layout);
+        let count = |material: usize| spheres.iter().filter(|s| usize::from(s.material) == material).count();
+        let mut used = 0;
+        let marks = layout.palette.iter().enumerate().map(|(k, material)| {
+            let count = count(k);
+            let place = used;
+            used += usize::from(count > 0);
+            Mark {
+                material: material.name.clone(),
+                letter: if count > 0 { letters(place) } else { String::new() },
+                colour: pale(material_colour(place)),
+                hatch: Hatch::of(place),
+                count,
+            }
+        });
+        let marks = marks.collect();
+        Self {
+            name: name.to_owned(),
+            diameter: 1e3 * layout.lattice.diameter(),
+            spheres,
+            marks,
+            rows: layout.lattice.rows(),
+        }
+    }
+
+    /// The materials that occur.
+    pub fn used(&self) -> impl Iterator<Item = (usize, &Mark)> {
+        self.marks.iter().enumerate().filter(|(_, mark)| mark.count > 0)
+    }
+
+    /// How a sphere is drawn.
+    pub fn mark(&self, sphere: &PieceSphere) -> &Mark {
+        &self.marks[usize::from(sphere.material)]
+    }
+
+    /// Where a sphere's centre lies on the map (mm).
+    pub fn place(&self, sphere: &PieceSphere) -> [f64; 2] {
+        [1e3 * sphere.x, 1e3 * sphere.z]
+    }
+
+    /// What the spheres fill: left, top, right and bottom of the outermost surfaces (mm).
+    pub fn extent(&self) -> [f64; 4] {
+        let radius = 0.5 * self.diameter;
+        let places = self.spheres.iter().map(|sphere| self.place(sphere));
+        places.fold([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY], |[l, t, r, b], [x, y]| {
+            [l.min(x - radius), t.min(y - radius), r.max(x + radius), b.max(y + radius)]
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_go_on_behind_z_and_never_repeat() {
+        let many: Vec<String> = (0..256).map(letters).collect();
+        assert_eq!(
+            (&many[0][..], &many[8][..], &many[23][..], &many[24][..], &many[47][..]),
+            ("A", "J", "Z", "AA", "AZ")
+        );
+        let distinct: std::collections::BTreeSet<&String> = many.iter().collect();
+        assert_eq!(distinct.len(), 256);
+        assert!(many.iter().all(|letters| !letters.contains(['I', 'O'])));
+    }
+
+    /// Every chord begins and ends on the circle, and two directions cross.
+    #[test]
+    fn hatching_stays_within_the_sphere() {
+        for k in 0..14 {
+            let hatch = Hatch::of(k);
+            for [a, b] in hatch.chords(3.175) {
+                assert!((a[0].hypot(a[1]) - 3.175).abs() < 1e-12 && (b[0].hypot(b[1]) - 3.175).abs() < 1e-12);
+            }
+            assert_eq!(hatch.chords(1.0).len(), hatch.directions.len() * hatch.lines as usize);
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! `granulens build`: what a workshop needs to build a layout.
+
+use std::path::{Path, PathBuf};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use granulens::build::{
+    self, BatchError, Frame, Inspected, Paper, Part, Piece, WallEffect, WallError, inspection, read_batch,
+};
+use granulens::dem::Integrator;
+use granulens::dem::rig::RigStop;
+use granulens::design::Design;
+use granulens::evaluate::{Overrides, Plan, evaluate, impact, method};
+use granulens::layout::{Layout, write_full};
+use granulens::outcome::{FORMAT, Manifest};
+use granulens::units::Dimension;
+use granulens::units::Dimension::{Energy, Length, Mass};
+use serde_json::json;
+
+use super::compare::read_layout;
+use super::console::{emit, emit_json, interrupt, note, pretty};
+use super::cost::{arrangement, tell};
+use super::failure::Failure;
+use super::folder::begin;
+use super::{Common, Motion, cost};
+
+/// Drawings, lists and a frame for the workshop that builds a layout
+///
+/// The folder, builds/NAME unless --out names another, holds the assembly map at 1:1 (PDF for A4, A3 and Letter, SVG, DXF), the
+/// placement list, the parts list, the frame as STL, and which spheres to measure first.
+#[derive(clap::Args)]
+pub struct Build {
+    /// Layout, CSV with the header row,column,x,z,diameter,material
+    layout: PathBuf,
+    /// Design file: everything but the materials
+    #[arg(long, value_name = "FILE")]
+    design: PathBuf,
+    /// Measured diameters, CSV with the columns material, diameter_mm and, where spheres have names, id: says which goes where
+    #[arg(long, value_name = "FILE")]
+    sorted: Option<PathBuf>,
+    /// Spheres of each material to order besides, as a part of those that are built in
+    #[arg(long, value_name = "PART", default_value = "5 %", allow_hyphen_values = true, value_parser = part)]
+    spares: f64,
+    /// Room between the piece and each wall of the frame
+    #[arg(long, value_name = "LENGTH", default_value = "0 mm", allow_hyphen_values = true, value_parser = room)]
+    clearance: f64,
+    /// Thickness of the frame's walls
+    #[arg(long, value_name = "LENGTH", default_value = "10 mm", allow_hyphen_values = true, value_parser = super::length)]
+    wall: f64,
+    /// Thickness of the frame's floor
+    #[arg(long, value_name = "LENGTH", default_value = "4 mm", allow_hyphen_values = true, value_parser = super::length)]
+    floor: f64,
+    #[command(flatten)]
+    motion: Motion,
+}
+
+fn part(text: &str) -> Result<f64, String> {
+    let part = Dimension::Fraction.parse(text).map_err(|error| error.to_string())?;
+    if (0.0..=10.0).contains(&part) { Ok(part) } else { Err("must lie between 0 and 1000 %".to_owned()) }
+}
+
+fn room(text: &str) -> Result<f64, String> {
+    let room = Length.parse(text).map_err(|error| error.to_string())?;
+    if room >= 0.0 { Ok(room) } else { Err("must not be negative".to_owned()) }
+}
+
+/// The rule of the inspection list, as it is told.
+const RANKED: &str = "ranked by the greatest kinetic energy of each sphere in a simulation of the layout under the design's impact, \
+                      least first: where the wave is weak, small gaps matter most";
+
+impl Build {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let design = Design::read(&self.design)?;
+        let layout = read_layout(common, &design, &self.layout)?;
+        let overrides = self.motion.overrides(common);
+        let plan = Plan::new(&design, overrides, &layout.palette)
+            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        // Rigs know Verlet only, which asks for a step of its own.
+        let verlet = Overrides { integrator: Some(Integrator::Verlet), ..overrides };
+        let rig_plan =
+            Plan::new(&design, verlet, &layout.palette).map_err(|error| Failure::of_plan(&design, &verlet, &error))?;
+        if common.dry_run {
+            let alone = arrangement(&layout.sample(), &impact(&design, &plan))?;
+            let parts = [
+                cost::Part::new("the layout, for the inspection list", 1, Some(alone)),
+                // Twice the spheres, and contacts that are searched for.
+                cost::Part::new("the whole piece in its walls, a rough guess", 3, Some(12.0 * alone)),
+            ];
+            return tell(common, &parts);
+        }
+        let place = common.out.clone().unwrap_or_else(|| Path::new("builds").join(&design.name));
+        let folder = begin(common, &place)?;
+        let piece = Piece::new(&design.name, &layout);
+        let batch = match &self.sorted {
+            Some(path) => Some((path, read_batch(path, &design.own_materials, piece.diameter)?)),
+            None => None,
+        };
+
+        let (begun, started) = (Instant::now(), SystemTime::now());
+        let evaluation = evaluate(&design, &layout, &plan, interrupt())?;
+        if let Some(stop) = &evaluation.record.stop {
+            return Err(match stop {
+                granulens::dem::Stop::Interrupted { .. } => Failure::Interrupted("nothing is written".to_owned()),
+                stop => Failure::Guard(vec![format!("the layout cannot be ranked: {stop}")]),
+            });
+        }
+        let list = inspection(&piece, &evaluation.record.max_kinetic);
+        let walls = build::in_walls(&design, &layout, &rig_plan, interrupt())?;
+
+        let mm = |length: f64| 1e3 * length;
+        let frame = Frame::new(&piece, mm(self.clearance), mm(self.wall), mm(self.floor));
+        let parts = build::parts(&piece, &layout, &design, self.spares);
+        let mut files = files(&piece, &layout, &parts, &frame, &list);
+        if let Some((path, balls)) = &batch {
+            let placing = build::placings(&piece, &list, balls, path)?;
+            files.push(("sorted.csv".to_owned(), build::placings_csv(&piece, balls, &placing).into_bytes()));
+        }
+        let told = json!({
+            "format": FORMAT,
+            "design": design.name,
+            "layout": self.layout.display().to_string(),
+            "spheres": piece.spheres.len(),
+            "parts": parts,
+            "cost": build::total_cost(&parts),
+            "frame_mm": { "width": frame.width, "depth": frame.depth, "height": frame.height, "wall": frame.wall, "floor": frame.floor },
+            "walls": walls,
+            "inspection": RANKED,
+        });
+        files.push(("build.json".to_owned(), pretty(&told).into_bytes()));
+        let manifest = manifest(&design, &plan, started, begun);
+        files.push(("manifest.json".to_owned(), pretty(&manifest).into_bytes()));
+        for (name, bytes) in &files {
+            folder.write(name, bytes)?;
+        }
+        folder.finish()?;
+        if common.json {
+            emit_json(&told);
+        } else {
+            emit(&words(&piece, &parts, &frame, &walls));
+        }
+        note(common, &format!("for the workshop: {}", place.display()));
+        Ok(())
+    }
+}
+
+/// Everything that is drawn or listed, by the name of its file.
+fn files(piece: &Piece, layout: &Layout, parts: &[Part], frame: &Frame, list: &[Inspected]) -> Vec<(String, Vec<u8>)> {
+    let mut files: Vec<(String, Vec<u8>)> = Paper::ALL
+        .into_iter()
+        .map(|paper| (format!("map-{}.pdf", paper.name()), build::map_pdf(piece, paper)))
+        .collect();
+    let others: [(&str, Vec<u8>); 8] = [
+        ("map.svg", build::map_svg(piece).into_bytes()),
+        ("map.dxf", build::dxf(piece).into_bytes()),
+        ("placement.csv", build::placement_csv(piece).into_bytes()),
+        ("placement.pdf", build::placement_pdf(piece)),
+        ("parts.csv", build::parts_csv(parts).into_bytes()),
+        ("frame.stl", frame.solid().stl(&piece.name)),
+        ("inspection.csv", build::inspection_csv(piece, list).into_bytes()),
+        ("layout-full.csv", write_full(layout).into_bytes()),
+    ];
+    files.extend(others.map(|(name, bytes)| (name.to_owned(), bytes)));
+    files
+}
+
+fn manifest(design: &Design, plan: &Plan, started: SystemTime, begun: Instant) -> Manifest {
+    Manifest {
+        format: FORMAT,
+        name: design.name.clone(),
+        method: method(design, plan),
+        design_file: design.path.display().to_string(),
+        design: design.text.clone(),
+        impact: design.impact_in_words(),
+        seeds: [plan.first_seed, 0],
+        threads: rayon::current_num_threads(),
+        started_unix_s: started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
+        seconds: begun.elapsed().as_secs_f64(),
+    }
+}
+
+fn words(piece: &Piece, parts: &[Part], frame: &Frame, walls: &[WallEffect]) -> String {
+    let mut text = format!(
+        "{}: {} spheres of {} mm in {} rows\n\n| | material | spheres | spares | mass |\n|---|---|---|---|---|\n",
+        piece.name,
+        piece.spheres.len(),
+        piece.diameter,
+        piece.rows
+    );
+    for part in parts {
+        let Part { letter, material, count, spares, mass_kg, .. } = part;
+        text += &format!("| {letter} | {material} | {count} | {spares} | {} |\n", Mass.show(*mass_kg));
+    }
+    if let Some(cost) = build::total_cost(parts) {
+        text += &format!("\ncost with spares {cost:.2}, in the currency of [prices]\n");
+    }
+    text += &format!(
+        "\nframe: {:.2} mm between the side walls, {:.2} mm from the centres of row 1 to the end wall, walls {} mm high\n\n\
+         | held by | F | P | C |\n|---|---|---|---|\n",
+        frame.width, frame.depth, frame.height
+    );
+    for WallEffect { held, focal_mean, protected_mean, contrast } in walls {
+        let contrast = contrast.map_or("-".to_owned(), |contrast| format!("{contrast:.3}"));
+        text += &format!("| {held} | {} | {} | {contrast} |\n", Energy.show(*focal_mean), Energy.show(*protected_mean));
+    }
+    text += &format!("\nmeasure first: the spheres of inspection.csv, {RANKED}");
+    text
+}
+
+impl From<BatchError> for Failure {
+    fn from(error: BatchError) -> Self {
+        Self::input_with_help(error.to_string(), error.help)
+    }
+}
+
+impl From<WallError> for Failure {
+    fn from(error: WallError) -> Self {
+        match error {
+            WallError::Stopped(RigStop::Interrupted { .. }) => Self::Interrupted("nothing is written".to_owned()),
+            WallError::Stopped(stop) => Self::Guard(vec![format!("the piece in its walls: {stop}")]),
+            WallError::Rig(error) => Self::input(error.to_string()),
+        }
+    }
+}
