@@ -244,9 +244,10 @@ fn what_is_found_is_listed_by_price_where_prices_are_given() {
     assert!(none.code == 2 && none.stderr.contains("there are no prices"), "{}", none.stderr);
     // The proposal's cost: spheres of both halves, each at its price.
     let proposal = &desk.run(&["design", "priced.toml", "--json"]).ok().json()["proposal"];
-    let counts: Vec<f64> = proposal["counts"].as_array().unwrap().iter().map(|count| count.as_f64().unwrap()).collect();
+    let counts: Vec<f64> =
+        proposal["piece"]["counts"].as_array().unwrap().iter().map(|count| count.as_f64().unwrap()).collect();
     let cost = counts[0] * 30.0 + counts[1] * 9.0;
-    assert!((proposal["cost"].as_f64().unwrap() / cost - 1.0).abs() < 1e-12);
+    assert!((proposal["piece"]["cost"].as_f64().unwrap() / cost - 1.0).abs() < 1e-12);
     for (line, words) in [("brass-260 = -9", "must not be negative"), ("gold = 9", "is the price of no known material")]
     {
         desk.write("wrong.toml", priced.replace("brass-260 = 9", line));

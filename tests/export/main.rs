@@ -85,7 +85,7 @@ fn the_command_takes_rig_files() {
     }
     let hertz = folder.path().join("hertz.toml");
     let column = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/column-1d.toml")).unwrap();
-    std::fs::write(&hertz, column.replace("[crystal]", "[law]\nkind = \"hertz\"\n[crystal]")).unwrap();
+    std::fs::write(&hertz, column.replace("kind = \"thesis\"", "kind = \"hertz\"")).unwrap();
     let output = export(hertz.to_str().unwrap(), &[&short[..], &["--step", "0.1 us", "--lammps", "deck"]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(std::fs::read_to_string(folder.path().join("deck/crystal.data")).unwrap().contains("50 atoms"));

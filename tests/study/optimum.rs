@@ -56,7 +56,7 @@ fn nsga_finds_the_front_of_a_crystal_that_can_be_enumerated() {
     let losses: Vec<_> = rung.all().iter().map(|judged| judged.loss.clone()).collect();
     let mut truth: Vec<&str> = front(&losses).into_iter().map(|k| rung.all()[k].entry.key.as_str()).collect();
     let found = desk.run().unwrap().0.front.unwrap();
-    assert_eq!(found.measures, ["contrast", "mass"]);
+    assert_eq!(found.measures, ["contrast", "half_mass"]);
     let mut keys: Vec<&str> = found.layouts.iter().map(|layout| layout.entry.key.as_str()).collect();
     truth.sort_unstable();
     keys.sort_unstable();

@@ -52,7 +52,7 @@ pub enum LatticeError {
 /// (Burgoyne 2016, section 2.1.2).
 ///
 /// ```
-/// let sheet = granulens::lattice::HexagonalSheet::new(6.35e-3, 50, 16.5).unwrap();
+/// let sheet = granulens_core::lattice::HexagonalSheet::new(6.35e-3, 50, 16.5).unwrap();
 /// assert_eq!(sheet.sites().len(), 850);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

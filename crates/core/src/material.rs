@@ -150,9 +150,9 @@ fn suggestion(nearest: &Option<String>) -> String {
 /// `UnknownMaterial`, with the nearest known name.
 ///
 /// ```
-/// let brass = granulens::material::find("brass", &[]).unwrap();
+/// let brass = granulens_core::material::find("brass", &[]).unwrap();
 /// assert_eq!(brass.name, "brass-260");
-/// assert_eq!(granulens::material::find("bras", &[]).unwrap_err().nearest.as_deref(), Some("brass"));
+/// assert_eq!(granulens_core::material::find("bras", &[]).unwrap_err().nearest.as_deref(), Some("brass"));
 /// ```
 pub fn find(name: &str, own: &[Material]) -> Result<Material, UnknownMaterial> {
     if let Some(material) = own.iter().find(|material| material.name == name) {

@@ -101,7 +101,7 @@ impl Dimension {
     /// When the number or the unit is missing, unknown, or not finite. The message says what was expected.
     ///
     /// ```
-    /// use granulens::units::Dimension;
+    /// use granulens_core::units::Dimension;
     /// assert_eq!(Dimension::Force.parse("26 kN"), Ok(26000.0));
     /// assert!(Dimension::Force.parse("26").is_err());
     /// assert!(Dimension::Force.parse("26 mm").is_err());

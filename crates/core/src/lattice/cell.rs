@@ -6,7 +6,7 @@ use std::f64::consts::{PI, SQRT_2};
 /// diameter apart. The last axis is depth, along which the wave runs.
 ///
 /// ```
-/// use granulens::lattice::Cell;
+/// use granulens_core::lattice::Cell;
 /// assert_eq!(Cell::<3>::named("fcc-001").unwrap().layers(), 2);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

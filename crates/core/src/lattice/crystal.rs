@@ -68,7 +68,7 @@ const EDGE: f64 = 1e-9;
 /// A chain, a sheet or a crystal in space: sites one diameter apart, in layers across the wave.
 ///
 /// ```
-/// use granulens::lattice::{Cell, Crystal, Outline, Width};
+/// use granulens_core::lattice::{Cell, Crystal, Outline, Width};
 /// // Fifteen rows of 18 and 17 spheres by turns (Burgoyne 2016, section 2.2.3).
 /// let cell = Cell::<2>::named("hexagonal").unwrap();
 /// let sheet = Crystal::new(cell, 6.35e-3, 15, &[Width::Between(0.0, 17.0)], Outline::All).unwrap();

@@ -14,8 +14,9 @@ use granulens_core::real::Width;
 use crate::designs;
 use crate::problem::{impact, is_lens, layout};
 
-/// Instructions of eight designs in four lanes over 60 µs in steps of 0.2 µs, and the compiler that made them.
-const KEPT: [(LawKind, f64); 2] = [(LawKind::Thesis, 1.7235e8), (LawKind::Hertz, 1.0586e8)];
+/// Instructions of eight designs in four lanes over 60 µs in steps of 0.2 µs, and the compiler that made them. Since batches watch all
+/// spheres for contacts that the lattice does not have, Hertz's law, the cheapest, takes 19 % more (before 1.0586e8).
+const KEPT: [(LawKind, f64); 2] = [(LawKind::Thesis, 1.7235e8), (LawKind::Hertz, 1.2636e8)];
 const COMPILER: &str = "rustc 1.95.0";
 
 /// How much more there may be.

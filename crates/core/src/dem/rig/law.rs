@@ -217,13 +217,12 @@ impl Bonding for Solid {
         let (force, memory) = self.respond(overlap, closing_speed, reduced, memory);
         Begun { acts: force, force, onset: 0.0, memory }
     }
-    fn end(&self, before: [f64; 2], gap: f64, closing_speed: f64, reduced: f64, memory: &History) -> Ended {
+    fn end(&self, before: [f64; 2], gap: f64, closing_speed: f64, reduced: f64, _: &History) -> Ended {
         if let Self::SpringDashpot(law) = self {
             return law.end(before, gap, closing_speed, reduced);
         }
-        // The linear plastic law may still press when its spheres part.
-        let last = self.respond(1e-9 * before[0], closing_speed, reduced, memory).0;
-        if last > 1e-6 * memory.force_max { Ended::within(before, gap, last) } else { Ended::default() }
+        // Laws of metals end as they do in crystals (`dem::contacts`), so that a lens moves alike as a rig.
+        Ended::default()
     }
     fn stored(&self, overlap: f64, memory: &History) -> f64 {
         match self {

@@ -16,9 +16,9 @@
 //! - `look`: energies and velocities; `stop`: what is refused, and what stops a run
 //!
 //! ```
-//! use granulens::dem::sheet::{Grid, Sheet, Sides};
-//! use granulens::material::find;
-//! use granulens::real::Width;
+//! use granulens_core::dem::sheet::{Grid, Sheet, Sides};
+//! use granulens_core::material::find;
+//! use granulens_core::real::Width;
 //!
 //! let grid = Grid { rows: 40, columns: [30; 2], diameter: 6.35e-3, spacing: 6.35e-3, sides: Sides::Periodic, joined: false };
 //! let metals = [find("440c", &[]).unwrap(), find("brass", &[]).unwrap()];
