@@ -16,115 +16,32 @@ use crate::layout::{Baseline, Layout};
 use crate::real::Width;
 use crate::target::Region;
 
+/// A row for one law: G, C and Q of the three layouts as published, and how far the numbers may lie from them.
+macro_rules! row {
+    ($name:literal, $law:ident, $reason:ident, $published:expr, $tolerance:literal) => {
+        Row {
+            id: concat!("laws-", $name),
+            claim: concat!("G, C and Q of lens, two and four materials under `", $name, "`, 26 kN"),
+            source: "docs/contacts.md, the lens under other laws",
+            reason: $reason,
+            formula: false,
+            expected: Verdict::Holds,
+            seconds: 6.0,
+            measure: |interrupt| scores(LawKind::$law, $published, $tolerance, interrupt),
+        }
+    };
+}
+
 pub(super) const ROWS: &[Row] = &[
-    Row {
-        id: "laws-thesis",
-        claim: "G, C and Q of lens, two and four materials under `thesis`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OWN,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::Thesis, [[0.91, 2.44, 0.91], [1.32, 5.27, 0.61], [1.53, 6.42, 0.58]], 0.02, interrupt)
-        },
-    },
-    Row {
-        id: "laws-consistent",
-        claim: "G, C and Q of lens, two and four materials under `consistent`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OWN,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::Consistent, [[0.88, 2.35, 0.96], [1.26, 5.01, 0.65], [1.50, 6.26, 0.62]], 0.02, interrupt)
-        },
-    },
-    Row {
-        id: "laws-thesis-static",
-        claim: "G, C and Q of lens, two and four materials under `thesis-static`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OWN,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::ThesisStatic, [[1.00, 1.63, 0.96], [1.27, 2.76, 0.72], [1.82, 4.21, 0.68]], 0.02, interrupt)
-        },
-    },
-    Row {
-        id: "laws-mdr-static",
-        claim: "G, C and Q of lens, two and four materials under `mdr-static`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OTHER,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::MdrStatic, [[1.13, 2.03, 0.95], [1.61, 4.02, 0.68], [1.83, 5.04, 0.62]], 0.05, interrupt)
-        },
-    },
-    Row {
-        id: "laws-thornton",
-        claim: "G, C and Q of lens, two and four materials under `thornton`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OTHER,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::Thornton, [[1.05, 1.77, 0.77], [1.41, 3.24, 0.56], [1.68, 4.10, 0.53]], 0.05, interrupt)
-        },
-    },
-    Row {
-        id: "laws-walton-braun",
-        claim: "G, C and Q of lens, two and four materials under `walton-braun`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OTHER,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::WaltonBraun, [[0.90, 1.28, 0.95], [1.13, 1.89, 0.81], [1.56, 2.38, 0.89]], 0.05, interrupt)
-        },
-    },
-    Row {
-        id: "laws-linear",
-        claim: "G, C and Q of lens, two and four materials under `linear`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OWN,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::Linear, [[0.93, 1.50, 1.04], [1.31, 2.44, 0.90], [1.46, 2.98, 0.82]], 0.02, interrupt)
-        },
-    },
-    Row {
-        id: "laws-linear-static",
-        claim: "G, C and Q of lens, two and four materials under `linear-static`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OWN,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::LinearStatic, [[0.76, 1.68, 0.98], [0.80, 2.40, 0.72], [1.12, 3.06, 0.79]], 0.02, interrupt)
-        },
-    },
-    Row {
-        id: "laws-hertz",
-        claim: "G, C and Q of lens, two and four materials under `hertz`, 26 kN",
-        source: "docs/contacts.md, the lens under other laws",
-        reason: OWN,
-        formula: false,
-        expected: Verdict::Holds,
-        seconds: 6.0,
-        measure: |interrupt| {
-            scores(LawKind::Hertz, [[1.82, 4.76, 0.28], [1.19, 3.36, 0.26], [1.25, 5.04, 0.18]], 0.02, interrupt)
-        },
-    },
+    row!("thesis", Thesis, OWN, [[0.91, 2.44, 0.91], [1.32, 5.27, 0.61], [1.53, 6.42, 0.58]], 0.02),
+    row!("consistent", Consistent, OWN, [[0.88, 2.35, 0.96], [1.26, 5.01, 0.65], [1.50, 6.26, 0.62]], 0.02),
+    row!("thesis-static", ThesisStatic, OWN, [[1.00, 1.63, 0.96], [1.27, 2.76, 0.72], [1.82, 4.21, 0.68]], 0.02),
+    row!("mdr-static", MdrStatic, OTHER, [[1.13, 2.03, 0.95], [1.61, 4.02, 0.68], [1.83, 5.04, 0.62]], 0.05),
+    row!("thornton", Thornton, OTHER, [[1.05, 1.77, 0.77], [1.41, 3.24, 0.56], [1.68, 4.10, 0.53]], 0.05),
+    row!("walton-braun", WaltonBraun, OTHER, [[0.90, 1.28, 0.95], [1.13, 1.89, 0.81], [1.56, 2.38, 0.89]], 0.05),
+    row!("linear", Linear, OWN, [[0.93, 1.50, 1.04], [1.31, 2.44, 0.90], [1.46, 2.98, 0.82]], 0.02),
+    row!("linear-static", LinearStatic, OWN, [[0.76, 1.68, 0.98], [0.80, 2.40, 0.72], [1.12, 3.06, 0.79]], 0.02),
+    row!("hertz", Hertz, OWN, [[1.82, 4.76, 0.28], [1.19, 3.36, 0.26], [1.25, 5.04, 0.18]], 0.02),
 ];
 
 const OWN: &str = "two printed digits; own laws are the same program at another step, which moves single maxima over 350 us by up to 2 %";

@@ -428,7 +428,7 @@ fn momentum_and_angular_momentum_are_kept() {
         let (linear, angular, size) = momenta(&simulation);
         simulation.advance(6000, &GO).unwrap();
         let (now, turned, _) = momenta(&simulation);
-        assert!(simulation.ledger().friction > 1e-6 * simulation.ledger().work_in, "{what}: they have rubbed");
+        assert!(simulation.ledger().friction > 1e-4 * simulation.ledger().work_in, "{what}: they have rubbed");
         let scale: f64 = simulation.rig().mass.iter().sum::<f64>() * 5.0;
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart(&now, &linear) < 1e-13 * scale, "{what}: {now:?} {linear:?}");
