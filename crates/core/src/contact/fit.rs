@@ -2,7 +2,6 @@
 
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::neldermead::NelderMead;
-use nalgebra::{DMatrix, DVector};
 
 use super::collision::collide;
 use super::{AnyLaw, ForceLaw, History, LawKind, Pair};
@@ -288,21 +287,48 @@ pub fn fit(law: LawKind, pair: &Pair, measured: &Measured) -> Result<Fit, FitErr
 /// Half the width of each constant's interval: t √(s² (JᵀJ)⁻¹), J by differences in the constants themselves.
 fn intervals(sought: &Sought, pair: &Pair, variance: f64, freedom: usize) -> Option<Vec<f64>> {
     let values: Vec<f64> = sought.constants.iter().map(|constant| constant.get(pair)).collect();
-    let rows = sought.deviations(pair).len();
     let scale: Vec<f64> = values.iter().map(|value| value.abs().max(1e-6)).collect();
-    let mut jacobian = DMatrix::zeros(rows, values.len());
+    let mut columns = Vec::with_capacity(values.len());
     for (k, constant) in sought.constants.iter().enumerate() {
         let at = |by: f64| {
             let mut moved = *pair;
             constant.set(&mut moved, values[k] + by * scale[k]);
-            DVector::from_vec(sought.deviations(&moved))
+            sought.deviations(&moved)
         };
-        jacobian.set_column(k, &((at(1e-4) - at(-1e-4)) / 2e-4));
+        let (above, below) = (at(1e-4), at(-1e-4));
+        columns.push(above.iter().zip(&below).map(|(above, below)| (above - below) / 2e-4).collect::<Vec<f64>>());
     }
-    let inverse = (jacobian.transpose() * &jacobian).try_inverse()?;
-    let half = |k: usize| students_t(freedom) * (variance * inverse[(k, k)]).sqrt() * scale[k];
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let normal = columns.iter().map(|a| columns.iter().map(|b| product(a, b)).collect()).collect();
+    let inverse = diagonal_of_inverse(normal)?;
+    let half = |k: usize| students_t(freedom) * (variance * inverse[k]).sqrt() * scale[k];
     let all: Vec<f64> = (0..values.len()).map(half).collect();
     all.iter().all(|half| half.is_finite()).then_some(all)
+}
+
+/// The diagonal of the inverse of a symmetric positive definite matrix, by elimination without pivots; none of one that is singular.
+fn diagonal_of_inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+    let count = matrix.len();
+    let mut inverse: Vec<Vec<f64>> =
+        (0..count).map(|i| (0..count).map(|k| f64::from(u8::from(i == k))).collect()).collect();
+    for k in 0..count {
+        let pivot = matrix[k][k];
+        if !(pivot.is_finite() && pivot > 0.0) {
+            return None;
+        }
+        for column in 0..count {
+            matrix[k][column] /= pivot;
+            inverse[k][column] /= pivot;
+        }
+        for row in (0..count).filter(|&row| row != k) {
+            let factor = matrix[row][k];
+            for column in 0..count {
+                matrix[row][column] -= factor * matrix[k][column];
+                inverse[row][column] -= factor * inverse[k][column];
+            }
+        }
+    }
+    Some((0..count).map(|k| inverse[k][k]).collect())
 }
 
 /// The 97.5 % point of Student's t, to a percent: the normal one with the first terms of Cornish and Fisher's expansion, exact values below three.
@@ -318,5 +344,22 @@ fn students_t(freedom: usize) -> f64 {
                 + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * n * n)
                 + (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / (384.0 * n.powi(3))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::diagonal_of_inverse;
+
+    /// Of [[2, 1], [1, 3]], with determinant 5; of a Hilbert matrix, whose inverse has the diagonal 9, 192, 180; and of one that has none.
+    #[test]
+    fn the_diagonal_is_that_of_known_inverses() {
+        let two = diagonal_of_inverse(vec![vec![2.0, 1.0], vec![1.0, 3.0]]).unwrap();
+        assert!((two[0] - 0.6).abs() < 1e-15 && (two[1] - 0.4).abs() < 1e-15);
+        let hilbert = (0..3).map(|i| (0..3).map(|k| 1.0 / f64::from(i + k + 1)).collect()).collect();
+        let three = diagonal_of_inverse(hilbert).unwrap();
+        // Its condition is 524.
+        assert!(three.iter().zip([9.0, 192.0, 180.0]).all(|(found, known)| (found / known - 1.0).abs() < 1e-12));
+        assert_eq!(diagonal_of_inverse(vec![vec![1.0, 1.0], vec![1.0, 1.0]]), None);
     }
 }

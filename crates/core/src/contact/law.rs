@@ -136,9 +136,6 @@ macro_rules! laws {
         }
 
         impl NormalLaw for AnyLaw {
-            fn is_similar() -> bool {
-                false
-            }
             fn stored(&self, overlap: f64, history: &History) -> f64 {
                 match self { $(Self::$kind(law) => law.stored(overlap, history)),* }
             }
@@ -154,10 +151,11 @@ macro_rules! laws {
         /// compiled anew for every law.
         impl LaneLaw for AnyLaw {
             const PARAMETERS: usize = 1 + MOST;
+            const HAS_OWN_LOOPS: bool = false;
 
-            fn parameters(&self) -> Vec<f64> {
-                let mut list = vec![f64::from(self.kind() as u8)];
-                list.extend(self.list());
+            fn parameters(law: &AnyLaw) -> Vec<f64> {
+                let mut list = vec![f64::from(law.kind() as u8)];
+                list.extend(law.list());
                 list.resize(Self::PARAMETERS, 0.0);
                 list
             }
@@ -214,27 +212,28 @@ laws! {
 }
 
 /// Something to be done under a law that is known by name only until then.
-pub trait WithLaw {
-    /// What comes out.
-    type Output;
-    /// Does it, with a way to make the law for a pair.
-    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L + Copy + Sync) -> Self::Output;
+pub trait WithLaw<T> {
+    /// Does it with laws of this type.
+    fn with<L: LaneLaw>(self) -> T;
 }
 
 impl LawKind {
     /// Chooses the law, once for all that follows. The two that lenses are designed with, and Hertz, with which other
     /// programs are compared, have loops of their own; the others share one.
-    pub fn choose<W: WithLaw>(self, then: W) -> W::Output {
+    pub fn choose<T>(self, then: impl WithLaw<T>) -> T {
         match self {
-            Self::Thesis | Self::ThesisStatic => {
-                then.with(move |pair: &Pair| ElastoPlastic::new(pair, self == Self::Thesis))
-            }
-            Self::Consistent | Self::ConsistentStatic => {
-                then.with(move |pair: &Pair| Consistent::new(pair, self == Self::Consistent))
-            }
-            Self::Hertz => then.with(Hertz::new),
-            _ => then.with(move |pair: &Pair| AnyLaw::new(self, pair)),
+            Self::Thesis | Self::ThesisStatic => then.with::<ElastoPlastic>(),
+            Self::Consistent | Self::ConsistentStatic => then.with::<Consistent>(),
+            Self::Hertz => then.with::<Hertz>(),
+            _ => then.with::<AnyLaw>(),
         }
+    }
+
+    /// Whether contacts of unequal size are followed as images of each other: F(δ, v; r*, S) = ρ² F(δ/ρ, v S₀/S; r*/ρ, S₀) with
+    /// S = r₁ + r₂. So it is where a law knows no length but r*, and no speed but a rate of strain v/S. Of the laws of which that
+    /// is not made use, one is made for each size.
+    pub const fn is_similar(self) -> bool {
+        matches!(self, Self::Thesis | Self::ThesisStatic | Self::Consistent | Self::ConsistentStatic | Self::Hertz)
     }
 }
 

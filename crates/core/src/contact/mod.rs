@@ -126,15 +126,6 @@ pub trait NormalLaw: ForceLaw<f64> {
         true
     }
 
-    /// Whether contacts of unequal size are each other's images: F(δ, v; r*, S) = ρ² F(δ/ρ, v S₀/S; r*/ρ, S₀) with S = r₁ + r₂. So
-    /// it is where the law knows no length but r*, and no speed but a rate of strain v/S.
-    fn is_similar() -> bool
-    where
-        Self: Sized,
-    {
-        true
-    }
-
     /// What [`History::own`] is, by name and unit, where the law uses it.
     fn own_memory() -> Option<&'static str>
     where
@@ -162,11 +153,13 @@ pub trait NormalLaw: ForceLaw<f64> {
 }
 
 /// A law whose parameters can be looked up for several designs side by side.
-pub trait LaneLaw: NormalLaw + Copy + Send + Sync {
+pub trait LaneLaw: NormalLaw + Copy + Send + Sync + 'static {
     /// How many parameters there are.
     const PARAMETERS: usize;
-    /// The parameters in the order of the tables from which lanes look them up.
-    fn parameters(&self) -> Vec<f64>;
+    /// Whether loops are compiled for it alone; for all laws together, out of line, only where they have to be.
+    const HAS_OWN_LOOPS: bool = true;
+    /// The parameters of a law of this type in the order of the tables from which lanes look them up.
+    fn parameters(law: &AnyLaw) -> Vec<f64>;
     /// The force in the state asked for, with each lane's own parameters.
     fn force_at<V: Lanes>(asked: &Asked<'_, V>) -> V;
     /// The force, and the history after an accepted step.

@@ -123,10 +123,8 @@ macro_rules! law {
         impl $crate::contact::LaneLaw for $name {
             const PARAMETERS: usize = <Self as $crate::contact::Parameters>::COUNT;
 
-            fn parameters(&self) -> Vec<f64> {
-                let mut list = Vec::new();
-                $crate::contact::Parameters::list(self, &mut list);
-                list
+            fn parameters(law: &$crate::contact::AnyLaw) -> Vec<f64> {
+                law.list()
             }
             #[inline(always)]
             fn force_at<V: $crate::real::Lanes>(asked: &$crate::contact::Asked<'_, V>) -> V {

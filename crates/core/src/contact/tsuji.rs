@@ -40,10 +40,6 @@ impl<V: Number> ForceLaw<V> for Tsuji<V> {
 }
 
 impl NormalLaw for Tsuji {
-    fn is_similar() -> bool {
-        false
-    }
-
     fn is_plastic() -> bool {
         false
     }

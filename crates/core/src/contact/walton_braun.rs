@@ -62,10 +62,6 @@ impl<V: Number> ForceLaw<V> for WaltonBraun<V> {
 }
 
 impl NormalLaw for WaltonBraun {
-    fn is_similar() -> bool {
-        false
-    }
-
     /// (1/2) k₂ (δ − δ_r)²
     fn stored(&self, overlap: f64, history: &History) -> f64 {
         let back = self.returning_stiffness(history.force_max);

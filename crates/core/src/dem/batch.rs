@@ -6,20 +6,19 @@
 //! whichever designs stand together.
 
 use std::any::Any;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use super::Integrator;
-use super::body::Grains;
 use super::clock::{Clock, Phase, Phases};
-use super::contacts::{Contacts, Sweep};
-use super::guard::{self, Stop};
-use super::impact::{Impact, WATCH, choose, steps_in};
-use super::neighbour::{OverlapAtRest, Touching};
-use super::record::{Fastest, Observer};
-use super::step::{Drive, Stepper};
-use super::strangers::{Lapse, Strangers, VIGILANCE};
+use super::contacts::{Laws, Sweep};
+use super::follow::{Group, Terms, follow};
+use super::guard::Stop;
+use super::impact::{Alone, Impact, alone, laid_in_plane};
+use super::load::ForcePulse;
+use super::neighbour::OverlapAtRest;
+use super::size::are_alike;
 use super::table::LaneTable;
-use crate::contact::{LaneLaw, Pair, WithLaw};
+use crate::contact::{Consistent, ElastoPlastic, LaneLaw, LawKind, WithLaw};
 use crate::real::{Kernel, Lanes, Width};
 use crate::sample::Sample;
 
@@ -72,7 +71,7 @@ pub fn simulate_batch<const D: usize>(
     width: Width,
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
-    Ok(dispatch(samples, &Terms { impact, width, interrupt, limit: None, friction: None, timed: false })?.0)
+    Ok(dispatch(samples, width, &terms(impact, interrupt))?.0)
 }
 
 /// As [`simulate_batch`], where a run ends with [`Stop::Beyond`] once it is above its limit; what it says up to then are lower
@@ -91,7 +90,7 @@ pub fn simulate_batch_within<const D: usize>(
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
     assert!(limit.most.len() >= samples.len(), "a limit for each of {} samples", samples.len());
-    Ok(dispatch(samples, &Terms { impact, width, interrupt, limit: Some(limit), friction: None, timed: false })?.0)
+    Ok(dispatch(samples, width, &Terms { limit: Some(limit), ..terms(impact, interrupt) })?.0)
 }
 
 /// As [`simulate_batch`], and what its parts took. Runge-Kutta's sweeps count as motion.
@@ -104,7 +103,7 @@ pub fn simulate_batch_timed<const D: usize>(
     width: Width,
     interrupt: &AtomicBool,
 ) -> Result<(Vec<Brief>, Phases), BatchError> {
-    dispatch(samples, &Terms { impact, width, interrupt, limit: None, friction: None, timed: true })
+    dispatch(samples, width, &Terms { timed: true, ..terms(impact, interrupt) })
 }
 
 /// As [`simulate_batch`], with Coulomb's friction; see [`simulate_with_friction`](super::simulate_with_friction). A limit ends runs as in
@@ -128,218 +127,206 @@ pub fn simulate_batch_with_friction(
         "a limit for each of {} samples",
         samples.len()
     );
-    Ok(side_by_side(samples, &Terms { impact, width, interrupt, limit, friction: Some(coefficient), timed: false })?.0)
+    Ok(side_by_side(samples, width, &Terms { limit, friction: Some(coefficient), ..terms(impact, interrupt) })?.0)
 }
 
-/// What all designs of a batch share.
-struct Terms<'a> {
-    impact: &'a Impact,
-    width: Width,
-    interrupt: &'a AtomicBool,
-    limit: Option<&'a Limit>,
+/// As [`simulate_batch`], in the plane, with a pulse for each sample in place of the impact's own, with friction and limits where there are any.
+///
+/// # Errors
+/// As there.
+///
+/// # Panics
+/// If there are fewer pulses, or limits, than samples.
+pub fn simulate_batch_under(
+    samples: &[Sample<2>],
+    impact: &Impact,
+    pulses: &[ForcePulse],
     friction: Option<f64>,
-    timed: bool,
+    limit: Option<&Limit>,
+    width: Width,
+    interrupt: &AtomicBool,
+) -> Result<Vec<Brief>, BatchError> {
+    assert!(pulses.len() >= samples.len(), "a pulse for each of {} samples", samples.len());
+    assert!(
+        limit.is_none_or(|limit| limit.most.len() >= samples.len()),
+        "a limit for each of {} samples",
+        samples.len()
+    );
+    Ok(side_by_side(samples, width, &Terms { pulses, limit, friction, ..terms(impact, interrupt) })?.0)
+}
+
+fn terms<'a>(impact: &'a Impact, interrupt: &'a AtomicBool) -> Terms<'a> {
+    let pulses = std::slice::from_ref(&impact.pulse);
+    Terms { impact, pulses, limit: None, friction: None, interrupt, timed: false, dimension: 2 }
 }
 
 /// Compiled here for each dimension; see `dem::same`.
-fn dispatch<const D: usize>(samples: &[Sample<D>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
-    fn in_line(samples: &[Sample<1>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
-        side_by_side(samples, terms)
-    }
-    fn in_plane(samples: &[Sample<2>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
-        side_by_side(samples, terms)
-    }
-    fn in_space(samples: &[Sample<3>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
-        side_by_side(samples, terms)
-    }
+fn dispatch<const D: usize>(
+    samples: &[Sample<D>],
+    width: Width,
+    terms: &Terms,
+) -> Result<(Vec<Brief>, Phases), BatchError> {
     // Only what has a size can be told apart by its type: a vector of samples, copied in a millionth of the run's time.
     let samples = samples.to_vec();
     let dimension: &dyn Any = &samples;
+    let terms = Terms { dimension: D, ..*terms };
     if let Some(samples) = dimension.downcast_ref::<Vec<Sample<1>>>() {
-        in_line(samples, terms)
+        let samples: Vec<Sample<2>> = samples.iter().map(laid_in_plane).collect();
+        side_by_side(&samples, width, &Terms { impact: &terms.impact.in_plane(), ..terms })
     } else if let Some(samples) = dimension.downcast_ref::<Vec<Sample<2>>>() {
-        in_plane(samples, terms)
+        side_by_side(samples, width, &terms)
     } else if let Some(samples) = dimension.downcast_ref::<Vec<Sample<3>>>() {
-        in_space(samples, terms)
+        side_by_side(samples, width, &terms)
     } else {
         const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
         unreachable!("one of the three")
     }
 }
 
-fn side_by_side<const D: usize>(samples: &[Sample<D>], terms: &Terms) -> Result<(Vec<Brief>, Phases), BatchError> {
-    let &Terms { impact, width, interrupt, limit, friction, timed } = terms;
-    let width = if impact.integrator == Integrator::Rk4 { Width::Scalar } else { width };
+fn side_by_side<const D: usize>(
+    samples: &[Sample<D>],
+    width: Width,
+    terms: &Terms,
+) -> Result<(Vec<Brief>, Phases), BatchError> {
+    let width = if terms.impact.integrator == Integrator::Rk4 { Width::Scalar } else { width };
     let Some(first) = samples.first() else { return Ok((Vec::new(), Phases::default())) };
-    let mut clock = Clock::new(timed);
-    let alike = |sample: &Sample<D>| {
-        sample.spheres.len() == first.spheres.len()
-            && sample.spheres.iter().zip(&first.spheres).all(|(a, b)| a.centre == b.centre)
-    };
-    if let Some(other) = samples.iter().position(|sample| !alike(sample)) {
+    if let Some(other) = samples.iter().position(|sample| !have_same_centres(sample, first)) {
         return Err(BatchError::Geometry(other));
     }
-    clock.lap(Phase::Preparing);
-    let mut phases = clock.phases();
-    let mut together = |samples: &[Sample<D>], limit: Option<&Limit>, width: Width| {
-        let mut clock = Clock::new(timed);
-        let samples: Vec<&Sample<D>> = samples.iter().collect();
-        let mut strangers = Strangers::new(&samples, &impact.mirrors);
-        let touching = Touching::find(&samples, &impact.mirrors, |i, j| strangers.tell(i, j))?;
-        clock.lap(Phase::Preparing);
-        phases += clock.phases();
-        let group = Group {
-            samples: &samples,
-            touching: &touching,
-            strangers: &strangers,
-            impact,
-            interrupt,
-            limit,
-            friction,
-            timed,
-        };
-        Ok::<_, BatchError>(follow(&group, width).map(|(briefs, spent)| {
-            phases += spent;
-            briefs
-        }))
-    };
-    let mut briefs = Vec::with_capacity(samples.len());
+    let (mut briefs, mut phases) = (Vec::with_capacity(samples.len()), Phases::default());
     let lanes = width.lanes();
-    for (group, start) in samples.chunks(lanes).zip((0..).step_by(lanes)) {
-        let limit = limit.map(|limit| limit.of(start..start + group.len()));
-        if let Some(of_group) = together(group, limit.as_ref(), width)? {
+    for (samples, start) in samples.chunks(lanes).zip((0..).step_by(lanes)) {
+        // What belongs to some of the samples.
+        let limits = |range: std::ops::Range<usize>| terms.limit.map(|limit| limit.of(range));
+        let pulses =
+            |range: std::ops::Range<usize>| if terms.pulses.len() > 1 { &terms.pulses[range] } else { terms.pulses };
+        let range = start..start + samples.len();
+        let limit = limits(range.clone());
+        let of_group = Terms { limit: limit.as_ref(), pulses: pulses(range), ..*terms };
+        if let Some((of_group, spent)) = in_lanes(samples, width, &of_group)? {
             briefs.extend(of_group);
+            phases += spent;
             continue;
         }
-        for (k, sample) in group.iter().enumerate() {
-            let limit = limit.as_ref().map(|limit| limit.of(k..k + 1));
-            let alone = together(std::slice::from_ref(sample), limit.as_ref(), Width::Scalar)?;
-            briefs.push(match alone.and_then(|briefs| briefs.into_iter().next()) {
-                Some(brief) => brief,
-                None => {
-                    let record = choose(sample, impact, friction, interrupt)?;
-                    let stop = record.stop.filter(|stop| !matches!(stop, Stop::Residual { .. }));
-                    Brief { max_kinetic: record.max_kinetic, stop }
-                }
-            });
+        for (k, sample) in (start..).zip(samples) {
+            let limit = limits(k..k + 1);
+            let of_sample = Terms { limit: limit.as_ref(), pulses: pulses(k..k + 1), ..*terms };
+            let Alone { brief, phases: spent, .. } = alone(sample, &of_sample, false)?;
+            briefs.push(brief);
+            phases += spent;
         }
     }
     Ok((briefs, phases))
 }
 
-/// As many designs as lanes, or fewer.
-#[derive(Clone, Copy)]
-struct Group<'a, const D: usize> {
-    samples: &'a [&'a Sample<D>],
-    touching: &'a Touching<D>,
-    strangers: &'a Strangers<D>,
-    impact: &'a Impact,
-    interrupt: &'a AtomicBool,
-    limit: Option<&'a Limit>,
-    friction: Option<f64>,
-    timed: bool,
+fn have_same_centres<const D: usize>(a: &Sample<D>, b: &Sample<D>) -> bool {
+    a.spheres.len() == b.spheres.len() && a.spheres.iter().zip(&b.spheres).all(|(a, b)| a.centre == b.centre)
 }
 
-/// Chooses the law once for the group. None where its designs have to be simulated one by one.
-fn follow<const D: usize>(group: &Group<'_, D>, width: Width) -> Option<(Vec<Brief>, Phases)> {
-    group.impact.law.choose(AtWidth { group, width })
-}
-
-/// A group whose law is still to be chosen.
-struct AtWidth<'a, 'b, const D: usize> {
-    group: &'a Group<'b, D>,
+/// As many designs as lanes, or fewer, in one run. None where they have to be simulated one by one.
+fn in_lanes<const D: usize>(
+    samples: &[Sample<D>],
     width: Width,
-}
-
-impl<const D: usize> WithLaw for AtWidth<'_, '_, D> {
-    type Output = Option<(Vec<Brief>, Phases)>;
-
-    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L + Copy + Sync) -> Self::Output {
-        self.width.run(Under { group: self.group, law: make })
+    terms: &Terms,
+) -> Result<Option<(Vec<Brief>, Phases)>, OverlapAtRest> {
+    if width == Width::Scalar {
+        return Ok(None);
     }
+    let mut clock = Clock::new(terms.timed);
+    let samples: Vec<&Sample<D>> = samples.iter().collect();
+    let group = Group::new(&samples, terms)?;
+    clock.lap(Phase::Preparing);
+    let mut phases = clock.phases();
+    Ok(width.run_side_by_side(&group).flatten().map(|(briefs, spent)| {
+        phases += spent;
+        (briefs, phases)
+    }))
 }
 
-/// A group under one law.
-struct Under<'a, 'b, const D: usize, F> {
-    group: &'a Group<'b, D>,
-    law: F,
-}
-
-impl<const D: usize, L: LaneLaw, F: Fn(&Pair) -> L + Copy + Sync> Kernel for Under<'_, '_, D, F> {
+impl<const D: usize> Kernel for &Group<'_, D> {
     type Output = Option<(Vec<Brief>, Phases)>;
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
-        let Group { samples, touching, strangers, impact, interrupt, limit, friction, timed } = *self.group;
-        let spheres = samples[0].spheres.len();
-        let steps = steps_in(impact.window, impact.step);
-        let mut clock = Clock::new(timed);
-        'attempts: for vigilance in VIGILANCE {
-            let laws = LaneTable::<L, V>::new(samples, touching, impact.constants, self.law)?;
-            let mut grains = Grains::<V, D>::at_rest(samples, &impact.mirrors);
-            let mut contacts = Contacts::new(samples, &impact.mirrors, touching.clone(), &grains, laws, false);
-            if let Some(coefficient) = friction {
-                contacts = contacts.with_friction(coefficient, &grains, impact.step);
+        let law = self.terms.impact.law;
+        let run = follow::<V, D, ()>(self, || law.choose(Tabulated(self)), || (), Sweep::Accept)?;
+        Some((run.briefs(self.samples), run.phases()))
+    }
+}
+
+/// As [`simulate_batch_within`], or without a limit as [`simulate_batch`], in single precision: for screening, where scores are wanted to a
+/// percent at half the cost. They scatter about those of double precision as those of forces within 10⁻⁵ do, and differ from processor to
+/// processor; what a decision rests on is to be simulated again. Where the processor, the law or the samples do not allow it, in double precision.
+///
+/// # Errors
+/// As there.
+///
+/// # Panics
+/// As there.
+pub fn screen_batch(
+    samples: &[Sample<2>],
+    impact: &Impact,
+    limit: Option<&Limit>,
+    interrupt: &AtomicBool,
+) -> Result<Vec<Brief>, BatchError> {
+    assert!(
+        limit.is_none_or(|limit| limit.most.len() >= samples.len()),
+        "a limit for each of {} samples",
+        samples.len()
+    );
+    let whole = Terms { limit, ..terms(impact, interrupt) };
+    let mut briefs = Vec::with_capacity(samples.len());
+    for (group, start) in samples.chunks(16).zip((0..).step_by(16)) {
+        let limit = limit.map(|limit| limit.of(start..start + group.len()));
+        let terms = Terms { limit: limit.as_ref(), ..whole };
+        let screened = if impact.integrator == Integrator::Rk4
+            || !group.iter().all(|sample| have_same_centres(sample, &group[0]))
+        {
+            None
+        } else {
+            let group: Vec<&Sample<2>> = group.iter().collect();
+            match are_alike(&group) {
+                true => Width::run_in_single(Screen(&Group::new(&group, &terms)?)).flatten(),
+                false => None,
             }
-            let mut drive = Drive::new(impact.pulse, impact.slope, &impact.struck);
-            let mut stepper = Stepper::new(impact.integrator, Sweep::Accept, impact.step, spheres);
-            stepper.clock = clock;
-            stepper.clock.lap(Phase::Preparing);
-            grains.set_moving(&impact.moving);
-            let mut strangers = strangers.clone();
-            strangers.begin(&grains, vigilance);
-            let mut fastest = Fastest::new(spheres, strangers.size);
-            let mut stops: Vec<Option<Stop>> = vec![None; samples.len()];
-            let mut goes_on = vec![true; samples.len()];
-            // A design that has been stopped is carried along; what it felt until then is kept.
-            let mut ended: Vec<Option<Vec<f64>>> = vec![None; samples.len()];
-            let energies = |fastest: &Fastest<V>, lane: usize| -> Vec<f64> {
-                (0..spheres).map(|i| 0.5 * samples[lane].mass(i) * fastest.of_sphere[i].lane(lane)).collect()
-            };
-            while stepper.count < steps && goes_on.contains(&true) {
-                let look = steps.min(stepper.count + WATCH);
-                while stepper.count < look {
-                    let pause = vigilance.pause.min(look - stepper.count);
-                    for _ in 0..pause {
-                        stepper.advance(&mut grains, &mut contacts, &mut drive);
-                        fastest.accepted(stepper.time(), &grains);
-                        stepper.clock.lap(Phase::Watching);
-                    }
-                    let time = pause as f64 * impact.step;
-                    match strangers.watch(&mut fastest.of_block, time, &goes_on, &mut contacts, &grains) {
-                        Ok(()) => {}
-                        Err(Lapse::TooFast) => {
-                            clock = stepper.clock;
-                            continue 'attempts;
-                        }
-                        Err(Lapse::NoRoom) => return None,
-                    }
-                    stepper.clock.lap(Phase::Watching);
-                }
-                let interrupted = interrupt.load(Ordering::Relaxed);
-                for (lane, stop) in stops.iter_mut().enumerate().filter(|(_, stop)| stop.is_none()) {
-                    *stop = guard::check(&stepper, &grains, &contacts, lane).err();
-                    if stop.is_none() && interrupted {
-                        *stop = Some(Stop::Interrupted { time_s: stepper.time() });
-                    }
-                    if let Some(limit) = limit.filter(|_| stop.is_none() && stepper.count < steps) {
-                        let energy = |i: usize| 0.5 * samples[lane].mass(i) * fastest.of_sphere[i].lane(lane);
-                        if limit.spheres.iter().map(|&(i, weight)| weight * energy(i)).sum::<f64>() > limit.most[lane] {
-                            *stop = Some(Stop::Beyond { time_s: stepper.time() });
-                        }
-                    }
-                    goes_on[lane] = stop.is_none();
-                    ended[lane] = stop.as_ref().map(|_| energies(&fastest, lane));
-                }
-                stepper.clock.lap(Phase::Watching);
-            }
-            let brief = |(lane, (stop, ended)): (usize, (Option<Stop>, Option<Vec<f64>>))| Brief {
-                max_kinetic: ended.unwrap_or_else(|| energies(&fastest, lane)),
-                stop,
-            };
-            let briefs = stops.into_iter().zip(ended).enumerate().map(brief).collect();
-            return Some((briefs, stepper.clock.phases()));
+        };
+        match screened {
+            Some(screened) => briefs.extend(screened),
+            None => briefs.extend(side_by_side(group, Width::widest(), &terms)?.0),
         }
-        None
+    }
+    Ok(briefs)
+}
+
+/// A group in single precision.
+struct Screen<'a, 'b>(&'b Group<'a, 2>);
+
+impl Kernel for Screen<'_, '_> {
+    type Output = Option<Vec<Brief>>;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> Self::Output {
+        let group = self.0;
+        let table = Tabulated(group);
+        let laws = || match group.terms.impact.law {
+            LawKind::Thesis | LawKind::ThesisStatic => {
+                WithLaw::<Option<Box<dyn Laws<V, 2>>>>::with::<ElastoPlastic>(table)
+            }
+            LawKind::Consistent | LawKind::ConsistentStatic => WithLaw::with::<Consistent>(table),
+            _ => None,
+        };
+        Some(follow::<V, 2, ()>(group, laws, || (), Sweep::Accept)?.briefs(group.samples))
+    }
+}
+
+/// The laws of a group, of which the type is still to be chosen.
+#[derive(Clone, Copy)]
+struct Tabulated<'a, 'b, const D: usize>(&'b Group<'a, D>);
+
+impl<'a, V: Lanes, const D: usize> WithLaw<Option<Box<dyn Laws<V, D> + 'a>>> for Tabulated<'a, '_, D> {
+    fn with<L: LaneLaw>(self) -> Option<Box<dyn Laws<V, D> + 'a>> {
+        let Group { samples, terms, touching, .. } = self.0;
+        let table = LaneTable::<L, V>::new(samples, touching, terms.impact.law, terms.impact.constants)?;
+        Some(Box::new(table))
     }
 }

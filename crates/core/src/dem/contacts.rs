@@ -3,22 +3,27 @@
 use super::body::{Grains, square};
 use super::boundary::Mirror;
 use super::friction::Friction;
+use super::list::List;
 use super::neighbour::{SelfTouch, Touch, Touching, image_gap};
 use super::size::{self, Size, gap_squared};
-use crate::contact::{History, NormalLaw};
-use crate::real::Lanes;
+use crate::contact::{AnyLaw, History, NormalLaw};
+use crate::real::{Job, Lanes};
 use crate::sample::Sample;
 
-/// The law of every contact.
-pub(super) trait Laws<V: Lanes>: Sync {
-    /// The law of one design.
-    type One: NormalLaw;
-    /// The force of a contact in this state; images follow the pairs.
+/// The law of every contact, as it is asked in a sweep; images follow the pairs.
+pub(super) trait Respond<V: Lanes> {
+    /// The force of a contact in this state.
     fn force(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> V;
     /// The force, and the history after an accepted step.
     fn respond(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> (V, History<V>);
+}
+
+/// The law of every contact, whatever its type: what is compiled anew for each is the sweep alone.
+pub(super) trait Laws<V: Lanes, const D: usize> {
+    /// Does a sweep.
+    fn sweep(&self, pass: Pass<'_, '_, V, D>);
     /// The law of a contact in one of the designs.
-    fn one(&self, contact: usize, lane: usize) -> Self::One;
+    fn one(&self, contact: usize, lane: usize) -> &AnyLaw;
     /// Renumbers the contacts: new contact c is the old contact `from[c]`, or one that has come up between the spheres
     /// `ends[c]`. False if there is no room for its law.
     fn renumber(&mut self, from: &[Option<usize>], ends: &[[usize; 2]]) -> bool;
@@ -64,94 +69,79 @@ pub(super) enum Sweep {
     AcceptAndAccount,
 }
 
-/// Contacts as parallel arrays: row c of each is contact c, in order of the first sphere. Those between spheres that come near
-/// only later are put in between, so that forces are added in the same order whenever that is.
-pub(super) struct Contacts<'a, V, const D: usize, L> {
+/// Contacts as parallel arrays: row c of each is contact c.
+pub(super) struct Contacts<'a, V, const D: usize> {
     samples: &'a [&'a Sample<D>],
-    pub pairs: Vec<Touch<D>>,
-    pub images: Vec<SelfTouch>,
-    /// What each contact remembers: pairs, then images.
+    pub list: List<D>,
+    /// What each contact remembers.
     pub history: Vec<History<V>>,
     /// Its part of the energy ledger; empty where none is kept.
     pub account: Vec<Account<V>>,
     keeps_accounts: bool,
-    /// Pairs weigh 1, or 1/2 where they lie in a mirror; images 1/2.
-    pub weight: Vec<f64>,
-    pub laws: L,
+    /// Whether contacts of unequal size are images of each other; see [`size`](super::size).
+    are_similar: bool,
     /// Where radii differ.
     sizes: Option<Vec<Size<V>>>,
     /// Friction and rotation, in the plane only.
     pub friction: Option<Friction<V>>,
-    /// For each sphere the number of pairs whose first sphere comes before it.
-    first_pair: Vec<usize>,
 }
 
 /// Overlap over the sum of radii from which on a contact counts as closed. At 10⁻¹⁵ it carries some 10⁻¹⁶ N. Without it the
 /// numerical fore-runner of a wave would cross a row per step, with denormal numbers in it, and nothing be left to skip.
 pub(super) const CLOSED: f64 = 1e-15;
+/// The same in single precision, in which speeds are squared that follow from it.
+const CLOSED_IN_SINGLE: f64 = 1e-9;
 
-impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
+const fn closed<V: Lanes>() -> f64 {
+    if V::IS_SINGLE { CLOSED_IN_SINGLE } else { CLOSED }
+}
+
+impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
     /// Of packings with the same centres, one per lane. With `accounts` false no energy ledger is kept.
     pub fn new(
         samples: &'a [&'a Sample<D>],
         mirrors: &[Mirror],
         touching: Touching<D>,
         grains: &Grains<V, D>,
-        laws: L,
+        are_similar: bool,
         accounts: bool,
     ) -> Self {
-        let Touching { pairs, images } = touching;
-        let count = pairs.len() + images.len();
-        let sizes = (!size::are_alike(samples)).then(Vec::new);
+        let list = List::new(touching, &grains.mobility);
+        let count = list.len();
         let mut contacts = Self {
             samples,
-            pairs,
-            images,
+            list,
             history: vec![History::new(); count],
             account: if accounts { vec![Account::new(); count] } else { Vec::new() },
             keeps_accounts: accounts,
-            weight: Vec::new(),
-            laws,
-            sizes,
+            are_similar,
+            sizes: (!size::are_alike(samples)).then(Vec::new),
             friction: None,
-            first_pair: Vec::new(),
         };
-        contacts.describe(mirrors, grains);
+        contacts.measure(mirrors);
         contacts
     }
 
     /// With friction (μ), followed by steps of one length (s).
-    #[must_use]
-    pub fn with_friction(mut self, coefficient: f64, grains: &Grains<V, D>, step: f64) -> Self {
+    pub fn rub(&mut self, coefficient: f64, grains: &Grains<V, D>, step: f64) {
         debug_assert_eq!(D, 2, "friction is written for the plane");
         let mut friction = Friction::new(self.samples, grains, coefficient, step);
-        friction.renumber(self.samples, &self.pairs, |_| None, self.keeps_accounts);
+        friction.renumber(self.samples, &self.list.pairs, &[], self.keeps_accounts);
         self.friction = Some(friction);
-        self
     }
 
-    /// Finds what follows from which contacts there are.
-    fn describe(&mut self, mirrors: &[Mirror], grains: &Grains<V, D>) {
-        // A pair in a mirror plane is shared by both halves: both of its spheres lie on the same plane.
-        let in_plane = |touch: &Touch<D>| {
-            let [a, b] = touch.pair;
-            (0..D).any(|k| grains.mobility[a][k] == 0.0 && grains.mobility[b][k] == 0.0 && touch.offset[k] == 0.0)
-        };
-        let weight = self.pairs.iter().map(|touch| if in_plane(touch) { 0.5 } else { 1.0 });
-        self.weight = weight.chain(self.images.iter().map(|_| 0.5)).collect();
-        let spheres = grains.weight.len();
-        self.first_pair = (0..=spheres).map(|i| self.pairs.partition_point(|touch| touch.pair[0] < i)).collect();
-        if let Some(sizes) = &mut self.sizes {
-            let samples = self.samples;
-            let of_pair = |touch: &Touch<D>| {
-                Size::new(samples, touch.pair, L::One::is_similar(), |one| gap_squared(one, touch.pair))
-            };
-            let of_image = |touch: &SelfTouch| {
-                let mirror = mirrors.iter().find(|mirror| touch.is_in(mirror));
-                let gap = |one: &Sample<D>| mirror.map_or(touch.gap, |mirror| image_gap(one, touch.sphere, mirror));
-                Size::new(samples, [touch.sphere; 2], L::One::is_similar(), gap)
-            };
-            *sizes = self.pairs.iter().map(of_pair).chain(self.images.iter().map(of_image)).collect();
+    /// Finds the sizes of the contacts, where radii differ.
+    fn measure(&mut self, mirrors: &[Mirror]) {
+        let Some(sizes) = &mut self.sizes else { return };
+        sizes.clear();
+        for touch in &self.list.pairs {
+            let gap = |one: &Sample<D>| gap_squared(one, touch.pair);
+            sizes.push(Size::new(self.samples, touch.pair, self.are_similar, &gap));
+        }
+        for touch in &self.list.images {
+            let mirror = mirrors.iter().find(|mirror| touch.is_in(mirror));
+            let gap = |one: &Sample<D>| mirror.map_or(touch.gap, |mirror| image_gap(one, touch.sphere, mirror));
+            sizes.push(Size::new(self.samples, [touch.sphere; 2], self.are_similar, &gap));
         }
     }
 
@@ -162,47 +152,45 @@ impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
         images: &[(usize, Mirror)],
         mirrors: &[Mirror],
         grains: &Grains<V, D>,
+        laws: &mut dyn Laws<V, D>,
     ) -> Result<(), NoRoom> {
-        let first = self.samples[0];
-        let old = self.pairs.len();
-        let mut all: Vec<_> = self.pairs.iter().copied().enumerate().map(|(c, touch)| (touch, Some(c))).collect();
-        all.extend(pairs.iter().map(|&pair| (Touch::new(first, pair), None)));
-        all.sort_by_key(|(touch, _)| touch.pair);
-        let mut all_images: Vec<_> =
-            self.images.iter().copied().enumerate().map(|(c, touch)| (touch, Some(old + c))).collect();
-        all_images.extend(images.iter().map(|(sphere, mirror)| (SelfTouch::new(first, *sphere, mirror), None)));
-        let place = |touch: &SelfTouch| mirrors.iter().position(|mirror| touch.is_in(mirror));
-        all_images.sort_by_key(|(touch, _)| (touch.sphere, place(touch)));
-
-        let from: Vec<Option<usize>> =
-            all.iter().map(|(_, from)| *from).chain(all_images.iter().map(|(_, from)| *from)).collect();
-        self.pairs = all.into_iter().map(|(touch, _)| touch).collect();
-        self.images = all_images.into_iter().map(|(touch, _)| touch).collect();
+        let from = self.list.take_up(self.samples[0], pairs, images, mirrors, &grains.mobility);
         self.history = from.iter().map(|c| c.map_or_else(History::new, |c| self.history[c])).collect();
         if self.keeps_accounts {
             self.account = from.iter().map(|c| c.map_or_else(Account::new, |c| self.account[c])).collect();
         }
-        self.describe(mirrors, grains);
+        self.measure(mirrors);
         if let Some(friction) = &mut self.friction {
-            friction.renumber(self.samples, &self.pairs, |c| from[c], self.keeps_accounts);
+            friction.renumber(self.samples, &self.list.pairs, &from, self.keeps_accounts);
         }
-        let ends: Vec<[usize; 2]> = (0..from.len()).map(|c| self.spheres(c)).collect();
-        if self.laws.renumber(&from, &ends) { Ok(()) } else { Err(NoRoom) }
+        if laws.renumber(&from, &self.list.ends()) { Ok(()) } else { Err(NoRoom) }
     }
 
     /// The force in a closed contact; its memories advance as `sweep` says.
     #[inline(always)]
-    fn push(&mut self, contact: usize, overlap: V, closing_speed: V, sweep: Sweep) -> V {
+    fn push<const PLAIN: bool>(
+        &mut self,
+        laws: &impl Respond<V>,
+        contact: usize,
+        overlap: V,
+        closing_speed: V,
+        sweep: Sweep,
+    ) -> V {
         let (mut seen, mut speed) = (overlap, closing_speed);
+        if PLAIN {
+            let (force, history) = laws.respond(contact, seen, speed, &self.history[contact]);
+            self.history[contact] = history;
+            return force;
+        }
         if let Some(sizes) = &self.sizes {
             (seen, speed) = (overlap * sizes[contact].overlap, closing_speed * sizes[contact].speed);
         }
         let mut force;
         if sweep == Sweep::Try {
-            force = self.laws.force(contact, seen, speed, &self.history[contact]);
+            force = laws.force(contact, seen, speed, &self.history[contact]);
         } else {
             let history;
-            (force, history) = self.laws.respond(contact, seen, speed, &self.history[contact]);
+            (force, history) = laws.respond(contact, seen, speed, &self.history[contact]);
             self.history[contact] = history;
         }
         if let Some(sizes) = &self.sizes {
@@ -223,13 +211,12 @@ impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
         }
     }
 
-    /// Adds up the contact forces on the simulated part of every sphere, at the given displacements and velocities, for all
-    /// spheres that the wave has reached; extends `reached` to those it reaches now.
+    /// See [`Pass`]. `PLAIN`: memories advance, no account is kept, spheres are equal and there is no friction.
     #[inline(always)]
-    pub fn sweep(
+    fn sweep<const PLAIN: bool>(
         &mut self,
-        displacement: &[[V; D]],
-        velocity: &[[V; D]],
+        laws: &impl Respond<V>,
+        (displacement, velocity): (&[[V; D]], &[[V; D]]),
         force: &mut [[V; D]],
         reached: &mut usize,
         sweep: Sweep,
@@ -239,18 +226,20 @@ impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
         for sum in &mut force[..*reached] {
             *sum = [zero; D];
         }
-        if let Some(friction) = &mut self.friction {
+        if !PLAIN && let Some(friction) = &mut self.friction {
             friction.begin();
         }
         let mut touched = *reached;
-        for c in 0..self.first_pair[*reached] {
-            let Touch { pair: [a, b], offset, gap, reach } = self.pairs[c];
+        for c in 0..self.list.first_pair[*reached] {
+            let Touch { pair: [a, b], offset, gap, reach } = self.list.pairs[c];
             let (from, to) = (displacement[a], displacement[b]);
             let mut between = [zero; D];
             // S² − |Δ|² with Δ = offset + shift, without the cancellation of two nearly equal squares.
-            let (mut gap, mut reach) = (V::splat(gap), V::splat(reach));
-            if let Some(sizes) = &self.sizes {
+            let (mut gap, mut least) = (V::splat(gap), V::splat(2.0 * closed::<V>() * reach * reach));
+            let mut reach = V::splat(reach);
+            if !PLAIN && let Some(sizes) = &self.sizes {
                 (gap, reach) = (sizes[c].gap, sizes[c].reach);
+                least = V::splat(2.0 * closed::<V>()) * reach * reach;
             }
             let mut excess = -gap;
             for k in 0..D {
@@ -258,8 +247,11 @@ impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
                 excess = excess - shift * (V::splat(2.0 * offset[k]) + shift);
                 between[k] = V::splat(offset[k]) + shift;
             }
-            let closed = (V::splat(2.0 * CLOSED) * reach * reach).lt(excess);
+            let closed = least.lt(excess);
             if !V::any(closed) {
+                if PLAIN {
+                    continue;
+                }
                 self.open(c, sweep);
                 if let (Some(friction), true) = (&mut self.friction, sweep != Sweep::Try) {
                     friction.open(c);
@@ -278,8 +270,8 @@ impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
                 between[k] = between[k] * inverse;
                 closing_speed = closing_speed + (of_a[k] - of_b[k]) * between[k];
             }
-            let push = self.push(c, overlap, closing_speed, sweep);
-            let weight = V::splat(self.weight[c]);
+            let push = self.push::<PLAIN>(laws, c, overlap, closing_speed, sweep);
+            let weight = V::splat(self.list.weight[c]);
             while touched <= b {
                 force[touched] = [zero; D];
                 touched += 1;
@@ -288,7 +280,8 @@ impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
                 force[a][k] = force[a][k] - push * weight * between[k];
                 force[b][k] = force[b][k] + push * weight * between[k];
             }
-            if D == 2
+            if !PLAIN
+                && D == 2
                 && let Some(friction) = &mut self.friction
             {
                 let tangent = [-between[D - 1], between[0]];
@@ -301,47 +294,39 @@ impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
                 }
             }
         }
-        for k in 0..self.images.len() {
-            let (contact, SelfTouch { sphere, axis, inward, gap, reach }) = (self.pairs.len() + k, self.images[k]);
+        for k in 0..self.list.images.len() {
+            let (contact, SelfTouch { sphere, axis, inward, gap, reach }) =
+                (self.list.pairs.len() + k, self.list.images[k]);
             if sphere >= *reached {
                 break;
             }
             let inward = V::splat(inward);
             let (mut gap, mut reach) = (V::splat(gap), V::splat(reach));
-            if let Some(sizes) = &self.sizes {
+            if !PLAIN && let Some(sizes) = &self.sizes {
                 (gap, reach) = (sizes[contact].gap, sizes[contact].reach);
             }
             let overlap = -(two * inward * displacement[sphere][axis] + gap);
-            let closed = (V::splat(CLOSED) * reach).lt(overlap);
+            let closed = (V::splat(closed::<V>()) * reach).lt(overlap);
             if !V::any(closed) {
-                self.open(contact, sweep);
+                if !PLAIN {
+                    self.open(contact, sweep);
+                }
                 continue;
             }
             let overlap = V::select(closed, overlap, zero);
             let closing_speed = -(two * inward * velocity[sphere][axis]);
-            let push = self.push(contact, overlap, closing_speed, sweep);
+            let push = self.push::<PLAIN>(laws, contact, overlap, closing_speed, sweep);
             force[sphere][axis] = force[sphere][axis] + inward * push;
         }
         *reached = touched;
     }
 
-    /// The second spheres of the pairs whose first is sphere `i`, in order.
-    pub fn partners(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
-        self.pairs[self.first_pair[i]..self.first_pair[i + 1]].iter().map(|touch| touch.pair[1])
-    }
-
-    /// Whether a sphere's image in a mirror is one of the contacts.
-    pub fn holds_image(&self, sphere: usize, mirror: &Mirror) -> bool {
-        let from = self.images.partition_point(|touch| touch.sphere < sphere);
-        self.images[from..].iter().take_while(|touch| touch.sphere == sphere).any(|touch| touch.is_in(mirror))
-    }
-
     /// Radii sum by which an overlap of this contact is judged in one of the designs (m).
     pub fn reach(&self, contact: usize, lane: usize) -> f64 {
-        match (&self.sizes, self.pairs.get(contact)) {
+        match (&self.sizes, self.list.pairs.get(contact)) {
             (Some(sizes), _) => sizes[contact].reach.lane(lane),
             (None, Some(touch)) => touch.reach,
-            (None, None) => self.images[contact - self.pairs.len()].reach,
+            (None, None) => self.list.images[contact - self.list.pairs.len()].reach,
         }
     }
 
@@ -357,25 +342,64 @@ impl<'a, V: Lanes, const D: usize, L: Laws<V>> Contacts<'a, V, D, L> {
     }
 
     /// The greatest stiffness (N/m) that a contact can show in one of the designs after what it has carried. K goes as ρ.
-    pub fn stiffness(&self, contact: usize, lane: usize) -> f64 {
-        let law = self.laws.one(contact, lane);
+    pub fn stiffness(&self, laws: &dyn Laws<V, D>, contact: usize, lane: usize) -> f64 {
+        let law = laws.one(contact, lane);
         self.ratio(contact, lane) * law.stiffness_max(self.history[contact].force_max.lane(lane))
     }
+}
 
-    /// The spheres of a contact; an image's sphere twice.
-    pub fn spheres(&self, contact: usize) -> [usize; 2] {
-        match self.pairs.get(contact) {
-            Some(touch) => touch.pair,
-            None => [self.images[contact - self.pairs.len()].sphere; 2],
+impl<const D: usize> Contacts<'_, f64, D> {
+    /// Energy (J) that a contact would give back. Energies go as ρ³.
+    pub fn stored(&self, laws: &dyn Laws<f64, D>, contact: usize) -> f64 {
+        let ratio = self.ratio(contact, 0);
+        let law = laws.one(contact, 0);
+        ratio.powi(3) * law.stored(self.account[contact].overlap / ratio, &self.history[contact])
+    }
+}
+
+/// Adds up the contact forces on the simulated part of every sphere, at the given displacements and velocities, for all spheres that the
+/// wave has reached; extends `reached` to those it reaches now.
+pub(super) struct Pass<'a, 's, V, const D: usize> {
+    pub contacts: &'a mut Contacts<'s, V, D>,
+    pub displacement: &'a [[V; D]],
+    pub velocity: &'a [[V; D]],
+    pub force: &'a mut [[V; D]],
+    pub reached: &'a mut usize,
+    pub sweep: Sweep,
+}
+
+impl<V: Lanes, const D: usize> Pass<'_, '_, V, D> {
+    /// Does it under laws of one type, in a function of its own.
+    pub fn under(self, laws: &impl Respond<V>) {
+        V::outlined(Under::<V, D, _, false> { pass: self, laws });
+    }
+
+    /// As [`under`](Self::under), where it pays with a function for crystals as most are: designs side by side in the plane, of equal spheres
+    /// without friction. In single precision there are no others.
+    pub fn quickly_under(self, laws: &impl Respond<V>) {
+        if const { V::LANES > 1 && D == 2 } {
+            let Contacts { sizes, friction, .. } = &*self.contacts;
+            if V::IS_SINGLE || (sizes.is_none() && friction.is_none()) {
+                debug_assert!(self.sweep == Sweep::Accept, "a batch keeps no account");
+                return V::outlined(Under::<V, D, _, true> { pass: self, laws });
+            }
+        }
+        if const { !V::IS_SINGLE } {
+            self.under(laws);
         }
     }
 }
 
-impl<const D: usize, L: Laws<f64>> Contacts<'_, f64, D, L> {
-    /// Energy (J) that a contact would give back. Energies go as ρ³.
-    pub fn stored(&self, contact: usize) -> f64 {
-        let ratio = self.ratio(contact, 0);
-        let law = self.laws.one(contact, 0);
-        ratio.powi(3) * law.stored(self.account[contact].overlap / ratio, &self.history[contact])
+struct Under<'a, 's, 'l, V, const D: usize, L, const PLAIN: bool> {
+    pass: Pass<'a, 's, V, D>,
+    laws: &'l L,
+}
+
+impl<V: Lanes, const D: usize, L: Respond<V>, const PLAIN: bool> Job for Under<'_, '_, '_, V, D, L, PLAIN> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Pass { contacts, displacement, velocity, force, reached, sweep } = self.pass;
+        contacts.sweep::<PLAIN>(self.laws, (displacement, velocity), force, reached, sweep);
     }
 }

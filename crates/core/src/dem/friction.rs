@@ -110,30 +110,33 @@ impl<V: Lanes> Friction<V> {
         }
     }
 
-    /// Follows the contacts: pair c was pair `from[c]`, or is new.
+    /// Follows the contacts: pair c was pair `from[c]`, or is new, as all are that `from` does not name.
     pub fn renumber<const D: usize>(
         &mut self,
         samples: &[&Sample<D>],
         pairs: &[Touch<D>],
-        from: impl Fn(usize) -> Option<usize>,
+        from: &[Option<usize>],
         accounts: bool,
     ) {
         let zero = V::splat(0.0);
-        let open = Spring { stretch: zero, root: zero, slide: zero, force: zero };
         let (spring, work) = (std::mem::take(&mut self.spring), std::mem::take(&mut self.work));
-        self.spring = (0..pairs.len()).map(|c| from(c).map_or(open, |old| spring[old])).collect();
-        if accounts {
-            self.work = (0..pairs.len()).map(|c| from(c).map_or(zero, |old| work[old])).collect();
-        }
-        let of_pair = |touch: &Touch<D>| {
+        self.stiffness.clear();
+        for (c, touch) in pairs.iter().enumerate() {
+            let old = from.get(c).copied().flatten();
+            self.spring.push(match old {
+                Some(old) => spring[old],
+                None => Spring { stretch: zero, root: zero, slide: zero, force: zero },
+            });
+            if accounts {
+                self.work.push(old.map_or(zero, |old| work[old]));
+            }
             let mut stiffness = zero;
             for lane in 0..V::LANES {
                 let sample = samples[lane.min(samples.len() - 1)];
                 stiffness.set_lane(lane, mindlin(sample, touch.pair));
             }
-            stiffness
-        };
-        self.stiffness = pairs.iter().map(of_pair).collect();
+            self.stiffness.push(stiffness);
+        }
     }
 
     /// The tangential force at a closed contact that is pushed apart by `push`, on its second sphere along the tangent; the spring

@@ -95,19 +95,24 @@ pub enum Stop {
 /// dimensions: 2/ω with ω² = 2 (D + 1) K/m, the highest frequency of a chain (4 K/m), a hexagonal sheet (6 K/m) or a
 /// close-packed crystal (8 K/m) all of whose contacts are as stiff.
 pub fn stable_step<const D: usize>(stiffness: f64, mass: f64) -> f64 {
-    2.0 / (2.0 * (D as f64 + 1.0) * stiffness / mass).sqrt()
+    stable(D, stiffness, mass)
+}
+
+fn stable(dimension: usize, stiffness: f64, mass: f64) -> f64 {
+    2.0 / (2.0 * (dimension as f64 + 1.0) * stiffness / mass).sqrt()
 }
 
 /// The stable step of spheres that turn over that of spheres that do not. In a sheet of contacts K and k_t, each sphere turning as its six
 /// neighbours do, I ω² = 12 k_t r², so ω² = 30 k_t/m against 6 K/m; and Mindlin's k_t is at most K (for ν = 0).
 const TURNING: f64 = 0.447;
 
-/// Checks one design of a run in progress.
-pub(super) fn check<V: Lanes, const D: usize, L: Laws<V>>(
+/// Checks one design of a run in progress; stability is judged as in so many dimensions.
+pub(super) fn check<V: Lanes, const D: usize>(
     stepper: &Stepper<V, D>,
     grains: &Grains<V, D>,
-    contacts: &Contacts<'_, V, D, L>,
-    lane: usize,
+    contacts: &Contacts<'_, V, D>,
+    laws: &dyn Laws<V, D>,
+    (lane, dimension): (usize, usize),
 ) -> Result<(), Stop> {
     let (time_s, step_s) = (stepper.time(), stepper.step);
     if let Some(i) = (0..grains.reached).find(|&i| !grains.speed_squared(i).lane(lane).is_finite()) {
@@ -118,15 +123,15 @@ pub(super) fn check<V: Lanes, const D: usize, L: Laws<V>>(
         if force_max <= 0.0 {
             continue;
         }
-        let [a, b] = contacts.spheres(c);
+        let [a, b] = contacts.list.spheres(c);
         let spheres = [a + 1, b + 1];
         let overlap_ratio = overlap_max / contacts.reach(c, lane);
         if overlap_ratio > OVERLAP_LIMIT {
             return Err(Stop::Overlap { spheres, overlap_ratio, time_s });
         }
-        let stiffness = contacts.stiffness(c, lane);
+        let stiffness = contacts.stiffness(laws, c, lane);
         let lighter = 1.0 / grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));
-        let mut limit_s = stepper.integrator.stability() * stable_step::<D>(stiffness, lighter);
+        let mut limit_s = stepper.integrator.stability() * stable(dimension, stiffness, lighter);
         if contacts.friction.is_some() {
             limit_s *= TURNING;
         }

@@ -1,22 +1,22 @@
 //! One impact from start to end.
 
 use std::any::Any;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use super::body::Grains;
+use super::batch::Brief;
 use super::boundary::Mirror;
-use super::contacts::{Contacts, Sweep};
-use super::guard::{self, RESIDUAL_LIMIT, Stop};
+use super::clock::Phases;
+use super::contacts::Sweep;
+use super::follow::{Group, Run, Terms, follow};
+use super::guard::{RESIDUAL_LIMIT, Stop};
 use super::ledger::Ledger;
 use super::load::ForcePulse;
-use super::neighbour::{OverlapAtRest, Touching};
-use super::record::{Fastest, Felt, Observer};
-use super::step::{Drive, Stepper};
-use super::strangers::{Lapse, Strangers, VIGILANCE};
+use super::neighbour::OverlapAtRest;
+use super::record::Felt;
 use super::table::LawTable;
 use super::{Integrator, same};
-use crate::contact::{Constants, LaneLaw, LawKind, NormalLaw, Pair, WithLaw};
-use crate::sample::Sample;
+use crate::contact::{Constants, LawKind};
+use crate::sample::{Sample, Sphere};
 
 /// What hits the crystal, how it is held, and how the motion is followed.
 #[derive(Clone, Debug)]
@@ -94,9 +94,6 @@ pub struct ContactRecord {
     pub stored: f64,
 }
 
-/// Steps between two looks at guards and the request to stop.
-pub(super) const WATCH: u64 = 64;
-
 /// As [`simulate`], with Coulomb's friction `coefficient` at every contact, with Mindlin's tangential spring, and spheres that turn.
 /// What friction takes counts as dissipated.
 ///
@@ -108,7 +105,7 @@ pub fn simulate_with_friction(
     coefficient: f64,
     interrupt: &AtomicBool,
 ) -> Result<Record<2>, OverlapAtRest> {
-    choose(sample, impact, Some(coefficient), interrupt)
+    recorded(sample, &Terms { friction: Some(coefficient), ..terms(impact, interrupt, 2) })
 }
 
 /// Follows an impact on `sample`. Contacts between spheres that do not touch at rest are found as these come near; that none is
@@ -123,13 +120,13 @@ pub fn simulate<const D: usize>(
     interrupt: &AtomicBool,
 ) -> Result<Record<D>, OverlapAtRest> {
     fn in_line(sample: &Sample<1>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<1>, OverlapAtRest> {
-        choose(sample, impact, None, interrupt)
+        recorded(&laid_in_plane(sample), &terms(&impact.in_plane(), interrupt, 1)).map(Record::in_line)
     }
     fn in_plane(sample: &Sample<2>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<2>, OverlapAtRest> {
-        choose(sample, impact, None, interrupt)
+        recorded(sample, &terms(impact, interrupt, 2))
     }
     fn in_space(sample: &Sample<3>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<3>, OverlapAtRest> {
-        choose(sample, impact, None, interrupt)
+        recorded(sample, &terms(impact, interrupt, 3))
     }
     let dimension: &dyn Any = sample;
     if let Some(sample) = dimension.downcast_ref() {
@@ -144,97 +141,91 @@ pub fn simulate<const D: usize>(
     }
 }
 
-/// Chooses the law.
-pub(super) fn choose<const D: usize>(
-    sample: &Sample<D>,
-    impact: &Impact,
-    friction: Option<f64>,
-    interrupt: &AtomicBool,
-) -> Result<Record<D>, OverlapAtRest> {
-    impact.law.choose(Followed { sample, impact, friction, interrupt })
+fn terms<'a>(impact: &'a Impact, interrupt: &'a AtomicBool, dimension: usize) -> Terms<'a> {
+    let pulses = std::slice::from_ref(&impact.pulse);
+    Terms { impact, pulses, limit: None, friction: None, interrupt, timed: false, dimension }
 }
 
-/// An impact whose law is still to be chosen.
-struct Followed<'a, const D: usize> {
-    sample: &'a Sample<D>,
-    impact: &'a Impact,
-    friction: Option<f64>,
-    interrupt: &'a AtomicBool,
+/// A line of spheres along the second axis of the plane. Nothing ever acts across it, so that it moves as the line, to the bit, and need
+/// not be compiled for itself.
+pub(super) fn laid_in_plane(sample: &Sample<1>) -> Sample<2> {
+    let of = |sphere: &Sphere<1>| Sphere {
+        centre: [0.0, sphere.centre[0]],
+        radius: sphere.radius,
+        material: sphere.material,
+    };
+    Sample { materials: sample.materials.clone(), spheres: sample.spheres.iter().map(of).collect() }
 }
 
-impl<const D: usize> WithLaw for Followed<'_, D> {
-    type Output = Result<Record<D>, OverlapAtRest>;
-
-    fn with<L: LaneLaw>(self, make: impl Fn(&Pair) -> L + Copy + Sync) -> Self::Output {
-        follow(self.sample, self.impact, (self.friction, self.interrupt), make)
+impl Impact {
+    /// The impact on a line that lies along the second axis of the plane.
+    pub(super) fn in_plane(&self) -> Self {
+        let mirrors = self.mirrors.iter().map(|mirror| Mirror { axis: mirror.axis + 1, ..*mirror }).collect();
+        Self { mirrors, slope: 0.0, ..self.clone() }
     }
 }
 
-fn follow<const D: usize, L: NormalLaw + Copy + Sync>(
+impl Record<2> {
+    /// The record of a line that lay along the second axis.
+    fn in_line(self) -> Record<1> {
+        let along = |rows: Vec<[f64; 2]>| rows.into_iter().map(|[_, z]| [z]).collect();
+        Record {
+            max_kinetic: self.max_kinetic,
+            max_net_force: self.max_net_force,
+            max_contact_force: self.max_contact_force,
+            arrival: self.arrival,
+            dissipated: self.dissipated,
+            contacts: self.contacts,
+            ledger: self.ledger,
+            exit_momentum: self.exit_momentum,
+            exit_force: self.exit_force,
+            displacement: along(self.displacement),
+            velocity: along(self.velocity),
+            steps: self.steps,
+            stop: self.stop,
+        }
+    }
+}
+
+fn recorded<const D: usize>(sample: &Sample<D>, terms: &Terms) -> Result<Record<D>, OverlapAtRest> {
+    let Alone { record, .. } = alone(sample, terms, true)?;
+    Ok(record.expect("a record was asked for"))
+}
+
+/// What a run of one design comes to.
+pub(super) struct Alone<const D: usize> {
+    pub brief: Brief,
+    pub phases: Phases,
+    record: Option<Record<D>>,
+}
+
+/// Follows one design, in scalars and under any law, with a record or without.
+pub(super) fn alone<const D: usize>(
     sample: &Sample<D>,
-    impact: &Impact,
-    (friction, interrupt): (Option<f64>, &AtomicBool),
-    law: impl Fn(&Pair) -> L + Copy + Sync,
-) -> Result<Record<D>, OverlapAtRest> {
+    terms: &Terms,
+    records: bool,
+) -> Result<Alone<D>, OverlapAtRest> {
     let samples = [sample];
-    let mut strangers = Strangers::new(&samples, &impact.mirrors);
-    let touching = Touching::find(&samples, &impact.mirrors, |i, j| strangers.tell(i, j))?;
-    let steps = steps_in(impact.window, impact.step);
-    let mut vigilances = VIGILANCE.into_iter().peekable();
-    loop {
-        let Some(vigilance) = vigilances.next() else { unreachable!("the last one ends the run") };
-        let laws = LawTable::new(sample, &touching, impact.constants, law);
-        let mut grains = Grains::<f64, D>::at_rest(&samples, &impact.mirrors);
-        let mut contacts = Contacts::new(&samples, &impact.mirrors, touching.clone(), &grains, laws, true);
-        if let Some(coefficient) = friction {
-            contacts = contacts.with_friction(coefficient, &grains, impact.step);
-        }
-        let mut drive = Drive::new(impact.pulse, impact.slope, &impact.struck);
-        grains.set_moving(&impact.moving);
-        for &(i, speed) in &impact.moving {
-            // What moves at the start has been put in before it.
-            drive.work += 0.5 * grains.mass(i) * speed * speed;
-        }
-        let mut stepper = Stepper::new(impact.integrator, Sweep::AcceptAndAccount, impact.step, sample.spheres.len());
-        let mut felt = Felt::<D>::new(sample.spheres.len(), impact.exit.clone());
-        let mut strangers = strangers.clone();
-        strangers.begin(&grains, vigilance);
-        let mut fastest = Fastest::new(sample.spheres.len(), strangers.size);
+    let group = Group::new(&samples, terms)?;
+    let impact = terms.impact;
+    let run = follow(
+        &group,
+        || Some(Box::new(LawTable::new(sample, &group.touching, impact.law, impact.constants))),
+        || records.then(|| Felt::<D>::new(sample.spheres.len(), impact.exit.clone())),
+        if records { Sweep::AcceptAndAccount } else { Sweep::Accept },
+    )
+    .expect("a table for one design has room for every law, and its last attempt ends");
+    let brief = run.briefs(&samples).remove(0);
+    Ok(Alone { brief, phases: run.phases(), record: records.then(|| record(sample, &run)) })
+}
 
-        let mut stop = None;
-        let mut too_fast = false;
-        while stepper.count < steps && stop.is_none() && !too_fast {
-            let look = steps.min(stepper.count + WATCH);
-            while stepper.count < look && !too_fast {
-                let pause = vigilance.pause.min(look - stepper.count);
-                for _ in 0..pause {
-                    stepper.advance(&mut grains, &mut contacts, &mut drive);
-                    felt.accepted(stepper.time(), &grains);
-                    fastest.accepted(stepper.time(), &grains);
-                }
-                let time = pause as f64 * impact.step;
-                let seen = strangers.watch(&mut fastest.of_block, time, &[true], &mut contacts, &grains);
-                too_fast = matches!(seen, Err(Lapse::TooFast));
-            }
-            stop = guard::check(&stepper, &grains, &contacts, 0).err();
-            if stop.is_none() && interrupt.load(Ordering::Relaxed) {
-                stop = Some(Stop::Interrupted { time_s: stepper.time() });
-            }
-        }
-        if too_fast && vigilances.peek().is_some() {
-            continue;
-        }
-        if too_fast {
-            stop = stop.or(Some(Stop::Leap { step_s: impact.step }));
-        }
-        let ledger = Ledger::close(&grains, &contacts, drive.work);
-        if stop.is_none() && ledger.residual().is_some_and(|residual| residual.abs() > RESIDUAL_LIMIT) {
-            stop = ledger.residual().map(|residual| Stop::Residual { residual });
-        }
-        let mut record = collect(sample, &grains, &contacts, &felt, &stepper);
-        (record.ledger, record.stop) = (ledger, stop);
-        return Ok(record);
+fn record<const D: usize>(sample: &Sample<D>, run: &Run<'_, f64, D, Option<Felt<D>>>) -> Record<D> {
+    let ledger = Ledger::close(&run.grains, &run.contacts, &*run.laws, run.work);
+    let mut stop = run.stops[0].clone();
+    if stop.is_none() && ledger.residual().is_some_and(|residual| residual.abs() > RESIDUAL_LIMIT) {
+        stop = ledger.residual().map(|residual| Stop::Residual { residual });
     }
+    Record { ledger, stop, ..collect(sample, run) }
 }
 
 /// Number of steps that end within the window; one that ends within a billionth of a step of it counts.
@@ -242,30 +233,26 @@ pub fn steps_in(window: f64, step: f64) -> u64 {
     (window / step + 1e-9).floor() as u64
 }
 
-fn collect<const D: usize, L: NormalLaw + Copy + Sync>(
-    sample: &Sample<D>,
-    grains: &Grains<f64, D>,
-    contacts: &Contacts<'_, f64, D, LawTable<'_, L>>,
-    felt: &Felt<D>,
-    stepper: &Stepper<f64, D>,
-) -> Record<D> {
+fn collect<const D: usize>(sample: &Sample<D>, run: &Run<'_, f64, D, Option<Felt<D>>>) -> Record<D> {
+    let Run { grains, contacts, laws, stepper, observer, .. } = run;
+    let felt = observer.as_ref().expect("what is recorded was felt");
     let spheres = sample.spheres.len();
     let mut max_contact_force = vec![0.0_f64; spheres];
     let mut dissipated = vec![0.0; spheres];
     let mut records = Vec::new();
     let ever_closed = (0..contacts.history.len()).filter(|&c| contacts.history[c].overlap_max > 0.0);
     for c in ever_closed {
-        let (ends, account, stored) = (contacts.spheres(c), contacts.account[c], contacts.stored(c));
+        let (ends, account, stored) = (contacts.list.spheres(c), contacts.account[c], contacts.stored(&**laws, c));
         let (overlap_max, force_max) = contacts.greatest(c, 0);
         let friction = contacts.friction.as_ref().filter(|friction| c < friction.work.len());
         let rubbed = friction.map_or(0.0, |friction| friction.work[c] - friction.stored(c));
         for i in ends {
             max_contact_force[i] = max_contact_force[i].max(force_max);
-            dissipated[i] += 0.5 * (account.work - stored + rubbed) * contacts.weight[c] / grains.weight[i];
+            dissipated[i] += 0.5 * (account.work - stored + rubbed) * contacts.list.weight[c] / grains.weight[i];
         }
         records.push(ContactRecord {
             spheres: ends,
-            weight: contacts.weight[c],
+            weight: contacts.list.weight[c],
             overlap_max,
             force_max,
             work: account.work,

@@ -26,9 +26,10 @@ pub struct Ledger {
 
 impl Ledger {
     /// Draws the balance.
-    pub(super) fn close<const D: usize, L: Laws<f64>>(
+    pub(super) fn close<const D: usize>(
         grains: &Grains<f64, D>,
-        contacts: &Contacts<'_, f64, D, L>,
+        contacts: &Contacts<'_, f64, D>,
+        laws: &dyn Laws<f64, D>,
         work_in: f64,
     ) -> Self {
         let mut ledger = Self { work_in, ..Self::default() };
@@ -36,7 +37,7 @@ impl Ledger {
             ledger.kinetic += 0.5 * grains.mass(i) * grains.speed_squared(i);
         }
         for (c, account) in contacts.account.iter().enumerate() {
-            let (weight, stored) = (contacts.weight[c], contacts.stored(c));
+            let (weight, stored) = (contacts.list.weight[c], contacts.stored(laws, c));
             let (overlap_max, force_max) = contacts.greatest(c, 0);
             ledger.stored += weight * stored;
             ledger.dissipated += weight * (account.work - stored);
@@ -45,7 +46,7 @@ impl Ledger {
         if let Some(friction) = &contacts.friction {
             ledger.kinetic += friction.kinetic();
             for (c, work) in friction.work.iter().enumerate() {
-                let (weight, stored) = (contacts.weight[c], friction.stored(c));
+                let (weight, stored) = (contacts.list.weight[c], friction.stored(c));
                 ledger.stored += weight * stored;
                 ledger.dissipated += weight * (work - stored);
             }

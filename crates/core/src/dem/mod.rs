@@ -4,14 +4,14 @@
 //! [`Record`], what each sphere felt and when. Nothing here knows why it is asked. Spheres, normal forces, δ ≪ R; SI.
 //!
 //! - `load`, `boundary`: what strikes the crystal and where it ends
-//! - `neighbour`: which spheres touch; `strangers`: which others may come to; `size`: contacts of unequal spheres
+//! - `neighbour`: which spheres touch; `list`: which contacts there are, in order; `strangers`: which others may come to; `size`: contacts of unequal spheres
 //! - `body`, `contacts`, `table`: the state, the forces and the laws, as parallel arrays
 //! - `friction`: tangential forces and rotation in the plane
 //! - `step`: velocity Verlet, Adams's multistep scheme and Runge-Kutta
 //! - `record`, `ledger`: what was felt, where the energy went
 //! - `guard`: what stops a run; `clock`: where its time goes
-//! - `impact`: one run from start to end
-//! - `batch`: many designs on one lattice at once
+//! - `follow`: a run from start to end; `impact`: of one design, with what is recorded; `batch`: of many on one lattice at once
+//! - `share`: long loops on several threads
 //! - `sheet`: large hexagonal sheets of elastic spheres, by a stencil in place of lists
 //! - `rig`: everything else that a lab can build: contacts that come and go, flats, bars, friction, gravity
 //!
@@ -23,14 +23,17 @@ mod body;
 mod boundary;
 mod clock;
 mod contacts;
+mod follow;
 mod friction;
 mod guard;
 mod impact;
 mod ledger;
+mod list;
 mod load;
 mod neighbour;
 mod record;
 pub mod rig;
+mod share;
 pub mod sheet;
 mod size;
 mod step;
@@ -38,7 +41,8 @@ mod strangers;
 mod table;
 
 pub use batch::{
-    BatchError, Brief, Limit, simulate_batch, simulate_batch_timed, simulate_batch_with_friction, simulate_batch_within,
+    BatchError, Brief, Limit, screen_batch, simulate_batch, simulate_batch_timed, simulate_batch_under,
+    simulate_batch_with_friction, simulate_batch_within,
 };
 pub use boundary::Mirror;
 pub use clock::Phases;

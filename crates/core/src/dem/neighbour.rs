@@ -87,7 +87,7 @@ impl<const D: usize> Touching<D> {
     pub fn find(
         samples: &[&Sample<D>],
         mirrors: &[Mirror],
-        mut visit: impl FnMut(usize, usize),
+        visit: &mut dyn FnMut(usize, usize),
     ) -> Result<Self, OverlapAtRest> {
         let spheres = &samples[0].spheres;
         let centres: Vec<[f64; D]> = spheres.iter().map(|s| s.centre).collect();
@@ -95,7 +95,7 @@ impl<const D: usize> Touching<D> {
         let mut overlapping = None;
         let widest = widest(samples);
         let far = ((1.0 + 2.0 * NEAR) * widest).powi(2);
-        Cells::new(&centres, 2.0 * widest).pairs(|i, j| {
+        Cells::new(&centres, 2.0 * widest).pairs(&mut |i, j| {
             let squared = (0..D).map(|k| (centres[j][k] - centres[i][k]).powi(2)).sum::<f64>();
             if squared > far {
                 return visit(i, j);
@@ -173,7 +173,7 @@ impl<'a, const D: usize> Cells<'a, D> {
     }
 
     /// Visits every pair i < j whose centres are nearer than the cells are wide, and some that are not.
-    fn pairs(&self, mut visit: impl FnMut(usize, usize)) {
+    fn pairs(&self, visit: &mut dyn FnMut(usize, usize)) {
         for i in 0..self.centres.len() {
             let home = self.home(i);
             for code in 0..3_usize.pow(D as u32) {
@@ -204,7 +204,7 @@ mod tests {
     }
 
     fn touching(samples: &[&Sample<2>], mirrors: &[Mirror]) -> Result<Touching<2>, OverlapAtRest> {
-        Touching::find(samples, mirrors, |_, _| {})
+        Touching::find(samples, mirrors, &mut |_, _| {})
     }
 
     /// In an open sheet of R rows by C columns each row has C − 1 contacts and each pair of rows 2C − 1.
@@ -218,7 +218,7 @@ mod tests {
     fn what_does_not_touch_but_lies_within_two_diameters_is_told() {
         let sample = sheet(7, 9);
         let mut distances = Vec::new();
-        Touching::find(&[&sample], &[], |i, j| {
+        Touching::find(&[&sample], &[], &mut |i, j| {
             let [a, b] = [i, j].map(|k| sample.spheres[k].centre);
             distances.push((b[0] - a[0]).hypot(b[1] - a[1]));
         })

@@ -86,6 +86,21 @@ impl<const D: usize> Felt<D> {
     }
 }
 
+/// Nothing is felt where nothing is recorded.
+impl<V, const D: usize> Observer<V, D> for () {
+    #[inline(always)]
+    fn accepted(&mut self, _: f64, _: &Grains<V, D>) {}
+}
+
+impl<const D: usize> Observer<f64, D> for Option<Felt<D>> {
+    #[inline(always)]
+    fn accepted(&mut self, time: f64, grains: &Grains<f64, D>) {
+        if let Some(felt) = self {
+            felt.accepted(time, grains);
+        }
+    }
+}
+
 impl<const D: usize> Observer<f64, D> for Felt<D> {
     fn accepted(&mut self, time: f64, grains: &Grains<f64, D>) {
         for i in 0..grains.reached {

@@ -1,6 +1,7 @@
 //! Contacts between spheres of unequal size, and those of designs that differ in their radii.
 //!
-//! Most laws ([`is_similar`](crate::contact::NormalLaw::is_similar)) know no length but the two radii, so a contact of r* = ρ r₀ is one of r₀ seen through a magnifying glass
+//! Most laws ([`is_similar`](crate::contact::LawKind::is_similar)) know no length but the two radii, so a contact of r* = ρ r₀ is one
+//! of r₀ seen through a magnifying glass
 //! (strains and pressures are alike):
 //!
 //!   F(δ, v; r*, S) = ρ² F(δ/ρ, v S₀/S; r₀, S₀)
@@ -47,7 +48,7 @@ impl<V: Lanes> Size<V> {
         samples: &[&Sample<D>],
         [a, b]: [usize; 2],
         is_similar: bool,
-        gap: impl Fn(&Sample<D>) -> f64,
+        gap: &dyn Fn(&Sample<D>) -> f64,
     ) -> Self {
         let one = V::splat(1.0);
         let mut size = Self { gap: one, reach: one, overlap: one, speed: one, force: one };

@@ -12,13 +12,14 @@ use multistep::{Coefficients, Past};
 use super::Integrator;
 use super::body::Grains;
 use super::clock::{Clock, Phase};
-use super::contacts::{Contacts, Laws, Sweep};
+use super::contacts::{Contacts, Laws, Pass, Sweep};
 use super::load::ForcePulse;
 use crate::real::Lanes;
 
 /// The load on the struck spheres, and the work it has done.
 pub(super) struct Drive<V> {
-    pub pulse: ForcePulse,
+    /// One for all designs, or one for each.
+    pulses: Vec<ForcePulse>,
     /// Load along the first axis over that along the last.
     slope: f64,
     pub struck: Vec<usize>,
@@ -29,15 +30,27 @@ pub(super) struct Drive<V> {
 }
 
 impl<V: Lanes> Drive<V> {
-    pub fn new(pulse: ForcePulse, slope: f64, struck: &[usize]) -> Self {
+    /// `work` has been put in before the start (J).
+    pub fn new(pulses: &[ForcePulse], slope: f64, struck: &[usize], work: f64) -> Self {
         let reach = struck.iter().max().map_or(0, |last| last + 1);
-        Self { pulse, slope, struck: struck.to_vec(), reach, work: V::splat(0.0) }
+        Self { pulses: pulses.to_vec(), slope, struck: struck.to_vec(), reach, work: V::splat(work) }
+    }
+
+    /// The mean load (N) during a step, where it acts in any of the designs.
+    #[inline(always)]
+    fn during(&self, step_index: u64, step: f64) -> Option<V> {
+        let mut load = V::splat(self.pulses[0].during(step_index, step));
+        for (lane, pulse) in self.pulses.iter().enumerate().skip(1).take(V::LANES - 1) {
+            load.set_lane(lane, pulse.during(step_index, step));
+        }
+        V::any(V::splat(0.0).lt(load)).then_some(load)
     }
 
     /// The axes along which a load acts, with its components; a straight one acts along the last alone.
     #[inline(always)]
-    fn components<const D: usize>(&self, load: f64) -> [(usize, f64); 2] {
-        [(D - 1, load), (0, if D > 1 { self.slope * load } else { 0.0 })]
+    fn components<const D: usize>(&self, load: V) -> impl Iterator<Item = (usize, V)> + use<V, D> {
+        let across = (D > 1 && self.slope != 0.0).then_some((0, V::splat(self.slope) * load));
+        [Some((D - 1, load)), across].into_iter().flatten()
     }
 }
 
@@ -84,31 +97,43 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
 
     /// One accepted step.
     #[inline(always)]
-    pub fn advance<L: Laws<V>>(
+    pub fn advance(
         &mut self,
         grains: &mut Grains<V, D>,
-        contacts: &mut Contacts<'_, V, D, L>,
+        contacts: &mut Contacts<'_, V, D>,
+        laws: &dyn Laws<V, D>,
         drive: &mut Drive<V>,
     ) {
         grains.reached = grains.reached.max(drive.reach);
-        // Batches of Runge-Kutta run in scalars, so that its sweeps are not compiled for registers.
-        if V::LANES == 1 && self.integrator == Integrator::Rk4 {
-            self.runge_kutta(grains, contacts, drive);
+        // Batches of Runge-Kutta run one design at a time, so that it is not compiled for registers.
+        if const { V::LANES > 1 } {
+            self.multistep(grains, contacts, laws, drive);
+        } else if self.integrator == Integrator::Rk4 {
+            self.runge_kutta(grains, contacts, laws, drive);
         } else {
-            self.multistep(grains, contacts, drive);
+            self.multistep(grains, contacts, laws, drive);
         }
         self.count += 1;
         self.clock.lap(Phase::Motion);
     }
 
-    fn runge_kutta<L: Laws<V>>(
+    /// Adds up the contact forces, by what velocities are to be seen.
+    #[inline(always)]
+    fn sweep(&mut self, grains: &mut Grains<V, D>, contacts: &mut Contacts<'_, V, D>, laws: &dyn Laws<V, D>) {
+        let Grains { displacement, reached, .. } = grains;
+        let (velocity, force) = (&self.predicted, &mut self.force);
+        laws.sweep(Pass { contacts, displacement, velocity, force, reached, sweep: self.accept });
+    }
+
+    fn runge_kutta(
         &mut self,
         grains: &mut Grains<V, D>,
-        contacts: &mut Contacts<'_, V, D, L>,
+        contacts: &mut Contacts<'_, V, D>,
+        laws: &dyn Laws<V, D>,
         drive: &mut Drive<V>,
     ) {
         let Some(stages) = &mut self.stages else { return };
-        let load = drive.pulse.during(self.count, self.step);
+        let load = drive.during(self.count, self.step);
         let zero = [V::splat(0.0); D];
         stages.displacement.copy_from_slice(&grains.displacement);
         self.predicted.copy_from_slice(&grains.velocity);
@@ -119,13 +144,17 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         for (share, ahead) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
             let share = V::splat(share);
             let ahead = V::splat(ahead * self.step);
-            contacts.sweep(&stages.displacement, &self.predicted, &mut self.force, &mut grains.reached, Sweep::Try);
+            let (displacement, velocity) = (&stages.displacement[..], &self.predicted[..]);
+            let (force, reached) = (&mut self.force[..], &mut grains.reached);
+            laws.sweep(Pass { contacts, displacement, velocity, force, reached, sweep: Sweep::Try });
             for i in 0..grains.reached {
                 let mut acceleration = grains.acceleration_of(i, &self.force[i]);
-                if load > 0.0 && drive.struck.contains(&i) {
+                if let Some(load) = load
+                    && drive.struck.contains(&i)
+                {
                     for (k, load) in drive.components::<D>(load) {
-                        if load != 0.0 && grains.mobility[i][k] != 0.0 {
-                            acceleration[k] = acceleration[k] + V::splat(load) * grains.inverse_mass[i];
+                        if grains.mobility[i][k] != 0.0 {
+                            acceleration[k] = acceleration[k] + load * grains.inverse_mass[i];
                         }
                     }
                 }
@@ -142,11 +171,11 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         for i in 0..grains.reached {
             for k in 0..D {
                 let moved = sixth * stages.velocity_sum[i][k];
-                if load > 0.0 && drive.struck.contains(&i) {
-                    for (_, load) in
-                        drive.components::<D>(load).into_iter().filter(|&(axis, load)| axis == k && load != 0.0)
-                    {
-                        drive.work = drive.work + V::splat(load * grains.weight[i]) * moved;
+                if let Some(load) = load
+                    && drive.struck.contains(&i)
+                {
+                    for (_, load) in drive.components::<D>(load).filter(|&(axis, _)| axis == k) {
+                        drive.work = drive.work + load * V::splat(grains.weight[i]) * moved;
                     }
                 }
                 grains.displacement[i][k] = grains.displacement[i][k] + moved;
@@ -158,7 +187,8 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         if let Some(friction) = &mut contacts.friction {
             friction.predict(grains.reached, b);
         }
-        contacts.sweep(&grains.displacement, &grains.velocity, &mut self.force, &mut grains.reached, self.accept);
+        self.predicted.copy_from_slice(&grains.velocity);
+        self.sweep(grains, contacts, laws);
         if let Some(friction) = &mut contacts.friction {
             friction.correct(grains.reached, m);
         }

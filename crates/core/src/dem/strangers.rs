@@ -9,25 +9,21 @@
 use super::body::{Grains, square};
 use super::boundary::Mirror;
 use super::contacts::{Contacts, Laws, NoRoom};
+use super::list::List;
 use super::neighbour::widest;
 use crate::real::Lanes;
 use crate::sample::Sample;
 
-/// How often it is asked who may meet, and how far spheres are trusted to come beyond what their speeds say.
+/// How far spheres are trusted to come in a step beyond what their speeds say.
 #[derive(Clone, Copy)]
 pub(super) struct Vigilance {
-    /// Steps between two looks at the ways.
-    pub pause: u64,
     /// Part of the greatest diameter.
     allowance: f64,
 }
 
 /// The first serves; if spheres were faster than expected the run is made again with the next.
-pub(super) const VIGILANCE: [Vigilance; 3] = [
-    Vigilance { pause: 8, allowance: 0.01 },
-    Vigilance { pause: 1, allowance: 0.01 },
-    Vigilance { pause: 1, allowance: 1.0 },
-];
+pub(super) const VIGILANCE: [Vigilance; 3] =
+    [Vigilance { allowance: 0.01 }, Vigilance { allowance: 0.1 }, Vigilance { allowance: 1.0 }];
 
 /// Why a look ended.
 pub(super) enum Lapse {
@@ -135,12 +131,13 @@ impl<const D: usize> Strangers<D> {
     /// After some time (s), with the greatest v² of each block in it, which are forgotten: looks at those who may have come near
     /// each other in any of the designs that go on, and takes up their contacts.
     #[inline(always)]
-    pub fn watch<V: Lanes, L: Laws<V>>(
+    pub fn watch<V: Lanes>(
         &mut self,
         fastest: &mut [V],
         time: f64,
         goes_on: &[bool],
-        contacts: &mut Contacts<'_, V, D, L>,
+        contacts: &mut Contacts<'_, V, D>,
+        laws: &mut dyn Laws<V, D>,
         grains: &Grains<V, D>,
     ) -> Result<(), Lapse> {
         let blocks = self.way.len();
@@ -168,7 +165,7 @@ impl<const D: usize> Strangers<D> {
                     return Err(Lapse::TooFast);
                 }
                 let near = 3.0 * (self.ahead[a] - self.way[a] + self.ahead[b] - self.way[b]);
-                let clear = self.look([a, b], near, lanes(), contacts, grains, &mut pairs);
+                let clear = self.look([a, b], near, lanes(), &contacts.list, grains, &mut pairs);
                 self.meet[place] = self.way[a] + self.way[b] + clear;
             }
         }
@@ -185,7 +182,10 @@ impl<const D: usize> Strangers<D> {
             let mut clear = f64::INFINITY;
             for i in self.block(block) {
                 let centre = &self.centres[i];
-                if mirror.carries(centre, self.radius[i]) || self.radius[i] == 0.0 || contacts.holds_image(i, mirror) {
+                if mirror.carries(centre, self.radius[i])
+                    || self.radius[i] == 0.0
+                    || contacts.list.holds_image(i, mirror)
+                {
                     continue;
                 }
                 let moved = |lane| mirror.inward * grains.displacement[i][mirror.axis].lane(lane);
@@ -202,7 +202,7 @@ impl<const D: usize> Strangers<D> {
         if pairs.is_empty() && images.is_empty() {
             return Ok(());
         }
-        Ok(contacts.take_up(&pairs, &images, &self.mirrors, grains)?)
+        Ok(contacts.take_up(&pairs, &images, &self.mirrors, grains, laws)?)
     }
 
     fn block(&self, block: usize) -> std::ops::Range<usize> {
@@ -211,12 +211,12 @@ impl<const D: usize> Strangers<D> {
 
     /// Adds the strangers of two blocks whose surfaces are nearer than `near` (m), and gives the least gap of the others.
     #[inline(always)]
-    fn look<V: Lanes, L: Laws<V>>(
+    fn look<V: Lanes>(
         &self,
         [a, b]: [usize; 2],
         near: f64,
         lanes: impl Iterator<Item = usize> + Clone,
-        contacts: &Contacts<'_, V, D, L>,
+        list: &List<D>,
         grains: &Grains<V, D>,
         pairs: &mut Vec<[usize; 2]>,
     ) -> f64 {
@@ -231,13 +231,15 @@ impl<const D: usize> Strangers<D> {
         for i in self.block(a).filter(|&i| self.radius[i] > 0.0) {
             let others = self.block(b);
             let others = others.start.max(i + 1)..others.end;
-            let strangers = || {
-                let mut partners = contacts.partners(i).skip_while(|&j| j < others.start).peekable();
-                others.clone().filter(move |&j| partners.next_if_eq(&j).is_none() && self.radius[j] > 0.0)
-            };
-            let mut least = V::splat(f64::INFINITY);
-            for j in strangers() {
-                least = squared(i, j).min(least);
+            // Strangers are what lies between the partners.
+            let partners = list.partners(i).filter(|j| others.contains(j)).chain([others.end]);
+            let (mut least, mut from) = (V::splat(f64::INFINITY), others.start);
+            for partner in partners {
+                for j in from..partner {
+                    // Empty sites lie there too, and then it is looked at more closely below.
+                    least = squared(i, j).min(least);
+                }
+                from = partner + 1;
             }
             let least = lanes.clone().map(|lane| least.lane(lane)).fold(f64::INFINITY, f64::min);
             let bound = least.sqrt() - self.radius[i] - self.block_radius[b];
@@ -245,7 +247,11 @@ impl<const D: usize> Strangers<D> {
                 clear = clear.min(bound);
                 continue;
             }
-            for j in strangers() {
+            let mut partners = list.partners(i).filter(|j| others.contains(j)).peekable();
+            for j in others.clone() {
+                if partners.next_if_eq(&j).is_some() || self.radius[j] == 0.0 {
+                    continue;
+                }
                 let squared = squared(i, j);
                 let least = lanes.clone().map(|lane| squared.lane(lane)).fold(f64::INFINITY, f64::min);
                 let gap = least.sqrt() - self.radius[i] - self.radius[j];

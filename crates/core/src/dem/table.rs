@@ -2,57 +2,53 @@
 
 use std::marker::PhantomData;
 
-use super::contacts::Laws;
+use super::contacts::{Laws, Pass, Respond};
 use super::neighbour::Touching;
 use super::size::reference_radius;
-use crate::contact::{Asked, Constants, History, LaneLaw, NormalLaw, Pair};
+use crate::contact::{AnyLaw, Asked, Constants, ForceLaw, History, LaneLaw, LawKind, Pair};
 use crate::material::Material;
 use crate::real::Lanes;
 use crate::sample::Sample;
 
 /// The laws of the kinds of pairs that occur, found by materials and radii; a law that obeys similarity is made for spheres of the
 /// samples' reference radius.
-struct Kinds<'a, L> {
+struct Kinds<'a> {
+    law: LawKind,
     constants: Constants,
-    make: Box<dyn Fn(&Pair) -> L + Sync + 'a>,
     /// Materials, and the radius for which their laws are made (m).
     classes: Vec<(&'a Material, f64)>,
     /// The class of every sphere of every sample.
     class: Vec<Vec<u16>>,
     seen: Vec<[u16; 2]>,
-    laws: Vec<L>,
+    laws: Vec<AnyLaw>,
 }
 
-impl<'a, L: NormalLaw> Kinds<'a, L> {
-    fn new<const D: usize>(
-        samples: &[&'a Sample<D>],
-        constants: Constants,
-        make: impl Fn(&Pair) -> L + Sync + 'a,
-    ) -> Self {
+impl<'a> Kinds<'a> {
+    fn new<const D: usize>(samples: &[&'a Sample<D>], law: LawKind, constants: Constants) -> Self {
         let mut classes: Vec<(&'a Material, f64)> = Vec::new();
-        let class = samples.iter().map(|sample| {
+        let mut class = Vec::new();
+        for sample in samples {
             let reference = reference_radius(sample);
-            let mut last = None;
-            let of_sphere = sample.spheres.iter().map(|sphere| {
-                let radius = if L::is_similar() { reference } else { sphere.radius };
+            let (mut last, mut of_sample) = (None, Vec::with_capacity(sample.spheres.len()));
+            for sphere in &sample.spheres {
+                let radius = if law.is_similar() { reference } else { sphere.radius };
                 // Spheres that follow each other are often alike, and materials take long to compare.
-                if let Some((material, of_last, class)) = last
-                    && (material, of_last) == (sphere.material, radius)
-                {
-                    return class;
-                }
-                let one = (&sample.materials[sphere.material], radius);
-                let class = classes.iter().position(|known| *known == one).unwrap_or_else(|| {
-                    classes.push(one);
-                    classes.len() - 1
-                }) as u16;
-                last = Some((sphere.material, radius, class));
-                class
-            });
-            of_sphere.collect()
-        });
-        let class = class.collect();
-        Self { constants, make: Box::new(make), classes, class, seen: Vec::new(), laws: Vec::new() }
+                let place = match last {
+                    Some((material, of_last, class)) if (material, of_last) == (sphere.material, radius) => class,
+                    _ => {
+                        let one = (&sample.materials[sphere.material], radius);
+                        classes.iter().position(|known| *known == one).unwrap_or_else(|| {
+                            classes.push(one);
+                            classes.len() - 1
+                        }) as u16
+                    }
+                };
+                last = Some((sphere.material, radius, place));
+                of_sample.push(place);
+            }
+            class.push(of_sample);
+        }
+        Self { law, constants, classes, class, seen: Vec::new(), laws: Vec::new() }
     }
 
     /// The place of the law between two spheres of a sample.
@@ -63,26 +59,25 @@ impl<'a, L: NormalLaw> Kinds<'a, L> {
             let [first, second] = pair.map(|class| self.classes[usize::from(class)]);
             let pair_constants = Pair::new([first.0, second.0], [first.1, second.1], self.constants);
             self.seen.push(pair);
-            self.laws.push((self.make)(&pair_constants));
+            self.laws.push(AnyLaw::new(self.law, &pair_constants));
             self.laws.len() - 1
         })
     }
 }
 
 /// The spheres of every contact: pairs, then images with their sphere twice.
-fn ends<const D: usize>(touching: &Touching<D>) -> impl Iterator<Item = [usize; 2]> + '_ {
+fn ends<const D: usize>(touching: &Touching<D>) -> Vec<[usize; 2]> {
     let pairs = touching.pairs.iter().map(|touch| touch.pair);
-    pairs.chain(touching.images.iter().map(|touch| [touch.sphere; 2]))
+    pairs.chain(touching.images.iter().map(|touch| [touch.sphere; 2])).collect()
 }
 
 /// One law per kind of pair, and for each contact its kind.
-pub(super) struct LawTable<'a, L> {
-    kinds: Kinds<'a, L>,
+pub(super) struct LawTable<'a> {
+    kinds: Kinds<'a>,
     kind: Vec<u16>,
 }
 
-impl<L: NormalLaw + Copy + Sync> Laws<f64> for LawTable<'_, L> {
-    type One = L;
+impl Respond<f64> for LawTable<'_> {
     #[inline(always)]
     fn force(&self, contact: usize, overlap: f64, closing_speed: f64, history: &History) -> f64 {
         self.of(contact).force(overlap, closing_speed, history)
@@ -91,8 +86,14 @@ impl<L: NormalLaw + Copy + Sync> Laws<f64> for LawTable<'_, L> {
     fn respond(&self, contact: usize, overlap: f64, closing_speed: f64, history: &History) -> (f64, History) {
         self.of(contact).respond(overlap, closing_speed, history)
     }
-    fn one(&self, contact: usize, _: usize) -> L {
-        *self.of(contact)
+}
+
+impl<const D: usize> Laws<f64, D> for LawTable<'_> {
+    fn sweep(&self, pass: Pass<'_, '_, f64, D>) {
+        pass.under(self);
+    }
+    fn one(&self, contact: usize, _: usize) -> &AnyLaw {
+        self.of(contact)
     }
     fn renumber(&mut self, from: &[Option<usize>], ends: &[[usize; 2]]) -> bool {
         let kinds = &mut self.kinds;
@@ -105,10 +106,10 @@ impl<L: NormalLaw + Copy + Sync> Laws<f64> for LawTable<'_, L> {
     }
 }
 
-impl<'a, L: NormalLaw> LawTable<'a, L> {
+impl<'a> LawTable<'a> {
     /// The law of a contact.
     #[inline(always)]
-    fn of(&self, contact: usize) -> &L {
+    fn of(&self, contact: usize) -> &AnyLaw {
         &self.kinds.laws[usize::from(self.kind[contact])]
     }
 
@@ -116,51 +117,88 @@ impl<'a, L: NormalLaw> LawTable<'a, L> {
     pub fn new<const D: usize>(
         sample: &'a Sample<D>,
         touching: &Touching<D>,
+        law: LawKind,
         constants: Constants,
-        make: impl Fn(&Pair) -> L + Sync + 'a,
     ) -> Self {
-        let mut kinds = Kinds::new(&[sample], constants, make);
-        let kind = ends(touching).map(|pair| kinds.place(0, pair) as u16).collect();
+        let mut kinds = Kinds::new(&[sample], law, constants);
+        let kind = ends(touching).into_iter().map(|pair| kinds.place(0, pair) as u16).collect();
         Self { kinds, kind }
     }
 }
 
-/// Up to 16 kinds of pairs, and for each contact the kind that it is in each design.
-pub(super) struct LaneTable<'a, L, V> {
-    kinds: Kinds<'a, L>,
+/// Up to 16 kinds of pairs, and for each contact the kind that it is in each design. What it holds does not depend on how it is read.
+struct Looked<'a> {
+    kinds: Kinds<'a>,
+    lanes: usize,
+    /// The numbers of a law that tables hold.
+    parameters: fn(&AnyLaw) -> Vec<f64>,
     /// Parameter k of every kind.
     tables: Vec<[f64; 16]>,
-    /// Kinds of contact c: from `c * LANES` on.
+    /// Kinds of contact c: from `c * lanes` on.
     kind: Vec<u8>,
-    width: PhantomData<V>,
 }
 
-impl<L: LaneLaw, V: Lanes> Laws<V> for LaneTable<'_, L, V> {
-    type One = L;
+impl Looked<'_> {
+    /// Adds contacts, each one that was in the table, or new between two spheres; false if there are more than 16 kinds then.
+    fn add(&mut self, from: impl Fn(usize) -> Option<usize>, old: &[u8], ends: &[[usize; 2]]) -> bool {
+        for (c, &ends) in ends.iter().enumerate() {
+            if let Some(from) = from(c) {
+                self.kind.extend(&old[from * self.lanes..(from + 1) * self.lanes]);
+                continue;
+            }
+            for lane in 0..self.lanes {
+                self.kind.push(self.kinds.place(lane, ends).min(16) as u8);
+            }
+            if self.kinds.laws.len() > 16 {
+                return false;
+            }
+        }
+        for (place, law) in self.kinds.laws.iter().enumerate() {
+            for (table, parameter) in self.tables.iter_mut().zip((self.parameters)(law)) {
+                table[place] = parameter;
+            }
+        }
+        true
+    }
+
+    fn renumber(&mut self, from: &[Option<usize>], ends: &[[usize; 2]]) -> bool {
+        let old = std::mem::take(&mut self.kind);
+        self.add(|c| from[c], &old, ends)
+    }
+}
+
+/// A table of laws of one type, read in lanes.
+pub(super) struct LaneTable<'a, L, V> {
+    looked: Looked<'a>,
+    read_as: PhantomData<(L, V)>,
+}
+
+impl<L: LaneLaw, V: Lanes> Respond<V> for LaneTable<'_, L, V> {
     #[inline(always)]
     fn force(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> V {
-        let place = V::index(&self.kind[contact * V::LANES..(contact + 1) * V::LANES]);
-        L::force_at(&Asked { tables: &self.tables, place, overlap, closing_speed, history })
+        let place = V::index(&self.looked.kind[contact * V::LANES..(contact + 1) * V::LANES]);
+        L::force_at(&Asked { tables: &self.looked.tables, place, overlap, closing_speed, history })
     }
     #[inline(always)]
     fn respond(&self, contact: usize, overlap: V, closing_speed: V, history: &History<V>) -> (V, History<V>) {
-        let place = V::index(&self.kind[contact * V::LANES..(contact + 1) * V::LANES]);
-        L::respond_at(&Asked { tables: &self.tables, place, overlap, closing_speed, history })
+        let place = V::index(&self.looked.kind[contact * V::LANES..(contact + 1) * V::LANES]);
+        L::respond_at(&Asked { tables: &self.looked.tables, place, overlap, closing_speed, history })
     }
-    fn one(&self, contact: usize, lane: usize) -> L {
-        self.kinds.laws[usize::from(self.kind[contact * V::LANES + lane])]
+}
+
+impl<L: LaneLaw, V: Lanes, const D: usize> Laws<V, D> for LaneTable<'_, L, V> {
+    fn sweep(&self, pass: Pass<'_, '_, V, D>) {
+        if const { L::HAS_OWN_LOOPS || V::IS_SINGLE } {
+            pass.quickly_under(self);
+        } else {
+            pass.under(self);
+        }
+    }
+    fn one(&self, contact: usize, lane: usize) -> &AnyLaw {
+        &self.looked.kinds.laws[usize::from(self.looked.kind[contact * V::LANES + lane])]
     }
     fn renumber(&mut self, from: &[Option<usize>], ends: &[[usize; 2]]) -> bool {
-        let old = std::mem::take(&mut self.kind);
-        for (from, ends) in from.iter().zip(ends) {
-            match from {
-                Some(from) => self.kind.extend(&old[from * V::LANES..(from + 1) * V::LANES]),
-                None if !self.add(*ends) => return false,
-                None => {}
-            }
-        }
-        self.fill();
-        true
+        self.looked.renumber(from, ends)
     }
 }
 
@@ -170,32 +208,11 @@ impl<'a, L: LaneLaw, V: Lanes> LaneTable<'a, L, V> {
     pub fn new<const D: usize>(
         samples: &[&'a Sample<D>],
         touching: &Touching<D>,
+        law: LawKind,
         constants: Constants,
-        make: impl Fn(&Pair) -> L + Sync + 'a,
     ) -> Option<Self> {
-        let kinds = Kinds::new(samples, constants, make);
-        let tables = vec![[0.0; 16]; L::PARAMETERS];
-        let mut table = Self { kinds, tables, kind: Vec::new(), width: PhantomData };
-        for pair in ends(touching) {
-            if !table.add(pair) {
-                return None;
-            }
-        }
-        table.fill();
-        Some(table)
-    }
-
-    /// Adds a contact; false if there are more than 16 kinds then.
-    fn add(&mut self, ends: [usize; 2]) -> bool {
-        self.kind.extend((0..V::LANES).map(|lane| self.kinds.place(lane, ends).min(16) as u8));
-        self.kinds.laws.len() <= 16
-    }
-
-    fn fill(&mut self) {
-        for (place, law) in self.kinds.laws.iter().enumerate() {
-            for (table, parameter) in self.tables.iter_mut().zip(law.parameters()) {
-                table[place] = parameter;
-            }
-        }
+        let (kinds, tables) = (Kinds::new(samples, law, constants), vec![[0.0; 16]; L::PARAMETERS]);
+        let mut looked = Looked { kinds, lanes: V::LANES, parameters: L::parameters, tables, kind: Vec::new() };
+        looked.add(|_| None, &[], &ends(touching)).then_some(Self { looked, read_as: PhantomData })
     }
 }

@@ -1,6 +1,6 @@
 //! The families of lenses, and the form that each takes between two rows.
 
-use nalgebra::Vector2;
+use crate::ray::Vector2;
 
 use super::equal_time::EqualTime;
 use super::form::{Element, Face, Form};

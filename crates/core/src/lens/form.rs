@@ -1,6 +1,6 @@
 //! A lens as a shape: its faces, what lies between them, and what rays and sites see of it.
 
-use nalgebra::Vector2;
+use crate::ray::Vector2;
 
 use super::equal_time::EqualTime;
 use super::graded::Profile;

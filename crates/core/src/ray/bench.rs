@@ -1,7 +1,7 @@
 //! The plano-convex lens by itself: faces known in advance, so that a ray takes nanoseconds. The search for a lens of this
 //! family traces millions of them.
 
-use nalgebra::Vector2;
+use crate::ray::Vector2;
 
 use super::path::{Path, fold};
 use super::snell::{TotalReflection, refract};
@@ -31,7 +31,7 @@ impl std::fmt::Display for Face {
 ///
 /// # Errors
 /// Total reflection at the front.
-pub fn enter(sine: f64, speeds: [f64; 2]) -> Result<Vector2<f64>, TotalReflection> {
+pub fn enter(sine: f64, speeds: [f64; 2]) -> Result<Vector2, TotalReflection> {
     let normal = Vector2::new(sine, -(1.0 - sine * sine).max(0.0).sqrt());
     refract(Vector2::y(), normal, speeds[0], speeds[1])
 }
@@ -40,7 +40,7 @@ pub fn enter(sine: f64, speeds: [f64; 2]) -> Result<Vector2<f64>, TotalReflectio
 ///
 /// # Errors
 /// Total reflection at the back.
-pub fn leave(inside: Vector2<f64>, speeds: [f64; 2]) -> Result<Vector2<f64>, TotalReflection> {
+pub fn leave(inside: Vector2, speeds: [f64; 2]) -> Result<Vector2, TotalReflection> {
     refract(inside, Vector2::y(), speeds[1], speeds[0])
 }
 

@@ -3,7 +3,7 @@ use super::*;
 /// 440c and brass.
 const SPEEDS: [f64; 2] = [1344.68, 791.08];
 
-fn unit(angle: f64) -> Vector2<f64> {
+fn unit(angle: f64) -> Vector2 {
     Vector2::new(angle.sin(), angle.cos())
 }
 

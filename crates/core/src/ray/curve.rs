@@ -1,8 +1,8 @@
 //! Interfaces: curves that rays meet.
 
-use nalgebra::Vector2;
+use crate::ray::Vector2;
 
-type Vector = Vector2<f64>;
+type Vector = Vector2;
 
 /// Where a ray meets a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -184,7 +184,7 @@ fn update(a: f64, b: Option<f64>, per_step: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector2;
+    use crate::ray::Vector2;
 
     use super::*;
     use crate::ray::refract;

@@ -13,6 +13,7 @@
 //! - `eikonal`: first arrivals on the lattice, without rays; `mesh`: the points they are found at
 //! - `path`: the way of one ray
 //! - `bench`: the plano-convex lens by itself, for searches
+//! - `vector`: points and directions
 
 mod bench;
 mod curve;
@@ -23,6 +24,7 @@ mod path;
 mod scene;
 mod slab;
 mod snell;
+mod vector;
 
 pub use bench::{Bench, Face, Reason, Stray, enter, leave};
 pub use curve::{Circle, Conic, Curve, Graph, Meeting, Polyline, Segment};
@@ -32,3 +34,4 @@ pub use path::Path;
 pub use scene::{Event, Fate, Interface, Scene, Trace};
 pub use slab::Slab;
 pub use snell::{Passage, TotalReflection, pass, reflect, refract};
+pub use vector::Vector2;

@@ -1,6 +1,6 @@
 //! Rays through media that interfaces part, between mirror lines.
 
-use nalgebra::Vector2;
+use crate::ray::Vector2;
 
 use super::curve::{Curve, Meeting};
 use super::fan::Optics;
@@ -87,8 +87,8 @@ const MOST_CORNERS: usize = 1000;
 
 /// A ray under way.
 struct Walk {
-    point: Vector2<f64>,
-    direction: Vector2<f64>,
+    point: Vector2,
+    direction: Vector2,
     speed: f64,
     /// Total reflections so far.
     reflections: u32,
@@ -147,7 +147,7 @@ impl Scene {
     }
 
     /// Follows a ray from any point (m) along a unit vector, through a medium of `speed` (m/s) at first.
-    pub fn trace_from(&self, start: [f64; 2], direction: Vector2<f64>, speed: f64) -> Trace {
+    pub fn trace_from(&self, start: [f64; 2], direction: Vector2, speed: f64) -> Trace {
         let least = self.least();
         let mut walk = Walk { point: Vector2::from(start), direction, speed, reflections: 0 };
         // Few rays have more corners than two lenses and two mirror lines make.
@@ -175,7 +175,7 @@ impl Scene {
     pub(super) fn landing_from(
         &self,
         start: [f64; 2],
-        direction: Vector2<f64>,
+        direction: Vector2,
         depth: f64,
         met: &mut Vec<Event>,
     ) -> Option<f64> {
@@ -193,7 +193,7 @@ impl Scene {
     }
 
     /// Distance to the rim of the crystal, and which side of it is there.
-    fn border(&self, point: Vector2<f64>, direction: Vector2<f64>, least: f64) -> (f64, Side) {
+    fn border(&self, point: Vector2, direction: Vector2, least: f64) -> (f64, Side) {
         let mut found = (f64::INFINITY, Side::End);
         // Only a side that the ray goes towards: one that it starts from is behind it, however close.
         for (from, along, [low, high], sides) in [
@@ -213,7 +213,7 @@ impl Scene {
     }
 
     /// The nearest interface that the ray meets, if it does within `most` (m).
-    fn nearest(&self, point: Vector2<f64>, direction: Vector2<f64>, least: f64, most: f64) -> Option<(usize, Meeting)> {
+    fn nearest(&self, point: Vector2, direction: Vector2, least: f64, most: f64) -> Option<(usize, Meeting)> {
         let mut found: Option<(usize, Meeting)> = None;
         let mut end = point.y + direction.y * most;
         for (index, interface) in self.interfaces.iter().enumerate() {

@@ -6,7 +6,7 @@ use super::*;
 use crate::ray::Optics;
 use crate::ray::{Circle, Conic, Graph, Polyline, Segment, caustic, fan, least_spot, spot, wavefront};
 
-type Vector = Vector2<f64>;
+type Vector = Vector2;
 
 fn scene(curve: impl Curve + 'static, speeds: [f64; 2]) -> Scene {
     let interfaces = vec![Interface::new(Box::new(curve), speeds, "face")];

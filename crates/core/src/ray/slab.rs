@@ -1,6 +1,6 @@
 //! Rays through a flat slab whose speed changes across it.
 
-use nalgebra::Vector2;
+use crate::ray::Vector2;
 
 use super::fan::Optics;
 use super::path::{Path, fold};
@@ -132,7 +132,7 @@ impl<F: Fn(f64) -> [f64; 2] + Send + Sync> Slab<F> {
 }
 
 /// The unit vector down at an angle of this sine.
-fn down(sine: f64) -> Vector2<f64> {
+fn down(sine: f64) -> Vector2 {
     Vector2::new(sine, (1.0 - sine * sine).sqrt())
 }
 

@@ -1,6 +1,6 @@
 //! What happens to a ray at an interface.
 
-use nalgebra::Vector2;
+use crate::ray::Vector2;
 
 /// A wave that meets a faster medium so obliquely that nothing passes.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -19,12 +19,7 @@ pub struct TotalReflection {
 ///
 /// # Errors
 /// Beyond the critical angle.
-pub fn refract(
-    direction: Vector2<f64>,
-    normal: Vector2<f64>,
-    speed_in: f64,
-    speed_out: f64,
-) -> Result<Vector2<f64>, TotalReflection> {
+pub fn refract(direction: Vector2, normal: Vector2, speed_in: f64, speed_out: f64) -> Result<Vector2, TotalReflection> {
     let ratio = speed_out / speed_in;
     let along = direction.dot(&normal);
     let normal = if along < 0.0 { -normal } else { normal };
@@ -37,7 +32,7 @@ pub fn refract(
 }
 
 /// Direction of the reflected ray; the sense of the unit normal does not matter.
-pub fn reflect(direction: Vector2<f64>, normal: Vector2<f64>) -> Vector2<f64> {
+pub fn reflect(direction: Vector2, normal: Vector2) -> Vector2 {
     direction - normal * (2.0 * direction.dot(&normal))
 }
 
@@ -45,16 +40,16 @@ pub fn reflect(direction: Vector2<f64>, normal: Vector2<f64>) -> Vector2<f64> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
     /// It goes on in the other medium.
-    Refracted(Vector2<f64>),
+    Refracted(Vector2),
     /// It meets the interface at the critical angle, to round-off, and runs along it.
-    Grazing(Vector2<f64>),
+    Grazing(Vector2),
     /// Nothing passes: it goes on in the same medium.
-    Reflected(Vector2<f64>, TotalReflection),
+    Reflected(Vector2, TotalReflection),
 }
 
 impl Passage {
     /// The direction in which the ray goes on.
-    pub fn direction(&self) -> Vector2<f64> {
+    pub fn direction(&self) -> Vector2 {
         match *self {
             Self::Refracted(direction) | Self::Grazing(direction) | Self::Reflected(direction, _) => direction,
         }
@@ -67,7 +62,7 @@ const GRAZING: f64 = 1e-14;
 
 /// What becomes of a ray at an interface, by [`refract`] and [`reflect`]. Speeds are positive and finite; directions and
 /// normal are unit vectors.
-pub fn pass(direction: Vector2<f64>, normal: Vector2<f64>, speed_in: f64, speed_out: f64) -> Passage {
+pub fn pass(direction: Vector2, normal: Vector2, speed_in: f64, speed_out: f64) -> Passage {
     let along = direction.dot(&normal);
     let sine_squared = (speed_out / speed_in).powi(2) * (1.0 - along * along).max(0.0);
     if speed_out > speed_in && (sine_squared - 1.0).abs() < GRAZING {

@@ -21,6 +21,39 @@ pub(super) fn ln<V: Lanes>(x: V) -> V {
     e * c(LN2_HIGH) + (V::lookup(&MINUS_LN_INVERSE, sixteenth) + (r + s * tail + e * c(LN2_LOW)))
 }
 
+/// As [`ln`], to the seven digits of single precision.
+#[inline(always)]
+pub(super) fn ln_single<V: Lanes>(x: V) -> V {
+    let c = V::splat;
+    let (e, m, sixteenth) = x.exponent_mantissa();
+    let r = m * V::lookup(&INVERSE, sixteenth) - c(1.0);
+    let tail = c(-1.0 / 4.0) + r * c(1.0 / 5.0);
+    let tail = c(-1.0 / 2.0) + r * c(1.0 / 3.0) + r * r * tail;
+    e * c(std::f64::consts::LN_2) + (V::lookup(&MINUS_LN_INVERSE, sixteenth) + (r + r * r * tail))
+}
+
+/// As [`exp_small`], to the seven digits of single precision.
+#[inline(always)]
+pub(super) fn exp_small_single<V: Number>(x: V) -> V {
+    let (c, s) = (V::splat, x * x);
+    let tail = c(1.0 / 720.0) + x * c(1.0 / 5040.0);
+    let tail = c(1.0 / 24.0) + x * c(1.0 / 120.0) + s * tail;
+    let tail = c(1.0 / 2.0) + x * c(1.0 / 6.0) + s * tail;
+    c(1.0) + (x + s * tail)
+}
+
+/// As [`exp`], from −87 to 88, which single precision holds.
+#[inline(always)]
+pub(super) fn exp_single<V: Lanes>(x: V) -> V {
+    let c = V::splat;
+    let held = x.max(c(-87.0)).min(c(88.0));
+    // Adding and taking away 1.5 2^23 rounds to a whole number.
+    let k = (held * c(LOG2_E) + c(12_582_912.0)) - c(12_582_912.0);
+    let power = exp_small_single(held - k * c(std::f64::consts::LN_2)) * k.power_of_two();
+    let power = V::select(x.lt(c(-87.0)), c(0.0), power);
+    V::select(c(88.0).lt(x), c(f64::INFINITY), power)
+}
+
 #[inline(always)]
 pub(super) fn exp_small<V: Number>(x: V) -> V {
     let c = V::splat;

@@ -60,6 +60,27 @@ impl Width {
         Self::available().last().copied().unwrap_or(Self::Scalar)
     }
 
+    /// Runs a kernel at this width in registers, for which alone it is compiled. None where there are none: one design at a time, or a
+    /// width that the processor lacks.
+    pub fn run_side_by_side<K: Kernel>(self, kernel: K) -> Option<K::Output> {
+        #[cfg(target_arch = "x86_64")]
+        if self.is_available() && self != Self::Scalar {
+            return Some(x86::run_side_by_side(self, kernel));
+        }
+        let _ = kernel;
+        None
+    }
+
+    /// Runs a kernel with sixteen numbers of single precision. None where the processor lacks them.
+    pub fn run_in_single<K: Kernel>(kernel: K) -> Option<K::Output> {
+        #[cfg(target_arch = "x86_64")]
+        if Self::Eight.is_available() {
+            return Some(single::run(kernel));
+        }
+        let _ = kernel;
+        None
+    }
+
     /// Runs a kernel at this width, or one design at a time where the processor lacks it. The bits are the same.
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
@@ -69,6 +90,10 @@ impl Width {
         kernel.run::<f64>()
     }
 }
+
+#[cfg(target_arch = "x86_64")]
+#[expect(unsafe_code, reason = "vector instructions; see the module's page")]
+mod single;
 
 #[cfg(target_arch = "x86_64")]
 #[expect(unsafe_code, reason = "vector instructions; see the module's page")]
@@ -82,11 +107,15 @@ mod x86 {
 
     /// The caller has asked the processor for this width.
     pub fn run<K: Kernel>(width: Width, kernel: K) -> K::Output {
+        if width == Width::Scalar { kernel.run::<f64>() } else { run_side_by_side(width, kernel) }
+    }
+
+    /// The caller has asked the processor for this width, which is not one.
+    pub fn run_side_by_side<K: Kernel>(width: Width, kernel: K) -> K::Output {
         match width {
-            Width::Scalar => kernel.run::<f64>(),
-            // Safety: `Width::run` has found the instructions present.
-            Width::Four => unsafe { four(kernel) },
+            // Safety: the caller has found the instructions present.
             Width::Eight => unsafe { eight(kernel) },
+            _ => unsafe { four(kernel) },
         }
     }
 
@@ -108,7 +137,7 @@ mod x86 {
 
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
     #[inline(never)]
-    fn eight_outlined<J: Job>(job: J) -> J::Output {
+    pub fn eight_outlined<J: Job>(job: J) -> J::Output {
         job.run()
     }
 

@@ -7,7 +7,7 @@
 //! a platform's mathematical library.
 //!
 //! - `functions`: logarithm, exponential and arc cosine from basic operations
-//! - `lanes`: four and eight designs in AVX2 and AVX-512 registers, and the choice between them
+//! - `lanes`: four and eight designs in AVX2 and AVX-512 registers, sixteen in single precision, and the choice between them
 //! - `dual`: a number and its derivatives
 
 mod dual;
@@ -80,6 +80,8 @@ pub trait Lanes: Number {
     type Index: Copy;
     /// How many designs stand side by side.
     const LANES: usize;
+    /// Whether numbers have single precision: seven digits, from 10⁻³⁸ to 10³⁸.
+    const IS_SINGLE: bool = false;
 
     /// One of the numbers.
     fn lane(self, lane: usize) -> f64;

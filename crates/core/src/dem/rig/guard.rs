@@ -5,8 +5,8 @@ use std::fmt;
 use super::contacts::Strain;
 use super::engine::Engine;
 use super::ledger::EnergyLedger;
-use super::share::parts;
 use super::{Body, Rig};
+use crate::dem::share::parts;
 use crate::dem::stable_step;
 
 /// Why a run ended before it was asked to. What was computed so far is kept.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Rig;
-use super::share::{parts, rows};
+use crate::dem::share::{parts, rows};
 
 /// Two spheres that touch, or may do so before the list is made anew.
 #[derive(Clone, Copy, Debug, PartialEq)]

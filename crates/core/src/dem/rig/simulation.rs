@@ -12,9 +12,9 @@ use super::law::{ByDashpot, ByMaterial};
 use super::ledger::{EnergyLedger, Gain};
 use super::machine::Machine;
 use super::pairs::TOUCHING;
-use super::share::MANY;
 use super::view::View;
 use super::{Body, LawBook, Rig};
+use crate::dem::share::MANY;
 use crate::dem::{ContactRecord, same, stable_step};
 
 /// A rig in motion.

@@ -46,6 +46,7 @@ use kinds::{Kinds, kind};
 use numbers::Numbers;
 use sweep::{Band, Fixed, Part, RowForce, Rows, Seam};
 
+use super::share::each_of;
 use super::{ForcePulse, OVERLAP_LIMIT, stable_step};
 use crate::contact::{Constants, Hertz, NormalLaw as _, Pair};
 use crate::material::Material;
@@ -323,9 +324,8 @@ impl Sheet {
         let excess = if bands == 1 {
             jobs.into_iter().map(|job| self.width.run(job)).fold(0.0, f64::max)
         } else {
-            use rayon::prelude::*;
             let width = self.width;
-            let found: Vec<f64> = jobs.into_par_iter().map(|job| width.run(job)).collect();
+            let found = each_of(jobs, |job| width.run(job));
             found.into_iter().fold(0.0, f64::max)
         };
         self.deepest = self.deepest.max(1.0 - (1.0 - excess).max(0.0).sqrt());

@@ -67,24 +67,25 @@ impl<V: Lanes, const D: usize> Past<V, D> {
 
 impl<V: Lanes, const D: usize> Stepper<V, D> {
     #[inline(always)]
-    pub(super) fn multistep<L: Laws<V>>(
+    pub(super) fn multistep(
         &mut self,
         grains: &mut Grains<V, D>,
-        contacts: &mut Contacts<'_, V, D, L>,
+        contacts: &mut Contacts<'_, V, D>,
+        laws: &dyn Laws<V, D>,
         drive: &mut Drive<V>,
     ) {
-        let past = &mut self.past;
+        let past = &self.past;
         let (h, half) = (V::splat(self.step), V::splat(0.5 * self.step));
         let [s1, s2] = self.coefficients.displacement.map(V::splat);
         let [b1, b2] = self.coefficients.velocity.map(V::splat);
-        let load = drive.pulse.during(self.count, self.step);
+        let load = drive.during(self.count, self.step);
 
         // The load's work is found from where the spheres were before.
-        if load > 0.0 {
+        if let Some(load) = load {
             for &i in &drive.struck {
                 for (k, load) in drive.components::<D>(load) {
-                    if load != 0.0 && grains.mobility[i][k] != 0.0 {
-                        drive.work = drive.work - V::splat(load * grains.weight[i]) * grains.displacement[i][k];
+                    if grains.mobility[i][k] != 0.0 {
+                        drive.work = drive.work - load * V::splat(grains.weight[i]) * grains.displacement[i][k];
                     }
                 }
             }
@@ -99,18 +100,18 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
                 self.predicted[i][k] = velocity + (h * now + (b1 * first + b2 * second));
             }
         }
-        if load > 0.0 {
+        if let Some(load) = load {
             for &i in &drive.struck {
                 for (k, load) in drive.components::<D>(load) {
                     // What lies on a mirror does not move across it.
-                    if load == 0.0 || grains.mobility[i][k] == 0.0 {
+                    if grains.mobility[i][k] == 0.0 {
                         continue;
                     }
-                    let push = V::splat(load) * grains.inverse_mass[i];
+                    let push = load * grains.inverse_mass[i];
                     grains.displacement[i][k] = grains.displacement[i][k] + h * half * push;
                     self.predicted[i][k] = self.predicted[i][k] + h * push;
                     grains.velocity[i][k] = grains.velocity[i][k] + h * push;
-                    drive.work = drive.work + V::splat(load * grains.weight[i]) * grains.displacement[i][k];
+                    drive.work = drive.work + load * V::splat(grains.weight[i]) * grains.displacement[i][k];
                 }
             }
         }
@@ -118,7 +119,8 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
             friction.predict(grains.reached, [b1, b2]);
         }
         self.clock.lap(Phase::Motion);
-        contacts.sweep(&grains.displacement, &self.predicted, &mut self.force, &mut grains.reached, self.accept);
+        self.sweep(grains, contacts, laws);
+        let past = &mut self.past;
         self.clock.lap(Phase::Contacts);
         let [m2, m3] = self.coefficients.corrector.map(V::splat);
         if let Some(friction) = &mut contacts.friction {

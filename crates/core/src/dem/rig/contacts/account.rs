@@ -1,7 +1,7 @@
 //! What contacts have carried and lost, as parallel arrays.
 
 use super::list::inherited;
-use crate::dem::rig::share::cut;
+use crate::dem::share::cut;
 
 /// What a contact remembers besides its normal law's memory and its tangential spring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,8 +6,8 @@
 use crate::dem::rig::dashpot::SpringDashpot;
 use crate::dem::rig::law::Bond;
 use crate::dem::rig::pairs::Near;
-use crate::dem::rig::share::rows;
 use crate::dem::rig::turns;
+use crate::dem::share::rows;
 use crate::real::{Kernel, Lanes};
 
 use super::friction::Grip;

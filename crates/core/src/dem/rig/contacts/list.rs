@@ -13,7 +13,7 @@ use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::dashpot::SpringDashpot;
 use crate::dem::rig::law::{Binder, Bonding, End, reduced_mass};
 use crate::dem::rig::pairs::{Finder, Near};
-use crate::dem::rig::share::{parts, rows};
+use crate::dem::share::{parts, rows};
 
 impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// Looks anew who is near whom; memories go with their contact.

@@ -4,13 +4,11 @@
 //! forces itself; what its pairs do to spheres of later sections it lays by, to be added when all have done their part, in order.
 //! Which sections there are depends on the pairs alone, so that sums are the same for any number of threads.
 
-use rayon::prelude::*;
-
 use super::account::AccountRows;
 use super::sweep::Sums;
 use crate::dem::rig::pairs::Near;
-use crate::dem::rig::share::cut;
 use crate::dem::rig::turns::Turns;
+use crate::dem::share::{cut, each_of};
 
 /// So many pairs are worth a section of their own.
 const GRAIN: usize = 25_000;
@@ -116,7 +114,7 @@ impl<const D: usize> Sections<D> {
             pieces.for_each(work);
             return;
         }
-        pieces.collect::<Vec<_>>().into_par_iter().with_max_len(1).for_each(work);
+        each_of(pieces.collect(), work);
         for Spill { sphere, force, twist } in self.spills.iter().flatten() {
             let i = *sphere as usize;
             for k in 0..D {

@@ -19,9 +19,9 @@ use super::contacts::{Contacts, Predicted, Sums};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
 use super::pairs::Finder;
-use super::share::parts;
 use super::turns::Turns;
 use super::{Body, LoadKind, Rig};
+use crate::dem::share::parts;
 
 /// A rig in motion under laws of one type.
 pub(super) struct Machine<const D: usize, L: Bonding, B> {

@@ -5,9 +5,9 @@ use std::ops::Range;
 use super::{Machine, flat_weight};
 use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::law::{Binder, Bonding};
-use crate::dem::rig::share::{cut, pieces};
 use crate::dem::rig::turns::Turns;
 use crate::dem::rig::{Body, Rig};
+use crate::dem::share::{cut, pieces};
 
 /// Moves a body on by a step, and predicts its velocity.
 #[inline(always)]

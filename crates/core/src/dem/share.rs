@@ -3,6 +3,7 @@
 //! Parts over which anything is summed depend on a loop's length alone, so that sums are the same for any number of threads.
 
 use std::ops::Range;
+use std::sync::Mutex;
 
 use rayon::prelude::*;
 
@@ -11,13 +12,28 @@ pub const MANY: usize = 20_000;
 /// So many rows for one thread at a time.
 const PART: usize = 4096;
 
+/// Does something for each number below `count`, on as many threads as there are. Compiled once: what is generic calls it.
+fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().with_max_len(1).for_each(work);
+}
+
+/// One value of each item, in their order; worth its while where a value takes a microsecond or more.
+pub fn each_of<P: Send, T: Send>(items: Vec<P>, value: impl Fn(P) -> T + Sync) -> Vec<T> {
+    let places: Vec<_> = items.into_iter().map(|item| Mutex::new((Some(item), None))).collect();
+    each(places.len(), &|k| {
+        // Each is taken once, and where a value panics so does the loop.
+        if let Ok(mut place) = places[k].lock() {
+            place.1 = place.0.take().map(&value);
+        }
+    });
+    places.into_iter().filter_map(|place| place.into_inner().ok()?.1).collect()
+}
+
 /// One value per row.
 pub fn rows<T: Send>(count: usize, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    if count < MANY {
-        (0..count).map(value).collect()
-    } else {
-        (0..count).into_par_iter().with_min_len(PART).map(value).collect()
-    }
+    let mut lists = parts(count, |part| part.map(&value).collect::<Vec<T>>());
+    // One needs no copy.
+    if lists.len() == 1 { lists.swap_remove(0) } else { lists.into_iter().flatten().collect() }
 }
 
 /// One value per part of the rows, in their order; few rows are one part.
@@ -34,8 +50,7 @@ pub fn pieces<P: Send, T: Send>(
     if count < MANY {
         return vec![value(take(0..count))];
     }
-    let pieces: Vec<P> = (0..count).step_by(PART).map(|from| take(from..(from + PART).min(count))).collect();
-    pieces.into_par_iter().with_max_len(1).map(value).collect()
+    each_of((0..count).step_by(PART).map(|from| take(from..(from + PART).min(count))).collect(), value)
 }
 
 /// The first `count` rows, which the rest is left without.

@@ -1,0 +1,104 @@
+//! Which contacts there are: those at rest, and those between spheres that come near only later.
+//!
+//! Nothing here depends on laws or on how many designs stand side by side.
+
+use super::boundary::Mirror;
+use super::neighbour::{SelfTouch, Touch, Touching};
+use crate::sample::Sample;
+
+/// The contacts of a packing: pairs, then images. They are in order of their spheres, and new ones are put in between, so that forces
+/// are added in the same order whenever a contact has come up.
+pub(super) struct List<const D: usize> {
+    pub pairs: Vec<Touch<D>>,
+    pub images: Vec<SelfTouch>,
+    /// Pairs weigh 1, or 1/2 where they lie in a mirror; images 1/2.
+    pub weight: Vec<f64>,
+    /// For each sphere the number of pairs whose first sphere comes before it.
+    pub first_pair: Vec<usize>,
+}
+
+impl<const D: usize> List<D> {
+    /// The contacts at rest; `mobility` is that of the [`Grains`](super::body::Grains).
+    pub fn new(touching: Touching<D>, mobility: &[[f64; D]]) -> Self {
+        let Touching { pairs, images } = touching;
+        let mut list = Self { pairs, images, weight: Vec::new(), first_pair: Vec::new() };
+        list.describe(mobility);
+        list
+    }
+
+    fn describe(&mut self, mobility: &[[f64; D]]) {
+        self.weight.clear();
+        for touch in &self.pairs {
+            // A pair in a mirror plane is shared by both halves: both of its spheres lie on the same plane.
+            let [a, b] = touch.pair;
+            let in_plane = (0..D).any(|k| mobility[a][k] == 0.0 && mobility[b][k] == 0.0 && touch.offset[k] == 0.0);
+            self.weight.push(if in_plane { 0.5 } else { 1.0 });
+        }
+        self.weight.resize(self.len(), 0.5);
+        self.first_pair.clear();
+        self.first_pair.push(0);
+        for i in 0..mobility.len() {
+            let mut end = self.first_pair[i];
+            while self.pairs.get(end).is_some_and(|touch| touch.pair[0] == i) {
+                end += 1;
+            }
+            self.first_pair.push(end);
+        }
+    }
+
+    /// Number of contacts.
+    pub fn len(&self) -> usize {
+        self.pairs.len() + self.images.len()
+    }
+
+    /// Takes up contacts between spheres that have come near each other, and of spheres with their image in a mirror. For each
+    /// contact, where it stood before.
+    pub fn take_up(
+        &mut self,
+        first: &Sample<D>,
+        pairs: &[[usize; 2]],
+        images: &[(usize, Mirror)],
+        mirrors: &[Mirror],
+        mobility: &[[f64; D]],
+    ) -> Vec<Option<usize>> {
+        let old = self.pairs.len();
+        let mut all: Vec<_> = self.pairs.iter().copied().enumerate().map(|(c, touch)| (touch, Some(c))).collect();
+        all.extend(pairs.iter().map(|&pair| (Touch::new(first, pair), None)));
+        all.sort_by_key(|(touch, _)| touch.pair);
+        let mut all_images: Vec<_> =
+            self.images.iter().copied().enumerate().map(|(c, touch)| (touch, Some(old + c))).collect();
+        all_images.extend(images.iter().map(|(sphere, mirror)| (SelfTouch::new(first, *sphere, mirror), None)));
+        let place = |touch: &SelfTouch| mirrors.iter().position(|mirror| touch.is_in(mirror));
+        all_images.sort_by_key(|(touch, _)| (touch.sphere, place(touch)));
+
+        let from = all.iter().map(|(_, from)| *from).chain(all_images.iter().map(|(_, from)| *from)).collect();
+        self.pairs = all.into_iter().map(|(touch, _)| touch).collect();
+        self.images = all_images.into_iter().map(|(touch, _)| touch).collect();
+        self.describe(mobility);
+        from
+    }
+
+    /// The second spheres of the pairs whose first is sphere `i`, in order.
+    pub fn partners(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
+        self.pairs[self.first_pair[i]..self.first_pair[i + 1]].iter().map(|touch| touch.pair[1])
+    }
+
+    /// Whether a sphere's image in a mirror is one of the contacts.
+    pub fn holds_image(&self, sphere: usize, mirror: &Mirror) -> bool {
+        let from = self.images.partition_point(|touch| touch.sphere < sphere);
+        self.images[from..].iter().take_while(|touch| touch.sphere == sphere).any(|touch| touch.is_in(mirror))
+    }
+
+    /// The spheres of a contact; an image's sphere twice.
+    pub fn spheres(&self, contact: usize) -> [usize; 2] {
+        match self.pairs.get(contact) {
+            Some(touch) => touch.pair,
+            None => [self.images[contact - self.pairs.len()].sphere; 2],
+        }
+    }
+
+    /// The spheres of every contact.
+    pub fn ends(&self) -> Vec<[usize; 2]> {
+        (0..self.len()).map(|c| self.spheres(c)).collect()
+    }
+}
