@@ -28,6 +28,8 @@ pub mod trial;
 pub mod study;
 pub mod export;
 pub mod report;
+pub mod tolerance;
+pub mod gate;
 pub mod build;
 pub mod measured;
 pub mod reproduce;

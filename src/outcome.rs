@@ -318,6 +318,9 @@ pub struct Checked {
     /// The scores under other laws, where they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laws: Option<crate::evaluate::OverLaws>,
+    /// The gate before building, where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gate: Option<crate::gate::Gate>,
     /// Which guard stopped the run, if one did.
     pub stop: Option<Stop>,
 }

@@ -39,4 +39,4 @@ pub use parts::{Part, parts, parts_csv, total_cost};
 pub use piece::{Hatch, Mark, Piece};
 pub use placement::{placement_csv, placement_pdf};
 pub use sorted::{Ball, BatchError, Placing, placings, placings_csv, read_batch};
-pub use walls::{WallEffect, WallError, in_walls};
+pub use walls::{WallEffect, in_walls};

@@ -3,11 +3,14 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use granulens::dem::{Phases, simulate, simulate_batch_timed, steps_in};
+use granulens::dem::{
+    BatchError, Impact, Phases, simulate, simulate_batch, simulate_batch_timed, simulate_batch_with_friction, steps_in,
+};
 use granulens::design::{Accuracy, Design};
 use granulens::evaluate::{Comparison, impact};
 use granulens::real::Width;
-use granulens::sample::Sample;
+use granulens::sample::{Sample, Sphere};
+use granulens::search::Dice;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -26,6 +29,9 @@ pub struct Bench {
     /// Accuracy class for which the step is chosen, also where the design gives one: "0.1 %" or "1 %"
     #[arg(long, value_name = "CLASS", value_parser = accuracy)]
     accuracy: Option<Accuracy>,
+    /// Measure crystals as built beside perfect ones, in turn: radii scattered by 0.1 %, 1 % wrong spheres; and with friction 0.2
+    #[arg(long)]
+    built: bool,
     #[command(flatten)]
     motion: Motion,
 }
@@ -70,6 +76,76 @@ struct Figures {
     run_s: f64,
     /// What a search of 5000 evaluations will take (s).
     search_5000_s: f64,
+    /// Crystals as built, with --built.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    built: Option<Built>,
+}
+
+/// One design of a full batch on one core, as built and perfect, measured in turn (ms).
+#[derive(Serialize)]
+struct Built {
+    perfect_ms: f64,
+    built_ms: f64,
+    with_friction_ms: f64,
+    /// Over perfect ones.
+    ratio: f64,
+    ratio_with_friction: f64,
+    /// Batches of each kind.
+    rounds: usize,
+}
+
+/// Coefficient of friction of what is measured with some.
+const FRICTION: f64 = 0.2;
+/// Batches of each kind, in turn; the medians of their times count.
+const ROUNDS: usize = 7;
+
+/// Crystals of a layout with radii up to 0.1 % too small and one sphere in a hundred of another material, each in its own way.
+fn as_built(drawn: &Sample<2>, count: usize) -> Vec<Sample<2>> {
+    let materials = drawn.materials.len() as u64;
+    let mut dice = Dice::new(1);
+    let sphere = |sphere: &Sphere<2>, dice: &mut Dice| {
+        let radius = sphere.radius * (1.0 - 1e-3 * dice.unit());
+        let (wrong, shift) = (dice.unit() < 0.01, 1 + dice.below(materials.max(2) - 1));
+        let material = if wrong { (sphere.material + shift as usize) % materials as usize } else { sphere.material };
+        Sphere { radius, material, ..*sphere }
+    };
+    let one = |dice: &mut Dice| Sample {
+        materials: drawn.materials.clone(),
+        spheres: drawn.spheres.iter().map(|drawn| sphere(drawn, dice)).collect(),
+    };
+    (0..count).map(|_| one(&mut dice)).collect()
+}
+
+/// Perfect crystals and such as are built, with friction and without, in turn.
+fn measure_built(drawn: &Sample<2>, impact: &Impact, width: Width) -> Result<Built, Failure> {
+    let lanes = width.lanes();
+    let perfect = vec![drawn.clone(); lanes];
+    let refused = |error: BatchError| Failure::input(error.to_string());
+    let mut times = [const { Vec::new() }; 3];
+    for round in 0..=ROUNDS {
+        // Other crystals every time.
+        let built = as_built(drawn, lanes * (round + 1)).split_off(lanes * round);
+        for (k, times) in times.iter_mut().enumerate() {
+            let begun = Instant::now();
+            match k {
+                0 => simulate_batch(&perfect, impact, width, interrupt()).map_err(refused)?,
+                1 => simulate_batch(&built, impact, width, interrupt()).map_err(refused)?,
+                _ => {
+                    simulate_batch_with_friction(&built, impact, FRICTION, None, width, interrupt()).map_err(refused)?
+                }
+            };
+            // The first round warms caches and clocks.
+            if round > 0 {
+                times.push(1e3 * begun.elapsed().as_secs_f64() / lanes as f64);
+            }
+        }
+    }
+    let [perfect_ms, built_ms, with_friction_ms] = times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    });
+    let (ratio, ratio_with_friction) = (built_ms / perfect_ms, with_friction_ms / perfect_ms);
+    Ok(Built { perfect_ms, built_ms, with_friction_ms, ratio, ratio_with_friction, rounds: ROUNDS })
 }
 
 impl Bench {
@@ -105,6 +181,7 @@ impl Bench {
             best(|| (0..threads).into_par_iter().map(|_| group()).collect::<Result<Vec<_>, _>>())?.0 / lanes as f64;
         let (alone, record) =
             best(|| simulate(&sample, &impact, interrupt()).map_err(|error| Failure::input(error.to_string())))?;
+        let built = if self.built { Some(measure_built(&sample, &impact, width)?) } else { None };
         if interrupt().load(std::sync::atomic::Ordering::Relaxed) {
             return Err(Failure::Interrupted("nothing was measured to the end".to_owned()));
         }
@@ -133,6 +210,7 @@ impl Bench {
             arrangements,
             run_s: alone * arrangements as f64 / threads as f64,
             search_5000_s: 5000.0 * all / threads as f64,
+            built,
         };
         if common.json {
             emit_json(&figures);
@@ -160,7 +238,14 @@ fn best<T>(run: impl Fn() -> Result<T, Failure>) -> Result<(f64, T), Failure> {
 }
 
 fn words(f: &Figures) -> String {
-    format!(
+    let built = f.built.as_ref().map_or(String::new(), |built| {
+        format!(
+            "| one design of a batch, perfect, in turn with the next | {:.1} ms |\n| as built: radii 0.1 %, 1 % wrong spheres | {:.1} ms, {:.2} times |\n\
+             | the same with friction {FRICTION} | {:.1} ms, {:.2} times |\n",
+            built.perfect_ms, built.built_ms, built.ratio, built.with_friction_ms, built.ratio_with_friction
+        )
+    });
+    let mut text = format!(
         "{}: {} spheres, {} steps of {:.3e} s\n\n\
          | figure | value |\n|---|---|\n\
          | one design of a batch of {}, one core | {:.1} ms |\n\
@@ -198,5 +283,7 @@ fn words(f: &Figures) -> String {
         f.arrangements,
         f.run_s,
         f.search_5000_s,
-    )
+    );
+    text += &built;
+    text
 }

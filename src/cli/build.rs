@@ -3,13 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use granulens::build::{
-    self, BatchError, Frame, Inspected, Paper, Part, Piece, WallEffect, WallError, inspection, read_batch,
-};
+use granulens::build::{self, BatchError, Frame, Inspected, Paper, Part, Piece, WallEffect, inspection, read_batch};
 use granulens::dem::Integrator;
 use granulens::dem::rig::RigStop;
 use granulens::design::Design;
-use granulens::evaluate::{Overrides, Plan, evaluate, impact, method};
+use granulens::evaluate::{HeldError, Overrides, Plan, evaluate, impact, method};
 use granulens::layout::{Layout, write_full};
 use granulens::outcome::{FORMAT, Manifest};
 use granulens::units::Dimension;
@@ -211,12 +209,13 @@ impl From<BatchError> for Failure {
     }
 }
 
-impl From<WallError> for Failure {
-    fn from(error: WallError) -> Self {
+impl From<HeldError> for Failure {
+    fn from(error: HeldError) -> Self {
         match error {
-            WallError::Stopped(RigStop::Interrupted { .. }) => Self::Interrupted("nothing is written".to_owned()),
-            WallError::Stopped(stop) => Self::Guard(vec![format!("the piece in its walls: {stop}")]),
-            WallError::Rig(error) => Self::input(error.to_string()),
+            HeldError::Stopped(RigStop::Interrupted { .. }) => Self::Interrupted("nothing is written".to_owned()),
+            HeldError::Stopped(stop) => Self::Guard(vec![format!("the piece in its walls: {stop}")]),
+            HeldError::Settle(error) => Self::Guard(vec![error.to_string()]),
+            HeldError::Rig(error) => Self::input(error.to_string()),
         }
     }
 }

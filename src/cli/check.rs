@@ -6,11 +6,13 @@ use std::time::Instant;
 
 use granulens::dem::Stop;
 use granulens::design::{Design, Threshold};
-use granulens::evaluate::{Beside, Evaluation, Forces, Plan, beside_uniform, impact, method, unnamed};
+use granulens::evaluate::{Beside, Evaluation, Forces, OverLawsError, Plan, beside_uniform, impact, method, unnamed};
+use granulens::gate::{Asked, Gate, GateError, Word, gate};
 use granulens::layout::Layout;
 use granulens::material::Material;
-use granulens::outcome::{Asked, Checked, FORMAT};
+use granulens::outcome::{self, Checked, FORMAT};
 use granulens::score::{Measure, Scores};
+use granulens::tolerance::{MOST_SAMPLES, Tolerances};
 use granulens::units::Dimension::{Energy, Force, Mass};
 
 use super::compare::read_layout;
@@ -40,9 +42,51 @@ pub struct Check {
     /// Write what each sphere felt as CSV
     #[arg(long, value_name = "FILE")]
     spheres: Option<PathBuf>,
-    /// Exit with 3 where a threshold of the design file is not met
+    /// The gate before building: lines of pass, warn and fail, each with its number, its limit and why it matters
+    #[arg(long)]
+    gate: bool,
+    /// Exit with 3 where a threshold of the design file is not met or another line of the gate fails; implies --gate
     #[arg(long)]
     strict: bool,
+    #[command(flatten)]
+    gated: Gated,
+}
+
+/// What the gate is asked besides.
+#[derive(clap::Args)]
+struct Gated {
+    /// Inner width of the frame that there is; the gate tells whether the piece goes in
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = super::length)]
+    frame_width: Option<f64>,
+    /// Depth of the frame that there is, from the centres of row 1 to the end wall
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = super::length)]
+    frame_depth: Option<f64>,
+    /// The gate fails where a smaller share of pieces keeps the thresholds as built, such as "90 %"
+    #[arg(long = "yield", value_name = "PERCENT", value_parser = super::fraction)]
+    least_yield: Option<f64>,
+    /// What may turn out otherwise, for --yield; without it as for granulens tolerance
+    #[arg(long, value_name = "FILE", requires = "least_yield")]
+    tolerances: Option<PathBuf>,
+    /// Pieces to make for --yield [default: 200]
+    #[arg(long, value_name = "N", requires = "least_yield")]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=u64::from(MOST_SAMPLES)))]
+    samples: Option<u64>,
+}
+
+/// Pieces by which the gate judges: a share near 92 % is then known to 4 %.
+const PIECES: u64 = 200;
+
+impl Gated {
+    fn asked(&self, layout: &Layout, common: &Common) -> Result<Asked, Failure> {
+        let frame = [self.frame_width, self.frame_depth];
+        let Some(least) = self.least_yield else { return Ok(Asked { frame, least_yield: None }) };
+        let tolerances = match &self.tolerances {
+            Some(path) => Tolerances::read(path, layout)?,
+            None => Tolerances::usual(),
+        };
+        let seed = common.seed.or(tolerances.seed).unwrap_or(1);
+        Ok(Asked { frame, least_yield: Some((least, tolerances, self.samples.unwrap_or(PIECES), seed)) })
+    }
 }
 
 impl Check {
@@ -63,14 +107,29 @@ impl Check {
                 let more = runs * forces;
                 parts.push(Part::new(format!("the same under {forces} forces"), more, Some(each * more as f64)));
             }
+            if self.gate || self.strict {
+                // Baselines and laws with full records; eight forces at two steps and two windows in lanes.
+                let each = seconds / 5.0;
+                parts.push(Part::new("the gate: baselines and laws", 33, Some(33.0 * seconds)));
+                parts.push(Part::new("the gate: step, window, forces", 240, Some(1.5 * 240.0 * each)));
+                let pieces = self.gated.least_yield.map_or(0, |_| self.gated.samples.unwrap_or(PIECES));
+                if pieces > 0 {
+                    parts.push(Part::new("the gate: pieces as built", pieces, Some(3.0 * each * pieces as f64)));
+                }
+            }
             return tell(common, &parts);
         }
         self.under.chosen(&design)?;
+        let gated = self.gated.asked(&layout, common)?;
         probe_all(common, &[self.spheres.as_ref(), common.out.as_ref()])?;
         let begun = Instant::now();
-        let Beside { evaluation, reference, stopped, forces, over_forces } =
-            beside_uniform(&design, &layout, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
+        let beside = beside_uniform(&design, &layout, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
+        let gate = match beside.evaluation.record.stop {
+            None if self.gate || self.strict => Some(gate((&design, &layout), &plan, &beside, &gated, interrupt())?),
+            _ => None,
+        };
+        let Beside { evaluation, reference, stopped, forces, over_forces } = beside;
         let mut warnings = evaluation.warnings("this layout");
         let Evaluation { scores, record, .. } = evaluation;
         if over_forces.is_none() && !forces.is_empty() {
@@ -115,6 +174,7 @@ impl Check {
             seconds,
             warnings: plan.warnings.iter().cloned().chain(warnings).collect(),
             laws,
+            gate,
             stop,
         };
         write_json(common, &checked)?;
@@ -123,6 +183,7 @@ impl Check {
         } else {
             emit(&words(&checked));
             checked.laws.iter().for_each(|laws| emit(&laws.table()));
+            checked.gate.iter().for_each(|gate| emit(&gate.words()));
             checked.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         }
         let missed: Vec<String> = checked.thresholds.iter().filter(|asked| !asked.met).map(told).collect();
@@ -131,21 +192,43 @@ impl Check {
                 Err(Failure::Interrupted(format!("{stop}; shown is what was computed")))
             }
             Some(stop) => Err(Failure::Guard(vec![stop.to_string()])),
-            None if self.strict && design.thresholds.is_empty() => {
-                let file = self.design.display();
-                note(common, &format!("{file} sets no [thresholds]; --strict has nothing to ask"));
-                Ok(())
+            None if !self.strict => Ok(()),
+            None => {
+                if design.thresholds.is_empty() {
+                    let file = self.design.display();
+                    note(common, &format!("{file} sets no [thresholds]; --strict asks for the gate alone"));
+                }
+                match checked.gate.filter(|gate| gate.word == Word::Fail) {
+                    Some(gate) => Err(failed(missed, &gate)),
+                    None if !missed.is_empty() => Err(Failure::Threshold(missed)),
+                    None => Ok(()),
+                }
             }
-            None if self.strict && !missed.is_empty() => Err(Failure::Threshold(missed)),
-            None => Ok(()),
+        }
+    }
+}
+
+/// Thresholds that are missed and other lines of the gate that fail.
+fn failed(missed: Vec<String>, gate: &Gate) -> Failure {
+    let others: Vec<String> = gate.failed().into_iter().filter(|line| !line.starts_with("threshold ")).collect();
+    if others.is_empty() { Failure::Threshold(missed) } else { Failure::Gate { missed, failed: others } }
+}
+
+impl From<GateError> for Failure {
+    fn from(error: GateError) -> Self {
+        match error {
+            GateError::Evaluator(error) => error.into(),
+            GateError::Workshop(error) => error.into(),
+            GateError::Laws(OverLawsError::Evaluate(error)) => error.into(),
+            GateError::Laws(error @ OverLawsError::Plan { .. }) => Self::input(error.to_string()),
         }
     }
 }
 
 /// What a threshold asks, and whether it is so.
-fn asked(threshold: &Threshold, scores: &Scores) -> Asked {
+fn asked(threshold: &Threshold, scores: &Scores) -> outcome::Asked {
     let value = scores.get(threshold.measure).filter(|value| value.is_finite());
-    Asked {
+    outcome::Asked {
         measure: threshold.measure.name().to_owned(),
         min: threshold.min,
         max: threshold.max,
@@ -155,7 +238,7 @@ fn asked(threshold: &Threshold, scores: &Scores) -> Asked {
 }
 
 /// A threshold in words.
-fn told(asked: &Asked) -> String {
+fn told(asked: &outcome::Asked) -> String {
     let bound = |word: &str, limit: Option<f64>| limit.map(|limit| format!("{word} {limit}"));
     let wanted: Vec<_> = [bound("at least", asked.min), bound("at most", asked.max)].into_iter().flatten().collect();
     let (name, wanted) = (&asked.measure, wanted.join(" and "));

@@ -85,6 +85,11 @@ impl Count {
         self.0.inc(1);
     }
 
+    /// So many more are done, whatever their names.
+    pub fn advance(&self, count: u64) {
+        self.0.inc(count);
+    }
+
     pub fn done(self) {
         self.0.finish_and_clear();
     }

@@ -24,6 +24,13 @@ pub enum Failure {
     Deviation(Vec<String>),
     /// Thresholds of the design file that are not met: 3.
     Threshold(Vec<String>),
+    /// Lines of the gate fail, thresholds that are not met beside others: 3.
+    Gate {
+        /// Thresholds.
+        missed: Vec<String>,
+        /// Other lines.
+        failed: Vec<String>,
+    },
     /// Ctrl-C: 130.
     Interrupted(String),
 }
@@ -125,6 +132,7 @@ impl Failure {
             Self::Deviation(_) => ("deviation", 1),
             Self::Input(_) => ("input", 2),
             Self::Threshold(_) => ("threshold", 3),
+            Self::Gate { .. } => ("gate", 3),
             Self::Interrupted(_) => ("interrupted", 130),
         };
         if json {
@@ -141,6 +149,9 @@ impl Failure {
                 }
                 Self::Guard(messages) | Self::Deviation(messages) | Self::Threshold(messages) => {
                     error.insert("message".to_owned(), json!(messages.join("; ")));
+                }
+                Self::Gate { missed, failed } => {
+                    error.insert("message".to_owned(), json!([missed, failed].concat().join("; ")));
                 }
                 Self::Interrupted(message) => {
                     error.insert("message".to_owned(), json!(message));
@@ -161,6 +172,10 @@ impl Failure {
                 Self::Guard(messages) => messages.iter().for_each(|line| say(&format!("failed: {line}"))),
                 Self::Deviation(rows) => rows.iter().for_each(|line| say(&format!("deviates: {line}"))),
                 Self::Threshold(missed) => missed.iter().for_each(|line| say(&format!("threshold not met: {line}"))),
+                Self::Gate { missed, failed } => {
+                    missed.iter().for_each(|line| say(&format!("threshold not met: {line}")));
+                    failed.iter().for_each(|line| say(&format!("gate: {line}")));
+                }
                 Self::Interrupted(message) => say(&format!("interrupted: {message}")),
             }
         }

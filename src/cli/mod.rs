@@ -29,6 +29,7 @@ mod simulate;
 mod speed;
 mod surface;
 mod study;
+mod tolerance;
 mod trace;
 mod tuning;
 
@@ -62,7 +63,7 @@ const EXIT_CODES: &str = "Exit codes:
   0    done
   1    a guard stopped a run, or a row of reproduce deviates
   2    usage or input
-  3    a threshold of the design file is not met (check --strict), or no layout keeps a study's limits
+  3    the gate fails or a threshold of the design file is not met (check --strict), or no layout keeps a study's limits
   130  interrupted; what was finished is kept";
 
 /// Options of every subcommand.
@@ -80,7 +81,7 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: run, simulate, study, build and measured a folder, design, trace, contact and surface what they make, the others their
+    /// Where to write: run, simulate, study, build, tolerance and measured a folder, design, trace, contact and surface what they make, the others their
     /// JSON object
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -104,6 +105,7 @@ enum Command {
     Diff(diff::Diff),
     Measured(measured::Measured),
     Build(build::Build),
+    Tolerance(tolerance::Tolerance),
     Materials(materials::Materials),
     Contact(contact::Contact),
     Speed(speed::Speed),
@@ -124,7 +126,7 @@ impl Command {
             Self::Study(study) => study.simulates(),
             Self::Run(_) | Self::Simulate(_) | Self::Check(_) | Self::Compare(_) => true,
             Self::Reproduce(_) | Self::Export(_) | Self::Impact(_) => true,
-            Self::Diff(_) | Self::Build(_) | Self::Measured(_) => true,
+            Self::Diff(_) | Self::Build(_) | Self::Measured(_) | Self::Tolerance(_) => true,
             Self::Design(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
             Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
             Self::Network(_) | Self::Motion(_) => false,
@@ -167,6 +169,7 @@ pub fn main() -> ExitCode {
         Command::Diff(command) => command.run(common),
         Command::Measured(command) => command.run(common),
         Command::Build(command) => command.run(common),
+        Command::Tolerance(command) => command.run(common),
         Command::Materials(command) => command.run(common),
         Command::Contact(command) => command.run(common),
         Command::Speed(command) => command.run(common),

@@ -48,7 +48,7 @@ section!(LensFile: Written {
 section!(RunFile: Written { integrator, step, accuracy, window });
 section!(CompareFile: Written { seeds, first_seed, material });
 /// Bounds by the name of the measure, as written.
-pub(super) type ThresholdsFile = BTreeMap<Spanned<String>, Section<BoundsFile>>;
+pub(crate) type ThresholdsFile = BTreeMap<Spanned<String>, Section<BoundsFile>>;
 section!(BoundsFile: Written { min, max });
 
 /// How each key is written, for messages.

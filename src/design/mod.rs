@@ -22,8 +22,10 @@ use std::path::{Path, PathBuf};
 
 pub use crate::document::DocumentError as DesignError;
 pub(crate) use check::NO_LAW;
+pub(crate) use file::ThresholdsFile;
 pub(crate) use prices::add as add_price;
 pub use threshold::Threshold;
+pub(crate) use threshold::read as thresholds;
 pub(crate) use tuning::tuning;
 
 use crate::contact::{Constants, LawKind};

@@ -23,7 +23,7 @@ impl Threshold {
     }
 }
 
-pub(super) fn read((scope, file): &(Scope, &ThresholdsFile)) -> Result<Vec<Threshold>, DesignError> {
+pub(crate) fn read((scope, file): &(Scope, &ThresholdsFile)) -> Result<Vec<Threshold>, DesignError> {
     let mut thresholds: Vec<Threshold> = Vec::new();
     for (name, section) in *file {
         let Some((place, bounds)) = scope.section(name.get_ref(), section) else { continue };

@@ -9,6 +9,7 @@ pub(crate) enum Kind {
     Rig,
     Bed,
     Study,
+    Tolerances,
     Layout,
     Journal,
     Results,
@@ -24,6 +25,9 @@ impl Kind {
             Self::Rig => ("a rig", "granulens simulate and export take rigs."),
             Self::Bed => ("a granular bed", "granulens impact takes beds."),
             Self::Study => ("a study", "granulens study run, show and export take studies."),
+            Self::Tolerances => {
+                ("a file of tolerances", "granulens tolerance LAYOUT --design DESIGN.toml --tolerances FILE takes it.")
+            }
             Self::Layout => (
                 "a layout",
                 "granulens check LAYOUT --design DESIGN.toml takes it, and granulens compare DESIGN.toml LAYOUT.",
@@ -55,6 +59,9 @@ impl Kind {
             Some(_) => None,
             None if holds("design") && (holds("objective") || holds("materials")) => Some(Self::Study),
             None if is_table("bed") && is_table("intruder") => Some(Self::Bed),
+            None if !is_table("crystal") && (is_table("diameter") || is_table("piece") || is_table("material")) => {
+                Some(Self::Tolerances)
+            }
             None if is_table("crystal") && (is_table("target") || is_table("impact")) => Some(Self::Design),
             None => None,
         }

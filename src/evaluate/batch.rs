@@ -181,17 +181,18 @@ impl<'a> Evaluator<'a> {
         palette: Vec<Material>,
         overrides: Overrides,
     ) -> Result<Self, EvaluatorError> {
-        let mut blows: Vec<Blow> = Vec::new();
+        let mut blows: Vec<(Blow, bool)> = Vec::new();
         let mut members = Vec::new();
         for Case { blow, flaw } in cases.iter().cloned().map(Into::into) {
-            let known = blows.iter().position(|known| *known == blow);
+            let of = (blow, flaw.is_one_sided(design.lattice.len()));
+            let known = blows.iter().position(|known| *known == of);
             members.push((known.unwrap_or(blows.len()), flaw));
             if known.is_none() {
-                blows.push(blow);
+                blows.push(of);
             }
         }
-        let plan = common_plan(design, &blows, overrides, &palette)?;
-        let fields: Vec<Field> = blows.iter().map(|blow| Field::new(design, &plan, blow)).collect();
+        let plan = common_plan(design, &blows.iter().map(|(blow, _)| *blow).collect::<Vec<_>>(), overrides, &palette)?;
+        let fields = blows.iter().map(|(blow, whole)| Field::new(design, &plan, blow, *whole)).collect::<Vec<_>>();
         Ok(Self {
             design,
             plan,
@@ -273,14 +274,20 @@ impl<'a> Evaluator<'a> {
         interrupt: &AtomicBool,
     ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
         // What is built under one impact, each a case and a layout, stands side by side; spheres of unequal size cost more, so they
-        // stand together.
+        // stand together. Materials of a case's own make kinds of contacts of its own, of which the lanes tell sixteen apart.
         let lanes = if self.detail == Detail::Everything { 1 } else { self.width.lanes() };
+        let kinds = self.palette.len() * (self.palette.len() + 1) / 2;
+        let few = (16 / kinds.max(1)).clamp(1, lanes);
         let mut built: Vec<(usize, usize)> =
             (0..self.cases.len()).flat_map(|case| (0..layouts.len()).map(move |layout| (case, layout))).collect();
-        let kind = |case: usize| (self.cases[case].0, !self.cases[case].1.radii.is_empty());
+        let kind = |case: usize| {
+            let (field, flaw) = &self.cases[case];
+            (*field, !flaw.radii.is_empty(), !flaw.materials.is_empty())
+        };
         built.sort_by_key(|&(case, _)| kind(case));
+        let together = |alike: &'_ [(usize, usize)]| if kind(alike[0].0).2 { few } else { lanes };
         let groups: Vec<&[(usize, usize)]> =
-            built.chunk_by(|a, b| kind(a.0) == kind(b.0)).flat_map(|alike| alike.chunks(lanes)).collect();
+            built.chunk_by(|a, b| kind(a.0) == kind(b.0)).flat_map(|alike| alike.chunks(together(alike))).collect();
         let simulated = groups
             .par_iter()
             .map(|group| self.follow(group, layouts, most, interrupt))
@@ -319,7 +326,7 @@ impl<'a> Evaluator<'a> {
             Limit { spheres, most: group.iter().map(|&(_, layout)| most[layout]).collect() }
         });
         let (impact, width) = (&field.impact, self.width);
-        let briefs = match (self.design.friction, &limit) {
+        let briefs = match (field.friction, &limit) {
             (Some(mu), limit) => simulate_batch_with_friction(&samples, impact, mu, limit.as_ref(), width, interrupt)?,
             (None, Some(limit)) => simulate_batch_within(&samples, impact, limit, width, interrupt)?,
             (None, None) => simulate_batch(&samples, impact, width, interrupt)?,
@@ -337,7 +344,7 @@ impl<'a> Evaluator<'a> {
         sample: &Sample<2>,
         interrupt: &AtomicBool,
     ) -> Result<Evaluated, EvaluatorError> {
-        let record = match self.design.friction {
+        let record = match field.friction {
             Some(coefficient) => simulate_with_friction(sample, &field.impact, coefficient, interrupt)?,
             None => simulate(sample, &field.impact, interrupt)?,
         };

@@ -20,11 +20,13 @@ pub struct Blow {
     pub place: Option<[f64; 2]>,
     /// The contact law; the design's own where there is none.
     pub law: Option<LawKind>,
+    /// The coefficient of friction at every contact; the design's own where there is none.
+    pub friction: Option<f64>,
 }
 
 impl From<ForcePulse> for Blow {
     fn from(pulse: ForcePulse) -> Self {
-        Self { pulse, angle: 0.0, place: None, law: None }
+        Self { pulse, angle: 0.0, place: None, law: None, friction: None }
     }
 }
 
@@ -35,24 +37,35 @@ impl Blow {
     }
 }
 
-/// How what is built differs from what is drawn; both halves of the crystal alike.
+/// How what is built differs from what is drawn. As long as places are sites of the half, both halves of the crystal differ alike;
+/// place n + i, n the number of sites, is the image of site i on the other side of the axis, and then each half is as it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flaw {
     /// The materials, places in the palette, among which a wrong sphere is.
     pub letters: Vec<u8>,
-    /// Sites, indices, that hold a wrong sphere, and how many places further on in `letters` its material stands.
+    /// Places that hold a wrong sphere, and how many places further on in `letters` its material stands.
     pub wrong: Vec<(usize, u8)>,
-    /// For every site its sphere's radius over the nominal one, at most 1; none where all are nominal.
+    /// For every place its sphere's radius over the nominal one, at most 1, and 0 where it is empty; none where all are nominal.
     pub radii: Vec<f64>,
+    /// The palette as it turned out; none where all materials are as drawn.
+    pub materials: Vec<Material>,
 }
 
 impl Flaw {
-    /// What is built where `drawn` is wanted: a material for every site.
+    /// Whether the halves differ each in its own way, of a crystal with so many sites in the half.
+    pub fn is_one_sided(&self, sites: usize) -> bool {
+        self.radii.len() > sites || self.wrong.iter().any(|&(place, _)| place >= sites)
+    }
+
+    /// What is built where `drawn` is wanted: a material for every place.
     pub fn built(&self, drawn: &[u8]) -> Vec<u8> {
         let mut built = drawn.to_vec();
-        for &(site, shift) in &self.wrong {
-            if let Some(place) = self.letters.iter().position(|&letter| letter == drawn[site]) {
-                built[site] = self.letters[(place + usize::from(shift)) % self.letters.len()];
+        if self.is_one_sided(drawn.len()) {
+            built.extend(drawn);
+        }
+        for &(place, shift) in &self.wrong {
+            if let Some(letter) = self.letters.iter().position(|&letter| letter == built[place]) {
+                built[place] = self.letters[(letter + usize::from(shift)) % self.letters.len()];
             }
         }
         built
@@ -85,38 +98,45 @@ impl From<ForcePulse> for Case {
 pub(super) struct Field {
     /// What strikes it.
     pub impact: Impact,
-    /// Centre of each sphere (m), and its site in the half.
+    /// μ; none without friction.
+    pub friction: Option<f64>,
+    /// Centre of each sphere (m), and its place: its site in the half, or, on the other side of the axis, as many more as there are sites.
     spheres: Vec<([f64; 2], usize)>,
     /// The one or two spheres that stand on each site of the half and on its image.
     images: Vec<[usize; 2]>,
 }
 
 impl Field {
-    pub fn new(design: &Design, plan: &Plan, blow: &Blow) -> Self {
+    /// Both halves are simulated where the blow is not symmetric, and where `whole` asks for it.
+    pub fn new(design: &Design, plan: &Plan, blow: &Blow, whole: bool) -> Self {
         let lattice = &design.lattice;
         let sites = lattice.sites();
+        let friction = blow.friction.or(design.friction).filter(|&mu| mu > 0.0);
         let mut impact = impact(design, plan);
         impact.law = blow.law.unwrap_or(design.law);
         impact.pulse = ForcePulse { force: blow.pulse.force * blow.angle.cos(), ..blow.pulse };
-        if blow.is_symmetric() {
+        if blow.is_symmetric() && !whole {
             let spheres = sites.iter().enumerate().map(|(i, site)| ([site.x, site.z], i)).collect();
             let images = (0..sites.len()).map(|i| [i, i]).collect();
-            return Self { impact, spheres, images };
+            return Self { impact, friction, spheres, images };
         }
         impact.slope = blow.angle.tan();
         let mut spheres = Vec::new();
         let mut first = 0;
         for row in sites.chunk_by(|a, b| a.row == b.row) {
             let numbered = || row.iter().zip(first..first + row.len());
-            spheres.extend(numbered().rev().filter(|(site, _)| site.x > 0.0).map(|(site, i)| ([-site.x, site.z], i)));
+            let left = numbered().rev().filter(|(site, _)| site.x > 0.0);
+            spheres.extend(left.map(|(site, i)| ([-site.x, site.z], sites.len() + i)));
             spheres.extend(numbered().map(|(site, i)| ([site.x, site.z], i)));
             first += row.len();
         }
         let mut images = vec![[usize::MAX, 0]; sites.len()];
-        for (k, &(_, site)) in spheres.iter().enumerate() {
+        for (k, &(_, place)) in spheres.iter().enumerate() {
+            let site = place % sites.len();
             images[site] = [images[site][0].min(k), k];
         }
-        let on = |row: u32| -> Vec<usize> { (0..spheres.len()).filter(|&k| sites[spheres[k].1].row == row).collect() };
+        let row_of = |k: usize| sites[spheres[k].1 % sites.len()].row;
+        let on = |row: u32| -> Vec<usize> { (0..spheres.len()).filter(|&k| row_of(k) == row).collect() };
         let slack = 1e-9 * lattice.diameter();
         let is_struck = |&k: &usize| {
             let x = spheres[k].0[0];
@@ -126,7 +146,7 @@ impl Field {
         impact.exit = on(lattice.rows());
         impact.mirrors =
             [-1.0, 1.0].map(|side| Mirror { axis: 0, position: side * lattice.half_width(), inward: -side }).to_vec();
-        Self { impact, spheres, images }
+        Self { impact, friction, spheres, images }
     }
 
     /// Whether both halves of the crystal are simulated.
@@ -136,17 +156,20 @@ impl Field {
 
     /// The spheres to simulate where a layout is built with its flaw.
     pub fn sample(&self, palette: &[Material], diameter: f64, layout: &[u8], flaw: &Flaw) -> Sample<2> {
-        let built = flaw.built(layout);
+        let (built, sites) = (flaw.built(layout), self.images.len());
+        // Where the halves are alike a place on the other side is as its site.
+        let of = |place: usize, places: usize| if place < places { place } else { place % sites };
         let spheres = self
             .spheres
             .iter()
-            .map(|&(centre, site)| Sphere {
+            .map(|&(centre, place)| Sphere {
                 centre,
-                radius: 0.5 * diameter * flaw.radii.get(site).unwrap_or(&1.0),
-                material: usize::from(built[site]),
+                radius: 0.5 * diameter * flaw.radii.get(of(place, flaw.radii.len())).unwrap_or(&1.0),
+                material: usize::from(built[of(place, built.len())]),
             })
             .collect();
-        Sample { materials: palette.to_vec(), spheres }
+        let materials = if flaw.materials.is_empty() { palette } else { &flaw.materials };
+        Sample { materials: materials.to_vec(), spheres }
     }
 
     /// A number of every sphere to one of every site of the half: the mean of a site and its image.
@@ -166,9 +189,12 @@ mod tests {
 
     #[test]
     fn a_wrong_sphere_is_of_another_of_the_letters() {
-        let flaw = Flaw { letters: vec![0, 2, 3], wrong: vec![(1, 1), (2, 2), (3, 1)], radii: Vec::new() };
+        let flaw = Flaw { letters: vec![0, 2, 3], wrong: vec![(1, 1), (2, 2), (3, 1)], ..Flaw::default() };
         // A material that may not be chosen stays.
         assert_eq!(flaw.built(&[0, 0, 0, 1, 2]), [0, 2, 3, 1, 2]);
         assert_eq!(flaw.built(&[3, 3, 3, 3, 3]), [3, 0, 2, 0, 3]);
+        // The second of two sites, on the other side of the axis alone.
+        let flaw = Flaw { wrong: vec![(3, 1)], ..flaw };
+        assert_eq!((flaw.is_one_sided(2), flaw.built(&[0, 2])), (true, vec![0, 2, 0, 3]));
     }
 }

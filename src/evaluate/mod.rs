@@ -8,6 +8,7 @@
 //!   what is built otherwise than drawn
 //! - `forces`: one score of several forces; `verdict`: better, equal or worse than what a lens has to beat
 //! - `glance`: what is guessed without a simulation; `laws`: one layout under several contact laws
+//! - `held`: the whole piece between mirrors, or in a frame; `settle`: how unequal spheres lie in it under gravity
 //! - `made`: laws that gave back more than was put in
 
 mod batch;
@@ -17,9 +18,11 @@ mod compare;
 mod decay;
 mod forces;
 mod glance;
+mod held;
 mod laws;
 mod made;
 mod plan;
+mod settle;
 mod stiffest;
 mod traced;
 mod verdict;
@@ -31,8 +34,10 @@ pub use compare::{Comparison, Progress, compare, proposal, stops};
 pub use decay::{calibrate, decay};
 pub use forces::{Forces, ForcesError};
 pub use glance::Glance;
+pub use held::{Frame, HeldError, HeldSphere, held_energies, held_spheres, settled};
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use plan::{Overrides, Plan, PlanError};
+pub use settle::SettleError;
 pub use traced::{trace_arrivals, trace_lens};
 
 pub(crate) use made::gain_words;
@@ -170,6 +175,16 @@ pub struct Doubts {
 }
 
 impl Doubts {
+    /// Greatest overlap over the diameter.
+    pub fn greatest_overlap(&self) -> f64 {
+        self.overlap[1]
+    }
+
+    /// Greatest overlap over δ_p; zero for elastic laws.
+    pub fn greatest_depth(&self) -> f64 {
+        self.depth
+    }
+
     fn of(record: &Record<2>, layout: &Layout, design: &Design) -> Self {
         let diameter = layout.lattice.diameter();
         let overlap = record.contacts.iter().map(|contact| contact.overlap_max).fold(0.0, f64::max);

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::colour::{LEVELS, MISSING, Scale, level};
+use super::colour::{LEVELS, MISSING, Scale};
 use super::svg::{Anchor, Shapes, Svg};
 use crate::lattice::Site;
 use crate::outcome::{Outcome, Proposal};
@@ -127,7 +127,7 @@ impl<'a> Crystal<'a> {
             }
         }
         for (k, shapes) in levels.iter().enumerate() {
-            let colour = if k == LEVELS { MISSING.to_owned() } else { level(k) };
+            let colour = if k == LEVELS { MISSING.to_owned() } else { scale.colour(k) };
             // The thin stroke closes the seams that anti-aliasing leaves between cells.
             svg.path(shapes.data(), &format!(r#"fill="{colour}" stroke="{colour}" stroke-width="0.9""#));
         }

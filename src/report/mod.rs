@@ -15,6 +15,7 @@
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `surface`: a design surface as a picture, `surface_page` as a page that answers the pointer; `labels`: places for its labels
 //! - `plain_page`: pictures below some words
+//! - `histogram`: how a number is distributed; `site_map`: a number for every site
 //! - `chart`: lines over a quantity; `bed`: an impact on a granular bed; `ensemble`: many of them; `inside`: a force network, and how grains moved
 //! - `trial`: one simulated rig, from the records in its folder
 
@@ -28,12 +29,14 @@ mod digits;
 mod drawing;
 mod ensemble;
 mod files;
+mod histogram;
 mod inside;
 mod labels;
 mod maps;
 mod page;
 mod plain_page;
 mod profiles;
+mod site_map;
 mod spots;
 mod summary;
 mod surface;
@@ -46,7 +49,9 @@ mod verdict;
 
 pub(crate) use chart::{COLOURS, Chart, Line};
 pub(crate) use colour::material as material_colour;
+pub(crate) use histogram::{Bound, histogram};
 pub(crate) use plain_page::plain_page;
+pub(crate) use site_map::site_map;
 pub(crate) use svg::escape;
 
 pub use bed::{BedPictures, BedRecord, draw_bed};

@@ -13,6 +13,11 @@ const BEGIN: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 pub struct Key(u128);
 
 impl Key {
+    /// Of nothing yet.
+    pub(crate) fn empty() -> Self {
+        Self(BEGIN)
+    }
+
     /// Everything but the layout: what the design's text says, impacts, materials, integrator, step and window.
     pub fn new(study: &Study, plan: &Plan) -> Self {
         let mut key = Self(BEGIN);
@@ -49,7 +54,7 @@ impl Key {
     }
 
     /// FNV-1a, 128 bits; the length first, so that parts cannot run into each other.
-    fn add(&mut self, bytes: &[u8]) {
+    pub(crate) fn add(&mut self, bytes: &[u8]) {
         for byte in (bytes.len() as u64).to_le_bytes().iter().chain(bytes) {
             self.0 = (self.0 ^ u128::from(*byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
         }
@@ -61,7 +66,8 @@ impl Key {
         self.text()
     }
 
-    fn text(self) -> String {
+    /// As hexadecimal text.
+    pub(crate) fn text(self) -> String {
         format!("{:032x}", self.0)
     }
 

@@ -84,7 +84,7 @@ pub(super) fn read_impacts(
             )));
         }
         let place = file.x.as_ref().map(|x| read_place(x, design).map_err(fail("x"))).transpose()?;
-        let impact = Blow { pulse: ForcePulse { force, duration }, angle, place, law: None };
+        let impact = Blow { pulse: ForcePulse { force, duration }, angle, place, law: None, friction: None };
         if impacts.contains(&impact) {
             return Err(fail("force")("the impact is given twice.".to_owned()));
         }
@@ -224,6 +224,6 @@ impl Study {
         let radii = tolerance
             .radii
             .map_or_else(Vec::new, |part| (0..self.design.lattice.len()).map(|_| 1.0 - part * dice.unit()).collect());
-        Flaw { letters: self.letters.clone(), wrong, radii }
+        Flaw { letters: self.letters.clone(), wrong, radii, ..Flaw::default() }
     }
 }

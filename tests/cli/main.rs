@@ -7,6 +7,7 @@
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
 //! - `simulate`: rigs; `impact`: granular beds
 //! - `network`: network and motion, of files of any program
+//! - `tolerance`: pieces as made, and the gate
 //! - `cost`: what --dry-run says; `truth`: the same numbers from every command
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption; `kept`: nothing of a user's is lost
@@ -26,6 +27,7 @@ mod refusals;
 mod simulate;
 mod studies;
 mod surface;
+mod tolerance;
 mod trace;
 mod truth;
 

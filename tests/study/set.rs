@@ -117,7 +117,7 @@ fn flaws_are_what_they_say() {
     let study = desk.study();
     let drawn = layout(&study);
     let site = study.free[4];
-    let wrong = Flaw { letters: study.letters.clone(), wrong: vec![(site, 1)], radii: Vec::new() };
+    let wrong = Flaw { letters: study.letters.clone(), wrong: vec![(site, 1)], ..Flaw::default() };
     let mut swapped = drawn.clone();
     swapped[site] = 1 - swapped[site];
     let nominal = Flaw { radii: vec![1.0; drawn.len()], ..Flaw::default() };

@@ -1,0 +1,302 @@
+//! `granulens tolerance`: will the layout still work once a workshop has made it?
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use granulens::dem::Integrator;
+use granulens::design::Design;
+use granulens::evaluate::{OverLawsError, Overrides, Plan, evaluate, method, over_laws, unnamed};
+use granulens::layout::Layout;
+use granulens::outcome::FORMAT;
+use granulens::output;
+use granulens::score::{Measure, Scores};
+use granulens::tolerance::{
+    Criterion, INTERVAL, KeptError, MOST_SAMPLES, Samples, State, Told, Tolerances, Workshop, WorkshopError, as_built,
+    assumed, distributions, indices, indices_runs, indices_words, inverse, inverse_words, page, rechoose, sensitivity,
+    sites, sites_runs, yield_of,
+};
+use serde_json::json;
+
+use super::compare::read_layout;
+use super::console::{Count, emit, emit_json, interrupt, note, pretty};
+use super::cost::{Part, arrangement, tell};
+use super::failure::Failure;
+use super::{Common, Motion};
+
+/// Before it is built: what a layout is worth once a workshop has made it
+///
+/// Tells how much each score changes with each thing that may turn out otherwise, and which share of pieces does what is asked. With --out a folder
+/// keeps all of it: the pieces, which later runs go on from and ask other thresholds of, the numbers as JSON, and a page.
+#[derive(clap::Args)]
+pub struct Tolerance {
+    /// Layout, CSV with the header row,column,x,z,diameter,material
+    layout: PathBuf,
+    /// Design file: everything but the materials
+    #[arg(long, value_name = "FILE")]
+    design: PathBuf,
+    /// What may turn out otherwise, TOML; without it diameters are of grade G100 and all else is nominal
+    #[arg(long, value_name = "FILE")]
+    tolerances: Option<PathBuf>,
+    /// Pieces to make [default: those of the file of tolerances, or 500]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=u64::from(MOST_SAMPLES)))]
+    samples: Option<u64>,
+    /// What one wrong sphere costs at each site, the worst single one, and the worst pair among the worst
+    #[arg(long)]
+    sites: bool,
+    /// Elementary effects (Morris): which quantities matter anywhere within their limits
+    #[arg(long)]
+    indices: bool,
+    /// What grade, friction and part of wrong spheres may be, for so many of the pieces, such as "95 %"
+    #[arg(long = "for", value_name = "PERCENT", value_parser = super::fraction)]
+    wanted: Option<f64>,
+    /// What it wins to measure all spheres of a piece and choose the K worst anew
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
+    rechoose: Option<u32>,
+    #[command(flatten)]
+    motion: Motion,
+}
+
+/// Pieces of each rung of --for, where more are made for the yield.
+const OF_RUNG: u64 = 200;
+
+/// Files of the folder.
+const PIECES: &str = "pieces.csv";
+const NUMBERS: &str = "tolerance.json";
+const PAGE: &str = "report.html";
+
+/// The scores that are told of besides those that are asked.
+const TOLD: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Protection];
+
+impl Tolerance {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let mut design = Design::read(&self.design)?;
+        let layout = read_layout(common, &design, &self.layout)?;
+        let mut warnings = Vec::new();
+        // As in check and compare: what Q refers to where the design does not say it.
+        if design.reference().is_none()
+            && let Some(&material) = layout.materials.iter().find(|&&material| material != 0)
+        {
+            let material = layout.palette[usize::from(material)].clone();
+            warnings.push(unnamed(&material.name));
+            design.compared_with = Some(material);
+        }
+        let tolerances = match &self.tolerances {
+            Some(path) => Tolerances::read(path, &layout)?,
+            None => Tolerances::usual(),
+        };
+        let seed = common.seed.or(tolerances.seed).unwrap_or(1);
+        let count = self.samples.unwrap_or(tolerances.samples);
+        // Rigs know Verlet only.
+        let integrator =
+            if tolerances.state == State::Settled { Some(Integrator::Verlet) } else { self.motion.integrator };
+        let overrides = Overrides { integrator, ..self.motion.overrides(common) };
+        let plan = Plan::new(&design, overrides, &layout.palette)
+            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        let thresholds = tolerances.thresholds.as_ref().unwrap_or(&design.thresholds);
+        let asked: Vec<Measure> = thresholds.iter().map(|threshold| threshold.measure).collect();
+        let workshop = Workshop::new((&design, &layout), &tolerances, &plan, &asked)?;
+        if tolerances.state == State::Settled && (self.sites || self.rechoose.is_some()) {
+            return Err(Failure::input_with_help(
+                "--sites and --rechoose judge pieces on nominal sites, and the file of tolerances says state = \"settled\".",
+                "Leave them out, or take a file with state = \"nominal-sites\".",
+            ));
+        }
+        if common.dry_run {
+            return self.cost(common, &workshop, count);
+        }
+        let folder = common.out.as_deref();
+        let mut samples = Samples::new(&workshop, seed);
+        if let Some(folder) = folder {
+            begin(common, folder, &mut samples)?;
+        }
+        let given = Overrides {
+            step: Some(plan.step),
+            window: Some(plan.window),
+            integrator: Some(plan.integrator),
+            ..overrides
+        };
+        let criterion = Criterion::new(&design, &layout, &tolerances, given, interrupt())?;
+
+        let known = samples.list.len();
+        let more = [
+            if self.sites { sites_runs(&workshop) } else { 0 },
+            if self.indices { indices_runs(&workshop) } else { 0 },
+        ];
+        let runs = sensitivity_runs(&workshop) + (count as usize).saturating_sub(known) + more.iter().sum::<usize>();
+        let bar = Count::new(common, runs, "pieces");
+        let found = sensitivity(&workshop, &asked, seed, interrupt(), &|pieces| bar.advance(pieces))?;
+        let grown = samples.grow(&workshop, count, interrupt(), |samples| {
+            bar.advance(128);
+            match folder {
+                Some(folder) => Ok(output::write(&folder.join(PIECES), samples.csv().as_bytes(), common.force)?),
+                None => Ok(()),
+            }
+        });
+        if let Err(failure) = grown {
+            bar.done();
+            let kept = samples.list.len();
+            return Err(match (failure, folder) {
+                (Failure::Interrupted(_), Some(_)) => Failure::Interrupted(format!(
+                    "{kept} of {count} pieces are kept; the same command goes on from there"
+                )),
+                (failure, _) => failure,
+            });
+        }
+        let mut measures: Vec<Measure> = TOLD.to_vec();
+        measures.extend(
+            asked.iter().filter(|measure| !TOLD.contains(measure) && workshop.measures().any(|m| m == **measure)),
+        );
+        let of_layout = of_layout(&design, &layout);
+        let (share, stopped) = yield_of(&samples, count as usize, &criterion, &of_layout);
+        let mut words = String::new();
+        let mut files: Vec<(&str, String)> = Vec::new();
+        let mut maps = Vec::new();
+        let mut more = BTreeMap::new();
+        let step = |pieces: u64| bar.advance(pieces);
+        if !tolerances.laws.is_empty() {
+            let over = over_laws(&design, &layout, &tolerances.laws, self.motion.overrides(common), interrupt())
+                .map_err(|error| match error {
+                    OverLawsError::Evaluate(error) => error.into(),
+                    error @ OverLawsError::Plan { .. } => Failure::input(error.to_string()),
+                })?;
+            words += &over.table();
+            more.insert("laws", json!(over));
+        }
+        if self.sites {
+            let found = sites(&workshop, interrupt(), &step)?;
+            words += &found.words();
+            files.push(("sites.csv", found.csv()));
+            maps.push(found.map(&design, &layout));
+            files.push(("sites.svg", found.map(&design, &layout)));
+            more.insert("sites", json!(found));
+        }
+        if self.indices {
+            let found = indices(&workshop, seed, interrupt(), &step)?;
+            words += &indices_words(&found);
+            more.insert("indices", json!(found));
+        }
+        if let Some(wanted) = self.wanted {
+            let asked = (wanted, count.min(OF_RUNG), seed);
+            let found = inverse(&workshop, &criterion, asked, &of_layout, interrupt(), &step)?;
+            words += &inverse_words(&found, wanted);
+            more.insert("inverse", json!({ "wanted": wanted, "found": found }));
+        }
+        if let Some(spheres) = self.rechoose {
+            let energy = evaluate(&design, &layout, &plan, interrupt())?.record.max_kinetic;
+            let with = (&of_layout, &energy[..]);
+            let found = rechoose(&workshop, &criterion, (spheres as usize, seed), with, interrupt(), &step)?;
+            words += &found.words();
+            more.insert("rechoose", json!(found));
+        }
+        bar.done();
+        let told = Told {
+            format: FORMAT,
+            design: design.name.clone(),
+            layout: self.layout.display().to_string(),
+            state: match tolerances.state {
+                State::NominalSites => "nominal-sites",
+                State::Settled => "settled",
+            },
+            assumed: assumed(&tolerances, workshop.quantities(), self.tolerances.is_some()),
+            share: share.share,
+            interval: share.interval,
+            interval_method: INTERVAL,
+            yield_of: criterion.words.clone(),
+            baseline: criterion.baseline.clone(),
+            passed: share.passed,
+            samples: share.of,
+            stopped,
+            seed,
+            quantities: workshop.quantities().to_vec(),
+            as_built: as_built(&found),
+            sensitivity: found.changes,
+            distribution: distributions(&samples, count as usize, &measures),
+            method: method(&design, &plan),
+            warnings: plan.warnings.iter().cloned().chain(warnings).collect(),
+            more,
+            words,
+        };
+        if let Some(folder) = folder {
+            let page = page(&told, &criterion, &samples, &measures, &maps);
+            for (name, text) in &files {
+                output::write(&folder.join(name), text.as_bytes(), common.force)?;
+            }
+            output::write(&folder.join(NUMBERS), pretty(&told).as_bytes(), common.force)?;
+            output::write(&folder.join(PAGE), page.as_bytes(), common.force)?;
+            note(common, &format!("kept: {}", folder.display()));
+        }
+        if common.json {
+            emit_json(&told);
+        } else {
+            emit(&told.words());
+            told.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        }
+        Ok(())
+    }
+
+    /// What it would cost.
+    fn cost(&self, common: &Common, workshop: &Workshop, count: u64) -> Result<(), Failure> {
+        let (design, plan) = (workshop.design(), workshop.plan());
+        let alone = arrangement(&workshop.layout().sample(), &granulens::evaluate::impact(design, plan))?;
+        // In lanes without records a run takes about a fifth of one with them; whole pieces are two halves, and rigs find their contacts.
+        let each = match (workshop.tolerances().state, workshop.tolerances().halves_alike) {
+            (State::Settled, _) => 12.0 * alone,
+            (_, true) => 0.3 * alone,
+            (_, false) => 0.6 * alone,
+        };
+        let runs = 8 * sensitivity_runs(workshop) as u64;
+        let parts = [
+            Part::new("pieces for the sensitivities, under 8 forces", runs, Some(each * runs as f64)),
+            Part::new("pieces for the yield", count, Some(each * count as f64)),
+        ];
+        tell(common, &parts)
+    }
+}
+
+/// Pieces that sensitivities take.
+fn sensitivity_runs(workshop: &Workshop) -> usize {
+    1 + workshop.quantities().iter().map(|quantity| if quantity.kind.is_random() { 16 } else { 2 }).sum::<usize>()
+}
+
+/// What the layout says by itself.
+fn of_layout(design: &Design, layout: &Layout) -> Scores {
+    let mut scores = Scores::default();
+    scores.add_layout(&layout.stats(|material| design.price(material)));
+    scores
+}
+
+/// Takes up what a folder keeps, and finds out at once whether it can be written.
+fn begin(common: &Common, folder: &Path, samples: &mut Samples) -> Result<(), Failure> {
+    output::check_known(folder, &[PIECES])?;
+    let pieces = folder.join(PIECES);
+    if pieces.exists() {
+        // Not among what the command is given: it may be written anew.
+        let text =
+            std::fs::read_to_string(&pieces).map_err(|error| Failure::of_file(&pieces, None, &error.to_string()))?;
+        match samples.take_up(&pieces, &text) {
+            Err(_) if common.force => samples.list.clear(),
+            taken => taken?,
+        }
+    }
+    for name in [PIECES, NUMBERS, PAGE] {
+        output::check(&folder.join(name), common.force)?;
+    }
+    Ok(())
+}
+
+impl From<WorkshopError> for Failure {
+    fn from(error: WorkshopError) -> Self {
+        match error {
+            WorkshopError::Evaluator(error) => error.into(),
+            WorkshopError::Held(error) => error.into(),
+            WorkshopError::Records(_) => Self::input(error.to_string()),
+        }
+    }
+}
+
+impl From<KeptError> for Failure {
+    fn from(error: KeptError) -> Self {
+        let line = error.line.map(|line| line as u64);
+        Self::of_file(&error.path, line, &error.message)
+    }
+}

@@ -1,0 +1,210 @@
+//! The gate: whether a layout is fit to be built, line by line, each with its number, its limit and why it matters.
+//!
+//! In: a layout under its design, as `check` has simulated it. Out: [`Gate`]. A line *fails* only where building would be a mistake whatever one thinks of models:
+//! the geometry does not close, the stack does not stand, the numbers are not numbers yet, or what was asked is missed. All else *warns*.
+//!
+//! - `geometry`: frame, stack, catalogue; `numbers`: step and window; `physics`: what the wave does and the laws leave open
+//! - `again`: what a second blow on the same piece finds
+
+mod again;
+mod geometry;
+mod numbers;
+mod physics;
+
+use std::fmt::Write as _;
+use std::sync::atomic::AtomicBool;
+
+use serde::{Deserialize, Serialize};
+
+use crate::design::{Design, Threshold};
+use crate::evaluate::{Beside, EvaluatorError, OverLawsError, Overrides, Plan};
+use crate::layout::Layout;
+use crate::score::Scores;
+use crate::tolerance::{Criterion, Samples, Tolerances, Workshop, WorkshopError};
+
+/// What a line says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Word {
+    /// As it should be.
+    Pass,
+    /// Look at it before building.
+    Warn,
+    /// Do not build.
+    Fail,
+}
+
+impl Word {
+    /// As it is printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Warn => "warn",
+            Self::Fail => "fail",
+        }
+    }
+}
+
+/// One line of the gate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// What was looked at.
+    pub check: String,
+    /// What is said.
+    pub word: Word,
+    /// The number, with its unit.
+    pub number: String,
+    /// What it is held to.
+    pub limit: String,
+    /// Why it matters.
+    pub why: String,
+}
+
+impl Line {
+    fn new(check: &str, word: Word, number: impl Into<String>, limit: impl Into<String>, why: &str) -> Self {
+        Self { check: check.to_owned(), word, number: number.into(), limit: limit.into(), why: why.to_owned() }
+    }
+}
+
+/// All lines; the worst of them is the gate's word.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gate {
+    /// The worst of all lines.
+    pub word: Word,
+    /// Line by line.
+    pub lines: Vec<Line>,
+}
+
+impl Gate {
+    /// The checks that fail, in words.
+    pub fn failed(&self) -> Vec<String> {
+        let failed = self.lines.iter().filter(|line| line.word == Word::Fail);
+        failed.map(|line| format!("{}: {}, limit {}", line.check, line.number, line.limit)).collect()
+    }
+
+    /// As lines of a terminal.
+    pub fn words(&self) -> String {
+        let mut text = String::new();
+        for Line { check, word, number, limit, why } in &self.lines {
+            let _ = writeln!(text, "{:4}  {check:24} {number}; limit: {limit}. {why}", word.name());
+        }
+        let _ = write!(text, "gate: {}", self.word.name());
+        text
+    }
+}
+
+/// What is asked of the gate besides what the design says.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// Inner width and depth of the frame that there is (m); without it the frame is made to fit.
+    pub frame: [Option<f64>; 2],
+    /// The least share of pieces, as built, that keep the thresholds: their tolerances, how many are made, and the seed.
+    pub least_yield: Option<(f64, Tolerances, u64, u64)>,
+}
+
+/// Why the gate cannot say anything.
+#[derive(Debug, thiserror::Error)]
+pub enum GateError {
+    /// Runs that cannot be.
+    #[error(transparent)]
+    Evaluator(#[from] EvaluatorError),
+    /// Laws under which it cannot be simulated.
+    #[error(transparent)]
+    Laws(#[from] OverLawsError),
+    /// Pieces that cannot be made.
+    #[error(transparent)]
+    Workshop(#[from] WorkshopError),
+}
+
+/// What the gate looks at.
+struct Look<'a> {
+    design: &'a Design,
+    layout: &'a Layout,
+    plan: &'a Plan,
+    beside: &'a Beside,
+    interrupt: &'a AtomicBool,
+}
+
+/// Looks at a layout that was simulated beside the uniform crystals.
+///
+/// # Errors
+/// See [`GateError`].
+pub fn gate(
+    (design, layout): (&Design, &Layout),
+    plan: &Plan,
+    beside: &Beside,
+    asked: &Asked,
+    interrupt: &AtomicBool,
+) -> Result<Gate, GateError> {
+    let look = Look { design, layout, plan, beside, interrupt };
+    let mut lines = geometry::lines(&look, asked.frame);
+    lines.extend(numbers::lines(&look)?);
+    lines.extend(thresholds(&look));
+    if let Some((least, tolerances, samples, seed)) = &asked.least_yield {
+        lines.push(as_built(&look, *least, tolerances, [*samples, *seed])?);
+    }
+    lines.extend(physics::lines(&look)?);
+    lines.extend(again::line(&look)?);
+    let word = lines.iter().map(|line| line.word).max().unwrap_or(Word::Pass);
+    Ok(Gate { word, lines })
+}
+
+/// What the design asks.
+fn thresholds(look: &Look) -> Vec<Line> {
+    let scores = look.beside.over_forces.as_ref().map_or(&look.beside.evaluation.scores, |(scores, _)| scores);
+    let line = |threshold: &Threshold| {
+        let value = scores.get(threshold.measure).filter(|value| value.is_finite());
+        let met = value.is_some_and(|value| threshold.admits(value));
+        let number = value.map_or("no value: its denominator is zero or its baseline is missing".to_owned(), |value| {
+            format!("{value:.4}")
+        });
+        let bound = |word: &str, limit: Option<f64>| limit.map(|limit| format!("{word} {limit}"));
+        let limits: Vec<String> =
+            [bound("at least", threshold.min), bound("at most", threshold.max)].into_iter().flatten().collect();
+        let word = if met { Word::Pass } else { Word::Fail };
+        Line::new(
+            &format!("threshold {}", threshold.measure.name()),
+            word,
+            number,
+            limits.join(" and "),
+            "The design file asks for it.",
+        )
+    };
+    look.design.thresholds.iter().map(line).collect()
+}
+
+/// How many pieces keep what is asked once they are built.
+fn as_built(look: &Look, least: f64, tolerances: &Tolerances, [count, seed]: [u64; 2]) -> Result<Line, GateError> {
+    let (design, layout, plan) = (look.design, look.layout, look.plan);
+    let given = given(plan, plan.step, plan.window);
+    let criterion = Criterion::new(design, layout, tolerances, given, look.interrupt)?;
+    let workshop = Workshop::new((design, layout), tolerances, plan, &criterion.measures())?;
+    let mut samples = Samples::new(&workshop, seed);
+    samples.grow(&workshop, count, look.interrupt, |_| Ok::<_, WorkshopError>(()))?;
+    let mut of_layout = Scores::default();
+    of_layout.add_layout(&layout.stats(|material| design.price(material)));
+    let share = samples.share(count as usize, &criterion, &of_layout);
+    // What the pieces made decide: only a share that is surely too small fails.
+    let word = match share {
+        share if share.interval[1] < least => Word::Fail,
+        share if share.share < least => Word::Warn,
+        _ => Word::Pass,
+    };
+    Ok(Line::new(
+        "yield as built",
+        word,
+        format!("{} of {count} pieces keep {}", share.words(), criterion.words),
+        format!("at least {} %", 100.0 * least),
+        "Spheres are never as drawn: this is the share of pieces that do what is asked.",
+    ))
+}
+
+/// The plan's own, with another step or window.
+fn given(plan: &Plan, step: f64, window: f64) -> Overrides {
+    Overrides {
+        integrator: Some(plan.integrator),
+        step: Some(step),
+        window: Some(window),
+        first_seed: Some(plan.first_seed),
+    }
+}

@@ -1,0 +1,52 @@
+//! What is told as a page: words, tables, how scores are distributed, and maps.
+
+use std::fmt::Write as _;
+
+use super::criterion::Criterion;
+use super::samples::Samples;
+use super::told::Told;
+use crate::report::{Bound, escape, histogram, plain_page};
+use crate::score::Measure;
+
+/// The page; `maps` are further pictures.
+pub fn page(told: &Told, criterion: &Criterion, samples: &Samples, measures: &[Measure], maps: &[String]) -> String {
+    let mut pictures = Vec::new();
+    let count = told.samples as usize;
+    for &measure in measures {
+        let bounds: Vec<Bound> = criterion
+            .thresholds
+            .iter()
+            .filter(|threshold| threshold.measure == measure)
+            .flat_map(|threshold| [("at least", threshold.min), ("at most", threshold.max)])
+            .filter_map(|(word, bound)| Some((bound?, format!("{word} {:.4}", bound?))))
+            .collect();
+        let values = samples.sorted(count, measure);
+        let title = format!("{} of {} pieces", measure.name(), values.len());
+        let label = match measure.unit().name() {
+            "" => format!("{} ({})", measure.name(), measure.symbol()),
+            unit => format!("{} ({unit})", measure.name()),
+        };
+        pictures.push(histogram(&title, &label, &values, &bounds));
+    }
+    pictures.extend(maps.iter().cloned());
+    let mut html = String::new();
+    let [low, high] = told.interval.map(|end| 100.0 * end);
+    let _ = write!(
+        html,
+        "<p><b>{:.1} % ({low:.1} to {high:.1} %, {})</b> of {} pieces keep {}.</p>\n<ul>",
+        100.0 * told.share,
+        told.interval_method,
+        told.samples,
+        escape(&told.yield_of)
+    );
+    told.assumed.iter().chain(&told.warnings).for_each(|line| {
+        let _ = write!(html, "<li>{}</li>", escape(line));
+    });
+    let _ = write!(html, "</ul>\n<pre>{}</pre>\n", escape_lines(&told.words()));
+    plain_page(&format!("{}: before it is built", told.design), &html, pictures.iter().map(String::as_str))
+}
+
+/// Line by line: line ends are kept.
+fn escape_lines(text: &str) -> String {
+    text.lines().map(escape).collect::<Vec<_>>().join("\n")
+}

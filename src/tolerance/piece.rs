@@ -1,0 +1,180 @@
+//! One piece as a workshop made it: from the values of quantities and a seed to what is simulated.
+
+use super::Tolerances;
+use super::quantity::{Kind, Quantity};
+use crate::dem::ForcePulse;
+use crate::design::Design;
+use crate::evaluate::{Blow, Case, Flaw};
+use crate::layout::Layout;
+use crate::material::Material;
+use crate::search::Dice;
+
+/// A piece: what its quantities are, in their order, and where its chance comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// A value for each quantity.
+    pub values: Vec<f64>,
+    /// Its random numbers.
+    pub seed: u64,
+}
+
+/// A generator for one purpose of one piece: purposes have nothing in common, and none depends on which others there are.
+fn dice(seed: u64, purpose: u64) -> Dice {
+    let mut first = Dice::new(seed ^ purpose.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    Dice::new(first.bits())
+}
+
+impl Piece {
+    /// As drawn.
+    pub fn nominal(quantities: &[Quantity]) -> Self {
+        Self { values: quantities.iter().map(|quantity| quantity.nominal).collect(), seed: 0 }
+    }
+
+    /// The k-th piece of a workshop: it depends on the seed and on k alone, so that more pieces can be made later.
+    pub fn made(quantities: &[Quantity], seed: u64, k: u64) -> Self {
+        let seed = Dice::new(seed.wrapping_add(k.wrapping_mul(0xd1b5_4a32_d192_ed03))).bits();
+        let value = |quantity: &Quantity| {
+            let [low, high] = quantity.limits;
+            match quantity.kind.is_random() {
+                true => high,
+                false => low + (high - low) * dice(seed, quantity.kind.stream()).unit(),
+            }
+        };
+        Self { values: quantities.iter().map(value).collect(), seed }
+    }
+
+    /// With one quantity at a value, all others as drawn.
+    pub fn with(quantities: &[Quantity], which: usize, value: f64, seed: u64) -> Self {
+        let mut piece = Self { seed, ..Self::nominal(quantities) };
+        piece.values[which] = value;
+        piece
+    }
+
+    fn value(&self, quantities: &[Quantity], kind: Kind) -> Option<f64> {
+        quantities.iter().zip(&self.values).find(|(quantity, _)| quantity.kind == kind).map(|(_, value)| *value)
+    }
+
+    /// Which places, sites or sites and images, hold a sphere of another material, and by how many letters it is another; `letters` are
+    /// those of the layout.
+    fn wrong(&self, quantities: &[Quantity], places: usize, letters: usize) -> Vec<(usize, u8)> {
+        let chance = self.value(quantities, Kind::Wrong).unwrap_or(0.0);
+        let mut dice = dice(self.seed, Kind::Wrong.stream());
+        let others = letters.saturating_sub(1) as u64;
+        // Two numbers for every place, so that a greater chance only adds.
+        let drawn = (0..places).map(|place| (place, dice.unit(), 1 + dice.below(others.max(1)) as u8));
+        drawn.filter(|&(_, u, _)| others > 0 && u < chance).map(|(place, _, shift)| (place, shift)).collect()
+    }
+
+    /// Diameter of the sphere on every place (m), zero where there is none.
+    pub fn diameters(&self, tolerances: &Tolerances, quantities: &[Quantity], layout: &Layout) -> Vec<f64> {
+        let built = self.materials_on_places(tolerances, quantities, layout);
+        let (mut lot, mut holes) = (dice(self.seed, Kind::Lot.stream()), dice(self.seed, Kind::Vacancies.stream()));
+        let variation = self.value(quantities, Kind::Lot).unwrap_or(0.0);
+        let vacant = self.value(quantities, Kind::Vacancies).unwrap_or(0.0);
+        let offset: Vec<f64> =
+            (0..layout.palette.len()).map(|m| self.value(quantities, Kind::Offset(m)).unwrap_or(0.0)).collect();
+        let diameter = layout.lattice.diameter();
+        let of = |&letter: &u8| {
+            let (u, v) = (lot.unit(), holes.unit());
+            if v < vacant { 0.0 } else { diameter + offset[usize::from(letter)] + variation * (u - 0.5) }
+        };
+        built.iter().map(of).collect()
+    }
+
+    fn letters(layout: &Layout) -> Vec<u8> {
+        (0..layout.palette.len() as u8).filter(|&m| layout.count(m) > 0).collect()
+    }
+
+    /// What is built otherwise than drawn, but for diameters.
+    fn misplaced(&self, tolerances: &Tolerances, quantities: &[Quantity], layout: &Layout) -> Flaw {
+        let letters = Self::letters(layout);
+        let places = tolerances.places(layout.materials.len());
+        let wrong = self.wrong(quantities, places, letters.len());
+        Flaw { letters, wrong, materials: self.materials(quantities, layout), ..Flaw::default() }
+    }
+
+    fn materials_on_places(&self, tolerances: &Tolerances, quantities: &[Quantity], layout: &Layout) -> Vec<u8> {
+        let places = tolerances.places(layout.materials.len());
+        let mut built = self.misplaced(tolerances, quantities, layout).built(&layout.materials);
+        if built.len() < places {
+            built.extend_from_within(..);
+        }
+        built
+    }
+
+    /// The palette as it turned out; empty where all of it is as drawn.
+    fn materials(&self, quantities: &[Quantity], layout: &Layout) -> Vec<Material> {
+        let mut palette = layout.palette.clone();
+        for (quantity, &value) in quantities.iter().zip(&self.values) {
+            match quantity.kind {
+                Kind::Modulus(m) => palette[m].youngs_modulus *= 1.0 + value,
+                Kind::Density(m) => palette[m].density *= 1.0 + value,
+                Kind::YieldStress(m) => palette[m].yield_stress *= 1.0 + value,
+                Kind::RateConstant(m) => palette[m].rate_constant *= 1.0 + value,
+                _ => {}
+            }
+        }
+        if palette == layout.palette { Vec::new() } else { palette }
+    }
+
+    /// What strikes it.
+    pub fn blow(&self, design: &Design, quantities: &[Quantity], factor: f64) -> Blow {
+        let value = |kind| self.value(quantities, kind).unwrap_or(0.0);
+        let ForcePulse { force, duration } = design.impact;
+        let pulse = ForcePulse {
+            force: force * factor * (1.0 + value(Kind::Force)),
+            duration: duration * (1.0 + value(Kind::Duration)),
+        };
+        let off = value(Kind::OffCentre);
+        let half = design.lattice.half_width();
+        let place = (off != 0.0).then(|| [(off - half).max(-half), (off + half).min(half)]);
+        Blow { pulse, angle: value(Kind::Angle), place, law: None, friction: self.value(quantities, Kind::Friction) }
+    }
+
+    /// Diameters (m), zero where there is none, and materials of the spheres on all places, and the palette as it turned out.
+    pub fn parts(
+        &self,
+        tolerances: &Tolerances,
+        quantities: &[Quantity],
+        layout: &Layout,
+    ) -> (Vec<f64>, Vec<u8>, Vec<Material>) {
+        let palette = self.materials(quantities, layout);
+        (
+            self.diameters(tolerances, quantities, layout),
+            self.materials_on_places(tolerances, quantities, layout),
+            if palette.is_empty() { layout.palette.clone() } else { palette },
+        )
+    }
+
+    /// As it is simulated on the nominal sites, struck with a part of the design's force. Sites are as far apart as the largest of its spheres needs.
+    pub fn case(
+        &self,
+        (design, tolerances): (&Design, &Tolerances),
+        quantities: &[Quantity],
+        layout: &Layout,
+        factor: f64,
+    ) -> Case {
+        let diameters = self.diameters(tolerances, quantities, layout);
+        self.case_of((design, tolerances), quantities, layout, factor, &diameters)
+    }
+
+    /// The same with other diameters on its places (m).
+    pub fn case_of(
+        &self,
+        (design, tolerances): (&Design, &Tolerances),
+        quantities: &[Quantity],
+        layout: &Layout,
+        factor: f64,
+        diameters: &[f64],
+    ) -> Case {
+        let mut flaw = self.misplaced(tolerances, quantities, layout);
+        let largest = diameters.iter().copied().fold(0.0, f64::max);
+        if diameters.iter().any(|&diameter| diameter != largest) {
+            flaw.radii = diameters.iter().map(|diameter| diameter / largest).collect();
+        } else if diameters.len() > layout.materials.len() && !flaw.wrong.is_empty() {
+            // Says that the other side is not alike.
+            flaw.radii = vec![1.0; diameters.len()];
+        }
+        Case { blow: self.blow(design, quantities, factor), flaw }
+    }
+}

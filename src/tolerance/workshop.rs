@@ -1,0 +1,243 @@
+//! Makes pieces and simulates them, many side by side.
+
+use std::sync::atomic::AtomicBool;
+
+use rayon::prelude::*;
+
+use super::piece::Piece;
+use super::quantity::{Quantity, quantities};
+use super::{State, Tolerances};
+use crate::dem::Stop;
+use crate::dem::rig::RigStop;
+use crate::design::Design;
+use crate::evaluate::{
+    Blow, Case, Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, Overrides, Plan, held_energies,
+    held_spheres,
+};
+use crate::layout::Layout;
+use crate::material::Material;
+use crate::score::{Measure, Needs, Scores};
+
+/// Why pieces cannot be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum WorkshopError {
+    /// On their sites.
+    #[error(transparent)]
+    Evaluator(#[from] EvaluatorError),
+    /// In their frame.
+    #[error(transparent)]
+    Held(#[from] HeldError),
+    /// What needs full records is asked of pieces in a frame.
+    #[error(
+        "{0} needs full records, which are kept of pieces on nominal sites only; ask for another, or leave state = \"settled\" out"
+    )]
+    Records(&'static str),
+}
+
+/// What a piece does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    /// The numbers; not to be trusted where it was stopped.
+    pub scores: Scores,
+    /// Why a guard stopped it, or that it does not stand.
+    pub stop: Option<String>,
+}
+
+/// Pieces simulated between two looks at the progress.
+const BLOCK: usize = 128;
+
+/// A workshop that makes one layout.
+pub struct Workshop<'a> {
+    design: &'a Design,
+    layout: &'a Layout,
+    tolerances: &'a Tolerances,
+    plan: &'a Plan,
+    quantities: Vec<Quantity>,
+    detail: Detail,
+}
+
+impl<'a> Workshop<'a> {
+    /// With what is asked of its pieces: measures that need full records make it some four times as slow.
+    ///
+    /// # Errors
+    /// Records of pieces that have none.
+    pub fn new(
+        (design, layout): (&'a Design, &'a Layout),
+        tolerances: &'a Tolerances,
+        plan: &'a Plan,
+        asked: &[Measure],
+    ) -> Result<Self, WorkshopError> {
+        let records = asked.iter().find(|measure| measure.needs() == Needs::Records);
+        let detail = match records {
+            Some(measure) if tolerances.state == State::Settled => return Err(WorkshopError::Records(measure.name())),
+            Some(_) => Detail::Everything,
+            None => Detail::Energies,
+        };
+        let quantities = quantities(tolerances, layout, design.friction.unwrap_or(0.0));
+        Ok(Self { design, layout, tolerances, plan, quantities, detail })
+    }
+
+    /// What may turn out otherwise.
+    pub fn quantities(&self) -> &[Quantity] {
+        &self.quantities
+    }
+
+    /// What it makes.
+    pub fn layout(&self) -> &Layout {
+        self.layout
+    }
+
+    /// Its design.
+    pub fn design(&self) -> &Design {
+        self.design
+    }
+
+    /// Its tolerances.
+    pub fn tolerances(&self) -> &Tolerances {
+        self.tolerances
+    }
+
+    /// Step and window.
+    pub fn plan(&self) -> &Plan {
+        self.plan
+    }
+
+    /// The measures that are known of its pieces.
+    pub fn measures(&self) -> impl Iterator<Item = Measure> + use<> {
+        let records = self.detail == Detail::Everything;
+        let known = move |needs: Needs| needs == Needs::Energies || (records && needs == Needs::Records);
+        Measure::ALL.iter().copied().filter(move |measure| known(measure.needs()) && *measure != Measure::Balance)
+    }
+
+    /// Simulates pieces, each struck with these parts of its force: for each piece its runs. `finished` hears how many pieces are done.
+    ///
+    /// # Errors
+    /// See [`WorkshopError`]. A piece that a guard stops is none.
+    pub fn runs(
+        &self,
+        pieces: &[Piece],
+        factors: &[f64],
+        interrupt: &AtomicBool,
+        finished: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<Vec<Made>>, WorkshopError> {
+        let mut runs = Vec::with_capacity(pieces.len());
+        for block in pieces.chunks((BLOCK / factors.len()).max(1)) {
+            runs.extend(self.block(block, factors, interrupt)?);
+            finished(block.len() as u64);
+        }
+        Ok(runs)
+    }
+
+    fn block(
+        &self,
+        pieces: &[Piece],
+        factors: &[f64],
+        interrupt: &AtomicBool,
+    ) -> Result<Vec<Vec<Made>>, WorkshopError> {
+        if self.tolerances.state == State::Settled {
+            return self.settled(pieces, factors, interrupt);
+        }
+        let with = (self.design, self.tolerances);
+        let of = |piece: &Piece| -> Vec<Case> {
+            factors.iter().map(|&factor| piece.case(with, &self.quantities, self.layout, factor)).collect()
+        };
+        let cases: Vec<Case> = pieces.iter().flat_map(of).collect();
+        self.cases(&cases, interrupt).map(|runs| runs.chunks(factors.len()).map(<[_]>::to_vec).collect())
+    }
+
+    /// Simulates the layout in any cases, on its sites.
+    ///
+    /// # Errors
+    /// See [`WorkshopError`].
+    pub fn cases(&self, cases: &[Case], interrupt: &AtomicBool) -> Result<Vec<Made>, WorkshopError> {
+        let given = Overrides {
+            integrator: Some(self.plan.integrator),
+            step: Some(self.plan.step),
+            window: Some(self.plan.window),
+            first_seed: None,
+        };
+        let evaluator = Evaluator::new(self.design, cases, self.layout.palette.clone(), given, interrupt)?;
+        let evaluator = evaluator.recording(self.detail);
+        let runs = evaluator.scores(std::slice::from_ref(&self.layout.materials), interrupt)?.concat();
+        if runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
+            return Err(EvaluatorError::Interrupted.into());
+        }
+        let made =
+            |run: crate::evaluate::Evaluated| Made { scores: run.scores, stop: run.stop.map(|stop| stop.to_string()) };
+        Ok(runs.into_iter().map(made).collect())
+    }
+
+    /// The same for pieces that settle in their frame, one by one; uniform crystals, of perfect spheres, are held alike.
+    fn settled(
+        &self,
+        pieces: &[Piece],
+        factors: &[f64],
+        interrupt: &AtomicBool,
+    ) -> Result<Vec<Vec<Made>>, WorkshopError> {
+        let (layout, sites) = (self.layout, self.layout.materials.len());
+        let of = |piece: &Piece| {
+            let (diameters, materials, palette) = piece.parts(self.tolerances, &self.quantities, layout);
+            // As the map has it: places on the other side come after the sites.
+            let mut spheres = held_spheres(layout);
+            for sphere in &mut spheres {
+                let image = sphere.centre[0] < 0.0 && diameters.len() > sites;
+                let place = if image { sites + sphere.site } else { sphere.site };
+                (sphere.diameter, sphere.material) = (diameters[place], usize::from(materials[place]));
+            }
+            (spheres, palette)
+        };
+        let mut blows: Vec<Blow> = Vec::new();
+        let mut jobs: Vec<(usize, Vec<HeldSphere>, Vec<Material>)> = Vec::new();
+        let mut place = |blow: Blow| {
+            blows.iter().position(|known| *known == blow).unwrap_or_else(|| {
+                blows.push(blow);
+                blows.len() - 1
+            })
+        };
+        for piece in pieces {
+            let (spheres, palette) = of(piece);
+            for &factor in factors {
+                let blow = place(piece.blow(self.design, &self.quantities, factor));
+                jobs.push((blow, spheres.clone(), palette.clone()));
+            }
+        }
+        let count = jobs.len();
+        let reference = self.design.reference().cloned();
+        let uniform: Vec<Material> = std::iter::once(layout.palette[0].clone()).chain(reference).collect();
+        for blow in 0..blows.len() {
+            for material in &uniform {
+                let spheres = held_spheres(layout).into_iter().map(|sphere| HeldSphere { material: 0, ..sphere });
+                jobs.push((blow, spheres.collect(), vec![material.clone()]));
+            }
+        }
+        let frame = Frame::Settled { side_gap: self.tolerances.side_gap, end_gap: self.tolerances.end_gap };
+        let within = (&self.design.lattice, &self.design.target);
+        let runs: Vec<Made> = jobs
+            .into_par_iter()
+            .map(|(blow, spheres, palette)| {
+                let held = (frame, &blows[blow]);
+                match held_energies((self.design, self.plan), &palette, spheres, held, interrupt) {
+                    Ok(energies) => Ok(Made { scores: Scores::of_energies(&energies, within.0, within.1), stop: None }),
+                    Err(HeldError::Stopped(RigStop::Interrupted { .. })) => Err(EvaluatorError::Interrupted.into()),
+                    Err(HeldError::Rig(error)) => Err(WorkshopError::Held(error.into())),
+                    Err(stop) => Ok(Made { scores: Scores::default(), stop: Some(stop.to_string()) }),
+                }
+            })
+            .collect::<Result<_, WorkshopError>>()?;
+        let (made, uniform_runs) = runs.split_at(count);
+        let mut made = made.to_vec();
+        // In the order in which they were put down: pieces, and their blows.
+        let struck = pieces
+            .iter()
+            .flat_map(|piece| factors.iter().map(|&factor| piece.blow(self.design, &self.quantities, factor)));
+        for (run, blow) in made.iter_mut().zip(struck) {
+            let blow = blows.iter().position(|known| *known == blow).unwrap_or_default();
+            let of = |k: usize| {
+                let run = uniform_runs.get(uniform.len() * blow + k).filter(|_| k < uniform.len());
+                run.filter(|run| run.stop.is_none()).map(|run| &run.scores)
+            };
+            run.scores.relate(of(0).map(|host| host.focal_mean), of(1).map(|lens| lens.protected_mean));
+        }
+        Ok(made.chunks(factors.len()).map(<[_]>::to_vec).collect())
+    }
+}
