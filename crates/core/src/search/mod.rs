@@ -5,7 +5,8 @@
 //! clock have a say.
 //!
 //! - `local`: flips of single sites, then of two, until none improves
-//! - `anneal`: simulated annealing
+//! - `anneal`: simulated annealing; `climb`: the same at low temperature, screened by a cheap score before a costly one decides;
+//!   `hexagons`: who stands beside whom in a hexagonal sheet
 //! - `genetic`: a population that exchanges rectangles; `breed`: how it has children
 //! - `cma`: CMA-ES on real parameters; `painted`: choices that follow from such; `level_set`: low-order fields, whose signs
 //!   decide each site; `curves`: bands between two free curves
@@ -18,10 +19,12 @@ mod anneal;
 #[cfg(feature = "bayes")]
 mod bayes;
 mod breed;
+mod climb;
 mod cma;
 mod curves;
 mod front;
 mod genetic;
+mod hexagons;
 mod level_set;
 mod local;
 mod lockstep;
@@ -34,6 +37,7 @@ mod swarm;
 pub use anneal::Annealing;
 #[cfg(feature = "bayes")]
 pub use bayes::Bayes;
+pub use climb::{Climb, TEMPERATURES, Wanted};
 pub use cma::Cma;
 pub use curves::Bands;
 pub use front::{front, hypervolume, knee, rank_correlation};
