@@ -20,6 +20,7 @@ mod folder;
 mod impact;
 mod materials;
 mod measured;
+mod modes;
 mod motion;
 mod network;
 mod over_laws;
@@ -100,6 +101,7 @@ enum Command {
     Design(design::Propose),
     Trace(trace::Trace),
     Simulate(simulate::Simulate),
+    Modes(modes::Modes),
     Check(check::Check),
     Compare(compare::Compare),
     Diff(diff::Diff),
@@ -127,7 +129,7 @@ impl Command {
             Self::Run(_) | Self::Simulate(_) | Self::Check(_) | Self::Compare(_) => true,
             Self::Reproduce(_) | Self::Export(_) | Self::Impact(_) => true,
             Self::Diff(_) | Self::Build(_) | Self::Measured(_) | Self::Tolerance(_) => true,
-            Self::Design(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
+            Self::Design(_) | Self::Modes(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
             Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
             Self::Network(_) | Self::Motion(_) => false,
         }
@@ -164,6 +166,7 @@ pub fn main() -> ExitCode {
         Command::Design(command) => command.run(common),
         Command::Trace(command) => command.run(common),
         Command::Simulate(command) => command.run(common),
+        Command::Modes(command) => command.run(common),
         Command::Check(command) => command.run(common),
         Command::Compare(command) => command.run(common),
         Command::Diff(command) => command.run(common),

@@ -66,6 +66,9 @@ impl Simulate {
                 Time.show(bench.plan.window)
             ),
         );
+        if let Some(preload) = &bench.preload {
+            note(common, &preload.to_string());
+        }
         bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if common.dry_run {
             let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step)

@@ -24,6 +24,7 @@ pub(super) struct RigFile {
     pub pair: Sections<PairFile>,
     pub friction: Section<FrictionFile>,
     pub gravity: Section<GravityFile>,
+    pub preload: Section<PreloadFile>,
     pub run: Section<RunFile>,
     pub record: Section<RecordFile>,
     pub region: Sections<RegionFile>,
@@ -53,6 +54,7 @@ section!(LawFile: Written {
 section!(PairFile: Written { materials, kind, table, stiffness, restitution, damping, pull });
 section!(FrictionFile: Written { coefficient, spring, damping });
 section!(GravityFile: Written { acceleration });
+section!(PreloadFile: Written { force, strain, tolerance });
 section!(RunFile: Written { window, step, accuracy, drag, squeezed, leave });
 section!(RecordFile: Written {
     every, quantities, contacts, events, events_of, arrivals, pictures, layers, columns, x, y, z
@@ -147,6 +149,9 @@ pub(super) const EXAMPLES: &[&str] = &[
     "run.step = \"1e-7 s\"",
     "run.accuracy = \"0.1 %\"",
     "run.drag = \"100 1/s\"",
+    "preload.force = \"100 N\"",
+    "preload.strain = \"0.1 %\"",
+    "preload.tolerance = 1e-7",
     "run.squeezed = true",
     "run.leave = \"20 D\"",
     "record.every = \"1 us\"",
@@ -230,6 +235,7 @@ mod tests {
             ("pair[1]", PairFile::KEYS),
             ("friction", FrictionFile::KEYS),
             ("gravity", GravityFile::KEYS),
+            ("preload", PreloadFile::KEYS),
             ("run", RunFile::KEYS),
             ("record", RecordFile::KEYS),
             ("region[1]", RegionFile::KEYS),

@@ -85,6 +85,7 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
         sites: sites.iter().map(|site| SphereSite { layer: site.row, column: site.column }).collect(),
         layers: lattice.rows(),
         diameter: lattice.diameter(),
+        preload: None,
         seeds: Vec::new(),
         plan,
         record,

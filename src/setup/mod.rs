@@ -8,6 +8,7 @@
 //! - `crystal`: what stands where; `place`: spheres and directions as files write them
 //! - `listed`: layouts of lenses as patterns
 //! - `acts`: what holds and what strikes; `intruder`: rigid bodies before the crystal; `pulse`: quantities over time; `laws`: contact laws and friction
+//! - `preload`: what is squeezed to rest first
 //! - `plan`: step and window, `step`: the step that a rig needs; `record`: what is written and drawn
 //! - `lens`: a lens design as a rig
 
@@ -20,6 +21,7 @@ mod lens;
 mod listed;
 mod place;
 mod plan;
+mod preload;
 mod pulse;
 mod read;
 mod record;
@@ -31,6 +33,7 @@ pub use intruder::Intruder;
 pub use lens::SetupError;
 pub use place::spin_about_y;
 pub use plan::RunPlan;
+pub use preload::Preload;
 pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region};
 
 use crate::dem::rig::{Body, Law, LawBook, Rig};
@@ -68,6 +71,8 @@ pub struct Bench<const D: usize> {
     pub layers: u32,
     /// Distance of neighbouring sites (m).
     pub diameter: f64,
+    /// How the crystal was squeezed, if it was.
+    pub preload: Option<Preload>,
     /// Seeds of what is drawn by chance, in the order of the file.
     pub seeds: Vec<u64>,
     /// Step and window.

@@ -48,7 +48,7 @@ pub(super) fn plan<const D: usize>(
         }
     }
     if let Some(entry) = scope.optional("squeezed", &file.squeezed) {
-        rig.squeezed = entry.yes()?;
+        rig.squeezed |= entry.yes()?;
     }
     let leave = match scope.optional("leave", &file.leave) {
         Some(entry) => match entry.length(diameter)? {

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::acts::Stage;
 use super::crystal::Seeds;
 use super::file::{EXAMPLES, RigFile};
-use super::{Bench, NO_CHANCE, Setup, SphereSite, crystal, intruder, laws, place, plan, record};
+use super::{Bench, NO_CHANCE, Setup, SphereSite, crystal, intruder, laws, place, plan, preload, record};
 use crate::dem::rig::Rig;
 use crate::document::{self, DocumentError, Scope, Source, Written, is_plain_name};
 use crate::lattice::Cell;
@@ -133,6 +133,10 @@ impl Reading<'_> {
             let entry = scope.required("acceleration", &section.acceleration)?;
             stage.rig.gravity = place::along_wave(&entry, crate::units::Dimension::Acceleration)?;
         }
+        let preload = match top.section("preload", &file.preload) {
+            Some((scope, section)) => Some(preload::preload(&mut stage.rig, stage.sites.len(), &scope, section)?),
+            None => None,
+        };
         let help = "Add the section [run] with window, like window = \"400 us\".";
         let (scope, section) = top.required_section("run", &file.run, help)?;
         let mut plan = plan::plan(&mut stage.rig, (crystal.diameter(), stage.sites.len()), &scope, section)?;
@@ -169,6 +173,7 @@ impl Reading<'_> {
             layers: crystal.layers(),
             diameter: crystal.diameter(),
             rig: stage.rig,
+            preload,
             seeds: seeds.used,
             plan,
             record,

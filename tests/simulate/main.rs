@@ -3,6 +3,7 @@
 //! - `rigs`: the experiments in `designs/`, run and compared with closed forms and published statements
 //! - `resume`: runs that are killed, interrupted and taken up; checkpoints that cannot be used; guards
 //! - `sections`: what each section of a file does, by what moves
+//! - `preload`: squeezed crystals: at rest, in small vibrations, and struck
 //! - `records`: events, regions, sampled maxima and losses
 //! - `cases`: small rigs that were wrong elsewhere, with the values that are right
 //! - `intruders`: bodies that strike, layouts as patterns, springs and dashpots
@@ -12,6 +13,7 @@
 mod cases;
 mod felt;
 mod intruders;
+mod preload;
 mod records;
 mod refusals;
 mod resume;

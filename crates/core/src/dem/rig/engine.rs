@@ -83,6 +83,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         Some(Touching {
             closing_speed: closing_speed / scale,
             yields: law.yields(overlap, closing_speed, memory),
+            stiffness: contacts.stiffness(c),
             bodies: contacts.bodies(c),
             normal,
             overlap: overlap / scale,

@@ -173,6 +173,12 @@ pub(super) trait Bonding: Clone + Send + Sync + 'static {
     /// How a contact ends that has just opened, whose surfaces are a gap (m) apart and which had this overlap (m) and force (N) a step ago,
     /// where its force ends with a jump.
     fn end(&self, before: [f64; 2], gap: f64, closing_speed: f64, reduced: f64, memory: &Self::Memory) -> Ended;
+    /// dF/dδ (N/m) as the contact begins to open, from two differences whose errors of first order cancel: to 1e-8 of it.
+    fn stiffness(&self, overlap: f64, reduced: f64, memory: &Self::Memory) -> f64 {
+        let opened = |part: f64| self.respond(overlap * (1.0 - part), -f64::MIN_POSITIVE, reduced, memory).0;
+        let fall = |part: f64| (opened(0.0) - opened(part)) / (part * overlap);
+        if overlap > 0.0 { 2.0 * fall(0.5e-4) - fall(1e-4) } else { 0.0 }
+    }
     /// Energy (J) that the contact would give back.
     fn stored(&self, overlap: f64, memory: &Self::Memory) -> f64;
     /// Whether the contact is yielding, with the memory after the step.

@@ -12,6 +12,7 @@
 //! - `simulation`: from start to end; `check`, `guard`: what is refused and what stops a run; `view`: what can be looked at
 //! - `felt`, `ledger`: what each sphere felt, and where the energy went, by mechanism
 //! - `impact`: an impact on a crystal as a rig, with friction
+//! - `preload`: a crystal squeezed to rest; `modes`: its small vibrations
 //! - `checkpoint`: the state as bytes, and back
 //!
 //! Positions are displacements from where the spheres lay at the start, as everywhere in [`dem`](super).
@@ -31,7 +32,9 @@ mod impact;
 mod law;
 mod ledger;
 mod machine;
+mod modes;
 mod pairs;
+mod preload;
 mod simulation;
 mod turns;
 mod view;
@@ -48,6 +51,8 @@ pub use guard::RigStop;
 pub use impact::{rig_step, simulate_as_rig};
 pub use law::{Arm, Friction, Law, LawBook, Spring};
 pub use ledger::{EnergyLedger, Gain};
+pub use modes::{Modes, ModesError};
+pub use preload::{PreloadError, Squeeze, Squeezed, squeeze};
 pub use simulation::Simulation;
 pub use view::{FlatState, Touching, View};
 

@@ -29,6 +29,9 @@ pub struct Touching<const D: usize> {
     pub force: f64,
     /// How fast the overlap grows (m/s).
     pub closing_speed: f64,
+    /// dF/dx (N/m) as the bodies begin to part, by the way x they go; at a flat that stands for an equal sphere the overlap falls twice
+    /// as fast.
+    pub stiffness: f64,
     /// Whether it is yielding: loaded as never before, beyond the onset of yield of its law.
     pub yields: bool,
     /// Force of the tangential spring (N).

@@ -296,6 +296,11 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         Some(between.map(|x| x / distance))
     }
 
+    /// dF/dx of a closed contact (N/m), by how far its bodies are from each other.
+    pub fn stiffness(&self, c: usize) -> f64 {
+        self.face_scale(c) * self.normal_law(c).stiffness(self.account.overlap[c], self.reduced[c], &self.memory[c])
+    }
+
     /// How fast a contact's overlap grows (m/s), with the normal from its first body to its second.
     pub fn closing_speed(&self, bodies: &Bodies<D>, c: usize, normal: &[f64; D]) -> f64 {
         let along = |velocity: &[f64; D]| dot(velocity, normal);
