@@ -1,22 +1,23 @@
 //! `granulens modes`: small vibrations of a rig, and what they let through.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use granulens::dem::rig::{Modes as NormalModes, Simulation};
+use granulens::report;
 use granulens::setup::{Bench, Setup};
 use serde_json::json;
 
 use super::Common;
 use super::console::{emit, emit_json, note};
 use super::failure::Failure;
-use super::folder::write_file;
+use super::folder::{probe, write_file};
 
 /// Normal modes of a rig as it stands before it is struck, and its transmission over frequency
 ///
 /// The contacts must carry forces: squeeze the crystal with the section [preload]. Small vibrations about that state; normal forces
 /// alone. Transmission is how far the last layer moves along the wave over how far the first does, while a force drives the first.
-/// With --out, frequency and transmission as CSV.
+/// With --out, frequency and transmission as a picture (.svg) or as CSV (.csv).
 #[derive(clap::Args)]
 pub struct Modes {
     /// Rig file
@@ -36,6 +37,27 @@ fn loss(text: &str) -> Result<f64, String> {
     }
 }
 
+/// What --out asks for.
+#[derive(Clone, Copy)]
+enum Kind {
+    Picture,
+    Table,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Result<Self, Failure> {
+        let is = |ending: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
+        match (is("svg"), is("csv")) {
+            (true, _) => Ok(Self::Picture),
+            (_, true) => Ok(Self::Table),
+            _ => Err(Failure::input_with_help(
+                format!("--out {}: is neither a picture nor a table", path.display()),
+                "Let the name end in .svg or .csv.",
+            )),
+        }
+    }
+}
+
 /// Modes that are listed in words.
 const LISTED: usize = 12;
 
@@ -49,6 +71,8 @@ impl Modes {
     }
 
     fn bench<const D: usize>(&self, bench: &Bench<D>, common: &Common) -> Result<(), Failure> {
+        let out = common.out.as_ref().map(|path| Ok((path, Kind::of(path)?))).transpose()?;
+        probe(common, common.out.as_ref())?;
         bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if let Some(preload) = &bench.preload {
             note(common, &preload.to_string());
@@ -73,12 +97,17 @@ impl Modes {
         let (first, last) = (free(Box::new(1..=bench.layers)), free(Box::new((1..=bench.layers).rev())));
         let over: Vec<f64> = (1..=self.points).map(|k| 1.2 * highest * f64::from(k) / f64::from(self.points)).collect();
         let transmission = modes.transmission(D - 1, [&first, &last], &over, self.loss);
-        if let Some(out) = &common.out {
-            let mut text = "frequency_Hz,transmission\n".to_owned();
-            for (frequency, part) in over.iter().zip(&transmission) {
-                let _ = writeln!(text, "{frequency:?},{part:?}");
-            }
-            write_file(out, &text)?;
+        if let Some((path, kind)) = out {
+            let text = match kind {
+                Kind::Picture => report::transmission(&bench.name, &over, &transmission, &modes.frequencies()),
+                Kind::Table => {
+                    let rows =
+                        over.iter().zip(&transmission).map(|(frequency, part)| format!("{frequency:?},{part:?}\n"));
+                    std::iter::once("frequency_Hz,transmission\n".to_owned()).chain(rows).collect()
+                }
+            };
+            write_file(common, path, &text)?;
+            note(common, &format!("transmission: {}", path.display()));
         }
         let frequencies = modes.frequencies();
         let unstable = modes.squared.iter().filter(|&&squared| squared < -1e-6 * highest * highest).count();

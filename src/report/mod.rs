@@ -13,6 +13,7 @@
 //! - `contact_curve`: a contact law as a picture
 //! - `spots`: where rays pass the focal row
 //! - `trace`: rays, wavefronts and first arrivals as a picture
+//! - `transmission`: what small vibrations get through
 //! - `surface`: a design surface as a picture, `surface_page` as a page that answers the pointer; `labels`: places for its labels
 //! - `plain_page`: pictures below some words
 //! - `histogram`: how a number is distributed; `site_map`: a number for every site
@@ -44,6 +45,7 @@ mod surface_page;
 mod svg;
 mod table;
 mod trace;
+mod transmission;
 mod trial;
 mod verdict;
 
@@ -65,4 +67,5 @@ pub use surface::{surface, surface_csv};
 pub use surface_page::surface_page;
 pub use table::table;
 pub use trace::trace;
+pub use transmission::transmission;
 pub use trial::{TrialReportError, draw_trial};

@@ -108,6 +108,8 @@ pub enum Quantity {
 pub enum Picture {
     /// Mean velocity along the wave of each layer, over time.
     XT,
+    /// Its spectrum, over wave number and frequency.
+    Spectrum,
     /// Velocity along the wave of the recorded spheres.
     Velocities,
     /// Forces on flats and intruders.
@@ -135,6 +137,7 @@ impl Picture {
     /// Names in files.
     pub const ALL: &'static [(&'static str, Self)] = &[
         ("x-t", Self::XT),
+        ("spectrum", Self::Spectrum),
         ("velocities", Self::Velocities),
         ("flats", Self::Flats),
         ("arrivals", Self::Arrivals),

@@ -7,11 +7,28 @@ use super::super::svg::{Anchor, Shapes, Svg};
 use super::{Sphere, Times};
 
 /// Room for an x-t diagram (px), and around it: left, top, right (bar), bottom.
-const ROOM: [f64; 2] = [640.0, 420.0];
-const MARGIN: [f64; 4] = [64.0, 40.0, 100.0, 52.0];
+pub const ROOM: [f64; 2] = [640.0, 420.0];
+pub const MARGIN: [f64; 4] = [64.0, 40.0, 100.0, 52.0];
 
 /// Cells of an x-t diagram along each axis, at most.
 const CELLS: [usize; 2] = [320, 210];
+
+/// Paints the room cell by cell, of columns and rows from its upper left corner on, by the value of each.
+pub fn paint(svg: &mut Svg, scale: &Scale, [columns, rows]: [usize; 2], value: impl Fn(usize, usize) -> f64) {
+    let [left, top, ..] = MARGIN;
+    let mut shapes = vec![Shapes::default(); LEVELS];
+    let [width, height] = [ROOM[0] / columns as f64, ROOM[1] / rows as f64];
+    for row in 0..rows {
+        for column in 0..columns {
+            let corner = [left + column as f64 * width, top + row as f64 * height];
+            shapes[scale.level(value(column, row))].closed(corner, &[[width, 0.0], [0.0, height], [-width, 0.0]]);
+        }
+    }
+    for (k, shapes) in shapes.iter().enumerate() {
+        // Crisp edges leave no seams between cells.
+        svg.path(shapes.data(), &format!(r#"fill="{}" shape-rendering="crispEdges""#, scale.colour(k)));
+    }
+}
 
 /// Mean velocity along the wave (m/s) over time (s), layer by layer: `layers[l][k]` at `times[k]`.
 pub fn x_t(title: &str, times: &[f64], layers: &[Vec<f64>]) -> String {
@@ -22,26 +39,15 @@ pub fn x_t(title: &str, times: &[f64], layers: &[Vec<f64>]) -> String {
     let scale = Scale::diverging(known().fold(0.0, f64::min), known().fold(0.0, f64::max));
     let end = times.last().copied().filter(|&t| t > 0.0).unwrap_or(1.0);
     let [columns, rows] = [times.len().min(CELLS[0]).max(1), layers.len().min(CELLS[1]).max(1)];
-    let mut shapes = vec![Shapes::default(); LEVELS];
-    let [width, height] = [ROOM[0] / columns as f64, ROOM[1] / rows as f64];
-    for row in 0..rows {
+    paint(&mut svg, &scale, [columns, rows], |column, row| {
         let within = row * layers.len() / rows..((row + 1) * layers.len() / rows).max(row * layers.len() / rows + 1);
-        for column in 0..columns {
-            // Samples are equally far apart, up to the last.
-            let at = (column as f64 + 0.5) / columns as f64 * end;
-            let k = times.partition_point(|&t| t < at).min(times.len().saturating_sub(1));
-            // The fastest of the layers of a cell, either way: a thin front must not vanish.
-            let faster = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-            let value = layers[within.clone()].iter().map(|layer| layer[k]).fold(0.0, faster);
-            let [w, h] = [width, height];
-            let corner = [left + column as f64 * width, top + row as f64 * height];
-            shapes[scale.level(value)].closed(corner, &[[w, 0.0], [0.0, h], [-w, 0.0]]);
-        }
-    }
-    for (k, shapes) in shapes.iter().enumerate() {
-        // Crisp edges leave no seams between cells.
-        svg.path(shapes.data(), &format!(r#"fill="{}" shape-rendering="crispEdges""#, scale.colour(k)));
-    }
+        // Samples are equally far apart, up to the last.
+        let at = (column as f64 + 0.5) / columns as f64 * end;
+        let k = times.partition_point(|&t| t < at).min(times.len().saturating_sub(1));
+        // The fastest of the layers of a cell, either way: a thin front must not vanish.
+        let faster = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        layers[within].iter().map(|layer| layer[k]).fold(0.0, faster)
+    });
     for tick in ticks(0.0, end * 1e6, 8) {
         let at = left + tick / (end * 1e6) * ROOM[0];
         svg.line([at, top + ROOM[1]], [at, top + ROOM[1] + 5.0], r##"stroke="#555""##);

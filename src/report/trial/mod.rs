@@ -1,8 +1,10 @@
 //! Pictures of one simulated rig, from the records in its folder; nothing here simulates.
 //!
 //! - `maps`: the wave over depth and time, arrivals
+//! - `spectrum`: the wave over wave number and frequency
 
 mod maps;
+mod spectrum;
 
 use std::path::Path;
 
@@ -68,6 +70,13 @@ pub fn draw_trial(folder: &Path) -> Result<Vec<String>, TrialReportError> {
                     let title = format!("{}: mean velocity of each layer", summary.name);
                     pictures.push(("x-t.svg".to_owned(), maps::x_t(&title, times, layers)));
                 }
+            }
+            "spectrum" => {
+                let record = Series::read(&folder.join("layers.csv"), POINTS)?;
+                let (times, layers) = record.columns.split_first().unwrap_or((&EMPTY, &[]));
+                let title = format!("{}: spectrum of the layers' mean velocities", summary.name);
+                let drawn = spectrum::spectrum(&title, times, layers);
+                pictures.extend(drawn.map(|svg| ("spectrum.svg".to_owned(), svg)));
             }
             "velocities" if folder.join("spheres.csv").exists() => {
                 let record = Series::read(&folder.join("spheres.csv"), POINTS * summary.recorded.len())?;

@@ -143,7 +143,7 @@ impl Grains {
         rig.squeezed = true;
         // Soft disks overlap by a third under a hard blow (Kondic et al. 2012); contacts begin and end with a jump of the
         // dashpot's force, which the trapezoids of the ledger resolve to a few percent of what it takes.
-        (rig.overlap_limit, rig.residual_limit) = (0.9, 0.1);
+        (rig.overlap_limit, rig.residual_limit) = (Some(0.9), 0.1);
         rig
     }
 }

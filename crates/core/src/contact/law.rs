@@ -142,6 +142,9 @@ macro_rules! laws {
             fn stiffness_max(&self, force_max: f64) -> f64 {
                 match self { $(Self::$kind(law) => law.stiffness_max(force_max)),* }
             }
+            fn overlap_limit(&self) -> f64 {
+                match self { $(Self::$kind(law) => law.overlap_limit()),* }
+            }
             fn yield_onset(&self, closing_speed: f64) -> f64 {
                 match self { $(Self::$kind(law) => law.yield_onset(closing_speed)),* }
             }

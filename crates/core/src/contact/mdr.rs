@@ -1,6 +1,6 @@
 //! Elastic, perfectly plastic contact to large overlaps, by the method of dimensionality reduction.
 
-use std::f64::consts::{FRAC_2_PI, PI};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, PI};
 
 use super::elastoplastic::RateFactor;
 use super::parameters::law;
@@ -258,6 +258,12 @@ impl NormalLaw for Mdr {
         let depth = self.depth_at(force_max);
         let history = History { overlap_max: 2.0 * depth, force_max, own: 2.0 * self.yield_depth };
         FRAC_2_PI * force_max / self.back(depth, self.yield_depth, &history).span
+    }
+
+    /// a² = 2 R d − d² but for where it begins to yield, with R that of equal spheres and d/R the overlap over the sum of radii: what is pressed aside does not all
+    /// pile up. It is R²/2 at 1 − 1/√2.
+    fn overlap_limit(&self) -> f64 {
+        1.0 - FRAC_1_SQRT_2
     }
 
     /// At rest.

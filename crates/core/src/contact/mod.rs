@@ -116,6 +116,10 @@ pub trait ForceLaw<V: Number> {
     }
 }
 
+/// Overlap over the sum of radii up to which most laws may be followed. About a contact that yields all that is pressed aside piles up
+/// under them, a² = 2 r* δ: between equal spheres the contact's radius a is then R/√2, and nothing is left of small contacts on spheres.
+pub const OVERLAP_LIMIT: f64 = 0.25;
+
 /// A normal contact law between two given spheres.
 pub trait NormalLaw: ForceLaw<f64> {
     /// Whether contacts yield under it.
@@ -140,6 +144,11 @@ pub trait NormalLaw: ForceLaw<f64> {
     /// The greatest stiffness dF/dδ (N/m) that the contact can show after having carried `force_max` (N); it limits the
     /// step.
     fn stiffness_max(&self, force_max: f64) -> f64;
+
+    /// Overlap over the sum of radii up to which the law may be followed; a run that goes beyond it is stopped.
+    fn overlap_limit(&self) -> f64 {
+        OVERLAP_LIMIT
+    }
 
     /// The overlap (m) up to which a fresh contact does not yield at this closing speed (m/s); infinite for what never yields.
     fn yield_onset(&self, _closing_speed: f64) -> f64 {

@@ -98,6 +98,12 @@ impl NormalLaw for Thornton {
         self.unloading.stiffness_max(force_max, self.yield_force)
     }
 
+    /// F = p_y π a² of a contact that has yielded, so that a² = r* δ but for where it begins to yield: nothing piles up, and a = R/√2 comes at
+    /// twice the overlap at which it comes under laws with a² = 2 r* δ.
+    fn overlap_limit(&self) -> f64 {
+        0.5
+    }
+
     fn yield_onset(&self, _: f64) -> f64 {
         self.yield_overlap
     }

@@ -5,11 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::body::Grains;
 use super::contacts::{Contacts, Laws};
 use super::step::Stepper;
+use crate::contact::{NormalLaw as _, OVERLAP_LIMIT};
 use crate::real::Lanes;
-
-/// Overlap over the sum of radii beyond which a run is stopped: with a² = 2 r* δ the contact's radius is then 0.7 R, and
-/// nothing is left of small contacts on spheres.
-pub const OVERLAP_LIMIT: f64 = 0.25;
 
 /// Overlap over the sum of radii from which on contacts 60 degrees apart on one sphere (a = R/2) grow into each other, and
 /// the law, made for lone contacts, is stretched. The published lens problem reaches 0.11
@@ -41,13 +38,16 @@ pub enum Stop {
     #[error(
         "spheres {} and {} overlap by {:.1} % of their radii at {time_s:.3e} s, beyond the contact law's range of {:.0} %; \
          the impact is too strong for these spheres",
-        .spheres[0], .spheres[1], 100.0 * overlap_ratio, 100.0 * OVERLAP_LIMIT
+        .spheres[0], .spheres[1], 100.0 * overlap_ratio, 100.0 * limit
     )]
     Overlap {
         /// Spheres, from 1; the same twice for a sphere and its mirror image.
         spheres: [usize; 2],
         /// Overlap over the sum of radii.
         overlap_ratio: f64,
+        /// What it may be, by the law of the two.
+        #[serde(default = "usual_limit")]
+        limit: f64,
         /// Time (s).
         time_s: f64,
     },
@@ -91,6 +91,11 @@ pub enum Stop {
     },
 }
 
+/// What records did not say before laws had limits of their own.
+fn usual_limit() -> f64 {
+    OVERLAP_LIMIT
+}
+
 /// Largest stable step (s) for contacts of stiffness `stiffness` (N/m) between spheres of mass `mass` (kg) in `D`
 /// dimensions: 2/ω with ω² = 2 (D + 1) K/m, the highest frequency of a chain (4 K/m), a hexagonal sheet (6 K/m) or a
 /// close-packed crystal (8 K/m) all of whose contacts are as stiff.
@@ -126,8 +131,12 @@ pub(super) fn check<V: Lanes, const D: usize>(
         let [a, b] = contacts.list.spheres(c);
         let spheres = [a + 1, b + 1];
         let overlap_ratio = overlap_max / contacts.reach(c, lane);
+        // No law has a lower limit; few contacts are asked for theirs.
         if overlap_ratio > OVERLAP_LIMIT {
-            return Err(Stop::Overlap { spheres, overlap_ratio, time_s });
+            let limit = contacts.laws.one(c, lane).overlap_limit();
+            if overlap_ratio > limit {
+                return Err(Stop::Overlap { spheres, overlap_ratio, limit, time_s });
+            }
         }
         let stiffness = contacts.stiffness(laws, c, lane);
         let lighter = 1.0 / grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));

@@ -46,7 +46,7 @@ pub use batch::{
 };
 pub use boundary::Mirror;
 pub use clock::Phases;
-pub use guard::{OVERLAP_LIMIT, OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
+pub use guard::{OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
 pub use impact::{ContactRecord, Impact, Record, simulate, simulate_with_friction, steps_in};
 pub use ledger::Ledger;
 pub use load::ForcePulse;

@@ -91,7 +91,7 @@ fn above([pair, free]: [bool; 2], velocity: [f64; 2], spin: f64, laws: LawBook) 
         rig.flats = vec![Flat::wall("wall", [0.0, 0.0], [0.0, 1.0])];
     }
     // Some of these blows are long ones of laws that are stiff or lossy; it is the equality that is asked for.
-    (rig.residual_limit, rig.overlap_limit) = (1.0, 0.9);
+    (rig.residual_limit, rig.overlap_limit) = (1.0, Some(0.9));
     rig
 }
 
@@ -297,7 +297,7 @@ fn closed_path(corners: &[[f64; 2]], most: [f64; 2], [leg, step]: [f64; 2], laws
     };
     let load = |direction, curve| Load { bodies: vec![Body::Sphere(1)], direction, kind: LoadKind::Velocity, curve };
     rig.loads = vec![load([1.0, 0.0], path(0, 1.0)), load([0.0, 1.0], path(1, -1.0))];
-    (rig.residual_limit, rig.overlap_limit) = (f64::INFINITY, 0.9);
+    (rig.residual_limit, rig.overlap_limit) = (f64::INFINITY, Some(0.9));
     Simulation::new(rig, step).unwrap()
 }
 
@@ -415,7 +415,7 @@ fn swarm<const D: usize>(draw: &mut Draw, laws: LawBook) -> Rig<D> {
         let spin = [0, 1, 2].map(|_| draw.between(-2e3, 2e3));
         rig.spin[i] = if D == 2 { [0.0, 0.0, spin[2]] } else { spin };
     }
-    (rig.residual_limit, rig.overlap_limit) = (1.0, 0.9);
+    (rig.residual_limit, rig.overlap_limit) = (1.0, Some(0.9));
     rig
 }
 

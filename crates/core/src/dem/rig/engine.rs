@@ -30,9 +30,9 @@ pub(super) trait Engine<const D: usize>: Send {
     fn touching(&self, rig: &Rig<D>, c: usize) -> Option<Touching<D>>;
     /// Sum of the sizes of the normal forces (N) on each sphere.
     fn pressed(&self) -> Vec<f64>;
-    /// What contacts have borne beyond an overlap ratio, their law's range, or a stiffness over reduced mass (1/s²), and those dropped
-    /// since `forget_dropped`.
-    fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain>;
+    /// What contacts have borne beyond the overlap that is allowed, or a stiffness over reduced mass (1/s²), and those dropped since
+    /// `forget_dropped`.
+    fn strains(&self, stiffness_over_mass: f64) -> Vec<Strain>;
     fn forget_dropped(&mut self);
     /// What contacts have taken from each sphere (J).
     fn dissipated(&self) -> Vec<f64>;
@@ -107,8 +107,8 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         pressed
     }
 
-    fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain> {
-        self.contacts.strains(ratio, stiffness_over_mass)
+    fn strains(&self, stiffness_over_mass: f64) -> Vec<Strain> {
+        self.contacts.strains(stiffness_over_mass)
     }
 
     fn forget_dropped(&mut self) {

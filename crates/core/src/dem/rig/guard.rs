@@ -157,11 +157,8 @@ pub(super) fn guard<const D: usize>(
         }
     }
     let fine = rig.resolution.map_or(f64::INFINITY, |most| most / step * (most / step));
-    for Strain { bodies, ratio, range_used, stiffness } in
-        engine.strains(rig.overlap_limit, bearable::<D>(step).min(fine))
-    {
-        if ratio > rig.overlap_limit || range_used > 1.0 {
-            let limit = rig.overlap_limit.min(ratio / range_used);
+    for Strain { bodies, ratio, limit, stiffness } in engine.strains(bearable::<D>(step).min(fine)) {
+        if ratio > limit {
             return Err(RigStop::Overlap { bodies, ratio, limit, time });
         }
         let limit = stable_step::<D>(stiffness, lighter(rig, bodies));

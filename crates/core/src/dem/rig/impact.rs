@@ -99,8 +99,8 @@ fn translate(stop: RigStop) -> Stop {
         RigStop::NotFinite { body, time } | RigStop::Escaped { body, time } => {
             Stop::NotFinite { sphere: sphere(body), time_s: time }
         }
-        RigStop::Overlap { bodies, ratio, time, .. } => {
-            Stop::Overlap { spheres: bodies.map(sphere), overlap_ratio: ratio, time_s: time }
+        RigStop::Overlap { bodies, ratio, limit, time } => {
+            Stop::Overlap { spheres: bodies.map(sphere), overlap_ratio: ratio, limit, time_s: time }
         }
         RigStop::Step { step, limit, stiffness, bodies, time }
         | RigStop::Coarse { step, limit, stiffness, bodies, time } => {

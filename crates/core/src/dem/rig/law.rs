@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::dashpot::{Ended, Loss, SpringDashpot};
-use crate::contact::{AnyLaw, Constants, ForceLaw as _, History, LawKind, NormalLaw, Pair, Tabulated};
+use crate::contact::{AnyLaw, Constants, ForceLaw as _, History, LawKind, NormalLaw, OVERLAP_LIMIT, Pair, Tabulated};
 use crate::material::Material;
 
 /// The laws of a rig.
@@ -187,8 +187,12 @@ pub(super) trait Bonding: Clone + Send + Sync + 'static {
     fn greatest(memory: &Self::Memory) -> Option<[f64; 2]>;
     /// The greatest stiffness (N/m) after having carried `force_max` (N).
     fn stiffness_max(&self, force_max: f64) -> f64;
-    /// The greatest overlap (m) for which the law holds.
+    /// The greatest overlap (m) for which the law is known.
     fn range(&self) -> f64;
+    /// See [`NormalLaw::overlap_limit`].
+    fn overlap_limit(&self) -> f64 {
+        OVERLAP_LIMIT
+    }
     /// The memory as numbers.
     fn numbers(memory: &Self::Memory) -> Vec<f64>;
     /// The memory from its numbers.
@@ -257,6 +261,12 @@ impl Bonding for Solid {
         match self {
             Self::Named(_) | Self::SpringDashpot(_) => f64::INFINITY,
             Self::Tabulated(law) => law.range(),
+        }
+    }
+    fn overlap_limit(&self) -> f64 {
+        match self {
+            Self::Named(law) => law.overlap_limit(),
+            Self::Tabulated(_) | Self::SpringDashpot(_) => OVERLAP_LIMIT,
         }
     }
     fn numbers(memory: &History) -> Vec<f64> {

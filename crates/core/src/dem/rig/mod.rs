@@ -99,8 +99,8 @@ pub struct Rig<const D: usize> {
     pub squeezed: bool,
     /// Box that spheres must not leave: lower and upper corner (m).
     pub domain: Option<[[f64; D]; 2]>,
-    /// Overlap over the sum of radii above which the run is stopped.
-    pub overlap_limit: f64,
+    /// Overlap over the sum of radii above which the run is stopped, in place of the limits of the laws.
+    pub overlap_limit: Option<f64>,
     /// Part of the energy put in that the ledger may miss before the run is stopped.
     pub residual_limit: f64,
     /// Greatest step times √(K/m̄), with the stiffness K and the reduced mass m̄ of any contact, at which the run is as accurate as is
@@ -198,7 +198,7 @@ impl<const D: usize> Rig<D> {
             laws,
             squeezed: false,
             domain: None,
-            overlap_limit: super::OVERLAP_LIMIT,
+            overlap_limit: None,
             residual_limit: super::RESIDUAL_LIMIT,
             resolution: None,
             sample,

@@ -53,7 +53,7 @@ impl<const D: usize> Simulation<D> {
                 return Err(RigError::Overlap { bodies, overlap });
             }
         }
-        for strain in engine.strains(f64::INFINITY, bearable::<D>(step)) {
+        for strain in engine.strains(bearable::<D>(step)) {
             let limit = stable_step::<D>(strain.stiffness, lighter(&rig, strain.bodies));
             if step > limit {
                 return Err(RigError::Step { step, limit });

@@ -47,8 +47,8 @@ use numbers::Numbers;
 use sweep::{Band, Fixed, Part, RowForce, Rows, Seam};
 
 use super::share::each_of;
-use super::{ForcePulse, OVERLAP_LIMIT, stable_step};
-use crate::contact::{Constants, Hertz, NormalLaw as _, Pair};
+use super::{ForcePulse, stable_step};
+use crate::contact::{Constants, Hertz, NormalLaw as _, OVERLAP_LIMIT, Pair};
 use crate::material::Material;
 use crate::real::Width;
 

@@ -1,7 +1,7 @@
 //! What makes no sheet, and what stops one.
 
 use super::GridError;
-use crate::dem::OVERLAP_LIMIT;
+use crate::contact::OVERLAP_LIMIT;
 
 /// A sheet that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

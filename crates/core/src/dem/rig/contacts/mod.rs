@@ -61,8 +61,8 @@ pub(super) struct Strain {
     pub bodies: [Body; 2],
     /// Greatest overlap so far over what it is judged by.
     pub ratio: f64,
-    /// Overlap over the range of its law.
-    pub range_used: f64,
+    /// What that may be.
+    pub limit: f64,
     /// Greatest stiffness that it can show (N/m).
     pub stiffness: f64,
 }
@@ -101,6 +101,8 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     class: Vec<u32>,
     ends: Vec<End>,
     turning: bool,
+    /// Overlap over the sum of radii that is allowed in place of what the laws allow.
+    overlap_limit: Option<f64>,
     sections: Sections<D>,
     /// What spins and couples per lever arm are multiplied by: the radius (m), or 1 where arms end in the contact.
     pub lever: Vec<f64>,
@@ -163,6 +165,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             radius: ends.iter().map(|end| end.radius).filter(|_| in_contact).collect(),
             ends,
             turning: rig.laws.has_friction(),
+            overlap_limit: rig.overlap_limit,
             sections: Sections::of(&[], count),
             lines: Lines::default(),
             width: Width::widest(),
@@ -223,26 +226,31 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         (overlap > 0.0).then(|| Strain {
             bodies: self.bodies(c),
             ratio: overlap / self.reach(c),
-            range_used: overlap / law.range(),
+            limit: self.overlap_limit(c),
             stiffness: law.stiffness_max(force),
         })
     }
 
-    /// What the contacts have borne that went beyond an overlap ratio, the range of their law, or a stiffness over reduced
-    /// mass (1/s²); and those that were dropped, whatever they bore.
-    pub fn strains(&self, ratio: f64, stiffness_over_mass: f64) -> Vec<Strain> {
+    /// What the contacts have borne that went beyond the greatest overlap allowed, or a stiffness over reduced mass (1/s²); and those
+    /// that were dropped, whatever they bore.
+    pub fn strains(&self, stiffness_over_mass: f64) -> Vec<Strain> {
         let bold = |c: &usize| {
             let [overlap, force] = self.greatest(*c);
             if overlap == 0.0 {
                 return false;
             }
             let law = self.normal_law(*c);
-            overlap > ratio * self.reach(*c)
-                || overlap > law.range()
+            overlap > self.overlap_limit(*c) * self.reach(*c)
                 || law.stiffness_max(force) > stiffness_over_mass * self.reduced[*c]
         };
         let found = parts(self.len(), |range| range.filter(bold).filter_map(|c| self.strain(c)).collect::<Vec<_>>());
         self.dropped.iter().copied().chain(found.into_iter().flatten()).collect()
+    }
+
+    /// The greatest overlap that a contact may have, over what it is judged by: that asked for or its law's, and no more than its law is known for.
+    fn overlap_limit(&self, c: usize) -> f64 {
+        let law = self.normal_law(c);
+        self.overlap_limit.unwrap_or_else(|| law.overlap_limit()).min(law.range() / self.reach(c))
     }
 
     /// Greatest overlap (m) and force (N) so far, where the law remembers them; else the present ones.
