@@ -71,7 +71,10 @@ impl Modes {
     }
 
     fn bench<const D: usize>(&self, bench: &Bench<D>, common: &Common) -> Result<(), Failure> {
-        let out = common.out.as_ref().map(|path| Ok((path, Kind::of(path)?))).transpose()?;
+        let out = match &common.out {
+            Some(path) => Some((path, Kind::of(path)?)),
+            None => None,
+        };
         probe(common, common.out.as_ref())?;
         bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if let Some(preload) = &bench.preload {

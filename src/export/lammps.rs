@@ -74,17 +74,17 @@ pub fn deck<const D: usize>(rig: &Rig<D>, step: f64, steps: u64, every: u64) -> 
 
 /// For each pair of types k (Pa).
 fn pair_coefficients<const D: usize>(rig: &Rig<D>) -> Result<Vec<(usize, usize, f64)>, DeckError> {
-    let LawBook::Materials { law, constants, pairs, friction } = &rig.laws else {
+    let LawBook::Materials { law, constants, pairs, .. } = &rig.laws else {
         return Err(DeckError::Law("spring and dashpot".to_owned()));
     };
-    if friction.is_some() {
+    if rig.has_friction() {
         return Err(DeckError::Part("friction"));
     }
     let mut found = Vec::new();
     let materials = &rig.sample.materials;
     for i in 0..materials.len() {
         for j in i..materials.len() {
-            let own = pairs.iter().find(|(pair, _)| *pair == [i, j] || *pair == [j, i]).map(|(_, law)| law);
+            let own = pairs.iter().find(|rule| rule.is_of([i, j])).and_then(|rule| rule.law.as_ref());
             match own.unwrap_or(law) {
                 Law::Named(LawKind::Hertz) => {}
                 Law::Named(other) => return Err(DeckError::Law(other.name().to_owned())),

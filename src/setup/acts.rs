@@ -1,7 +1,8 @@
 //! What holds and what strikes the crystal: the sections [sides], [[flat]], [[bar]], [[load]], [[moving]] and [gravity].
 
 use super::file::{BarFile, FlatFile, LoadFile, MovingFile, SidesFile};
-use super::place::{along_wave, axes, direction, named_axes, no_axis, selection, spin_about_y, vector};
+use super::laws::of_flat;
+use super::place::{along_wave, axes, direction, named_axes, no_axis, selection, spin, vector};
 use super::pulse::{path, pulse};
 use crate::dem::Mirror;
 use crate::dem::rig::{Bar, Body, Face, Flat, Load, LoadKind, Rig};
@@ -107,7 +108,8 @@ impl<const D: usize> Stage<'_, D> {
         }
     }
 
-    pub fn flat(&mut self, scope: &Scope, file: &FlatFile) -> Result<(), DocumentError> {
+    /// A flat; `material` is the place of its own in the sample's list, if it has one.
+    pub fn flat(&mut self, scope: &Scope, file: &FlatFile, material: Option<usize>) -> Result<(), DocumentError> {
         let name = match scope.optional("name", &file.name) {
             Some(entry) => match entry.text()? {
                 name if !crate::document::is_plain_name(name) => {
@@ -153,7 +155,8 @@ impl<const D: usize> Stage<'_, D> {
             // A free flat is guided along the wave; one of infinite mass stands, or moves as it does.
             None => std::array::from_fn(|k| velocity[k] == 0.0 && (mass.is_infinite() || k != D - 1)),
         };
-        self.rig.flats.push(Flat { name, point, normal, face, mass, velocity, held });
+        let contact = of_flat(scope, file, material, &self.rig.laws)?;
+        self.rig.flats.push(Flat { name, point, normal, face, mass, velocity, held, contact });
         Ok(())
     }
 
@@ -293,19 +296,11 @@ impl<const D: usize> Stage<'_, D> {
             return Err(scope.fail("sets nothing in motion", "Give velocity or spin."));
         }
         let velocity = velocity.map(|entry| along_wave::<D>(&entry, Dimension::Speed)).transpose()?;
-        let spin = match spin {
-            None => None,
-            Some(entry) if D == 1 => return Err(entry.fail("has no meaning in a chain", "Leave it out.")),
-            Some(entry) if D == 2 => Some([0.0, 0.0, spin_about_y(entry.quantity(Dimension::Spin)?)]),
-            Some(entry) => {
-                let about: [f64; D] = vector(&entry, |item| item.quantity(Dimension::Spin))?;
-                Some(std::array::from_fn(|k| about.get(k).copied().unwrap_or(0.0)))
-            }
-        };
+        let turning = spin.map(|entry| self::spin::<D>(&entry)).transpose()?;
         for body in self.bodies(scope, &None, file.place())? {
             let Body::Sphere(i) = body else { continue };
             self.rig.velocity[i] = velocity.unwrap_or(self.rig.velocity[i]);
-            self.rig.spin[i] = spin.unwrap_or(self.rig.spin[i]);
+            self.rig.spin[i] = turning.unwrap_or(self.rig.spin[i]);
         }
         Ok(())
     }

@@ -38,21 +38,26 @@ section!(PatternFile: Written {
 });
 section!(EditFile: Written { material, diameter, remove, r#move, hold, layers, columns, x, y, z });
 section!(SidesFile: Written { x, y, z });
-section!(FlatFile: Written { name, at, point, normal, corners, hexagon, mass, velocity, hold });
+section!(FlatFile: Written {
+    name, at, point, normal, corners, hexagon, mass, velocity, hold,
+    material, kind, table, stiffness, restitution, damping, pull, friction, friction_spring, friction_damping, rolling
+});
 section!(BarFile: Written { flat, impedance, material, diameter, pulse, peak, start, duration, file, layers, columns, x, y, z });
 section!(LoadFile: Written {
     kind, pulse, peak, start, duration, file, direction, flat, layers, columns, x, y, z
 });
 section!(IntruderFile: Written {
-    name, shape, material, diameter, half_width, half_height, shell, mass, body, turns, velocity, gap, x, y
+    name, shape, material, diameter, half_width, half_height, shell, mass, body, turns, velocity, spin, gap, x, y
 });
 section!(MovingFile: Written { velocity, spin, layers, columns, x, y, z });
 section!(LawFile: Written {
     kind, table, constants, stiffness, restitution, damping, pull,
     hardness, unlike_hardness, spring_back, spring_back_growth, hardening
 });
-section!(PairFile: Written { materials, kind, table, stiffness, restitution, damping, pull });
-section!(FrictionFile: Written { coefficient, spring, damping });
+section!(PairFile: Written {
+    materials, kind, table, stiffness, restitution, damping, pull, friction, friction_spring, friction_damping, rolling
+});
+section!(FrictionFile: Written { coefficient, spring, damping, rolling });
 section!(GravityFile: Written { acceleration });
 section!(PreloadFile: Written { force, strain, tolerance });
 section!(RunFile: Written { window, step, accuracy, drag, squeezed, leave });
@@ -107,6 +112,10 @@ pub(super) const EXAMPLES: &[&str] = &[
     "flat.mass = \"2.3 kg\"",
     "flat.velocity = \"20 m/s\"",
     "flat.hold = [\"x\", \"y\"]",
+    "flat.material = \"maraging-steel\"",
+    "flat.kind = \"consistent\"",
+    "flat.table = \"contact.csv\"",
+    "flat.damping = \"1e4 1/s\"",
     "bar.flat = \"anvil\"",
     "bar.impedance = \"11000 kg/s\"",
     "bar.material = \"maraging-steel\"",
@@ -125,12 +134,13 @@ pub(super) const EXAMPLES: &[&str] = &[
     "intruder.body = \"solid\"",
     "intruder.turns = true",
     "intruder.velocity = \"20 m/s\"",
+    "intruder.spin = \"50 rad/s\"",
     "intruder.gap = \"1 mm\"",
     "intruder.x = \"0 D\"",
     "intruder.y = \"0 D\"",
     "moving.velocity = \"5 m/s\"",
     "moving.spin = \"50 rad/s\"",
-    "law.kind = \"thesis\"",
+    "law.kind = \"consistent\"",
     "law.table = \"contact.csv\"",
     "law.constants = \"code\"",
     "law.hardness = 2.8",
@@ -165,6 +175,11 @@ pub(super) const EXAMPLES: &[&str] = &[
     "*.stiffness = \"1e6 N/m\"",
     "*.restitution = 0.5",
     "*.pull = false",
+    "pair.friction = 0.2",
+    "flat.friction = 0.2",
+    "*.friction_spring = \"mindlin\"",
+    "*.friction_damping = \"100 1/s\"",
+    "*.rolling = 0.01",
     "law.damping = \"1e4 1/s\"",
     "pair.damping = \"1e4 1/s\"",
     // Keys that several sections share.
@@ -200,6 +215,15 @@ pub(super) struct PulseKeys<'a> {
     pub file: &'a Written,
 }
 
+/// Friction of one pair or flat, as several sections write it.
+#[derive(Clone, Copy)]
+pub(super) struct RubbingKeys<'a> {
+    pub friction: &'a Written,
+    pub friction_spring: &'a Written,
+    pub friction_damping: &'a Written,
+    pub rolling: &'a Written,
+}
+
 macro_rules! share {
     ($($file:ident),* have $method:ident: $keys:ident $list:tt) => { $( share!(@one $file $method $keys $list); )* };
     (@one $file:ident $method:ident $keys:ident { $($key:ident),* }) => {
@@ -210,6 +234,7 @@ macro_rules! share {
         }
     };
 }
+share!(PairFile, FlatFile have rubbing: RubbingKeys { friction, friction_spring, friction_damping, rolling });
 share!(PatternFile, EditFile, BarFile, LoadFile, MovingFile, RecordFile, RegionFile have place: PlaceKeys { layers, columns, x, y, z });
 share!(BarFile, LoadFile have over_time: PulseKeys { pulse, peak, start, duration, file });
 

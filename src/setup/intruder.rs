@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::acts::Stage;
 use super::file::IntruderFile;
-use super::place::{along_wave, no_axis};
+use super::place::{along_wave, no_axis, spin};
 use crate::bed::{Body as Filling, Outline};
 use crate::dem::rig::Cluster;
 use crate::document::{DocumentError, Entry, Scope, is_plain_name};
@@ -96,8 +96,18 @@ pub(super) fn place<const D: usize>(
         (None, Solid::Shell { .. }) => scope.required("mass", &file.mass)?.positive(Dimension::Mass)?,
     };
     let velocity: [f64; D] = along_wave(&scope.required("velocity", &file.velocity)?, Dimension::Speed)?;
+    let spin = match scope.optional("spin", &file.spin) {
+        Some(entry) if !turns => {
+            return Err(entry.fail("is given to a body that does not turn", "Write turns = true, or leave it out."));
+        }
+        Some(entry) if !stage.rig.has_friction() => {
+            return Err(entry.fail("would do nothing without friction", "Add the section [friction], or leave it out."));
+        }
+        Some(entry) => spin::<D>(&entry)?,
+        None => [0.0; 3],
+    };
     let centre = before(stage, scope, file, outline.half_height())?;
-    Ok(outline.put(stage, Placing { name, centre, velocity, mass, material, turns }))
+    Ok(outline.put(stage, Placing { name, centre, velocity, spin, mass, material, turns }))
 }
 
 /// Where the centre stands: over the middle of the crystal unless said otherwise, its foremost point `gap` before the plane that
@@ -154,6 +164,8 @@ struct Placing<const D: usize> {
     name: String,
     centre: [f64; D],
     velocity: [f64; D],
+    /// As that of a sphere, see [`Rig`](crate::dem::rig::Rig).
+    spin: [f64; 3],
     mass: f64,
     material: usize,
     turns: bool,
@@ -207,7 +219,7 @@ impl Solid {
     }
 
     fn put<const D: usize>(self, stage: &mut Stage<D>, placing: Placing<D>) -> Intruder {
-        let Placing { name, centre, velocity, mass, material, turns } = placing;
+        let Placing { name, centre, velocity, spin, mass, material, turns } = placing;
         let rig = &mut stage.rig;
         let first = rig.sample.spheres.len();
         let mut add = |centre: [f64; D], radius: f64, inertia: f64| {
@@ -215,7 +227,7 @@ impl Solid {
             rig.mass.push(mass);
             rig.inertia.push(inertia);
             rig.velocity.push(velocity);
-            rig.spin.push([0.0; 3]);
+            rig.spin.push(spin);
             rig.held.push([false; D]);
         };
         let cluster = match self {
@@ -234,7 +246,7 @@ impl Solid {
                 }
                 let members = (first..rig.sample.spheres.len()).collect();
                 let inertia = mass * gyration;
-                rig.clusters.push(Cluster { members, centre, mass, inertia, turns, velocity, spin: 0.0 });
+                rig.clusters.push(Cluster { members, centre, mass, inertia, turns, velocity, spin: spin[2] });
                 Some(rig.clusters.len() - 1)
             }
         };

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::file::{FrictionFile, LawFile, PairFile};
+use super::file::{FlatFile, FrictionFile, LawFile, PairFile, RubbingKeys};
 use super::pulse::{of_table, table};
 use crate::contact::{Constants, LawKind, Tabulated};
-use crate::dem::rig::{Friction, Law, LawBook, Loss, Spring, SpringDashpot};
+use crate::dem::rig::{FlatContact, Friction, Law, LawBook, Loss, PairRule, Spring, SpringDashpot};
 use crate::design::{NO_LAW, tuning};
 use crate::document::{DocumentError, Entry, Scope, Section, Sections, Written, chosen};
 use crate::material::Material;
@@ -40,7 +40,8 @@ pub(super) fn laws(
     if !given {
         notes.push(format!("law.kind {NO_LAW}"));
     }
-    let mut named = Vec::new();
+    let friction = top.section("friction", friction).map(|(scope, file)| read_friction(&scope, file)).transpose()?;
+    let mut named: Vec<PairRule> = Vec::new();
     for (scope, file) in top.sections("pair", pairs) {
         let entry = scope.required("materials", &file.materials)?;
         let materials = entry
@@ -57,20 +58,22 @@ pub(super) fn laws(
         let [a, b] = materials[..] else { return Err(entry.refuse("must be a list of two materials")) };
         let spring = SpringKeys::of([&file.stiffness, &file.restitution, &file.damping, &file.pull]);
         let law = one_law(&scope, &file.kind, &file.table, spring)?;
-        let law = law.ok_or_else(|| scope.fail("names no law", "Give kind or table."))?;
-        if law == Law::Named(LawKind::Tsuji)
+        let own_friction = rubbing(&scope, file.rubbing(), friction)?;
+        if law.is_none() && own_friction.is_none() {
+            return Err(scope.fail("has nothing of its own", "Give kind or table, friction or rolling."));
+        }
+        if law == Some(Law::Named(LawKind::Tsuji))
             && let Some(entry) = scope.optional("restitution", &file.restitution)
         {
             return Err(
                 entry.fail("is that of all pairs under this law", "Write it in [law], beside kind = \"tsuji\".")
             );
         }
-        if named.iter().any(|(pair, _)| *pair == [a, b] || *pair == [b, a]) {
-            return Err(entry.fail("has a law already", "Keep one [[pair]] for each two materials."));
+        if named.iter().any(|rule| rule.is_of([a, b])) {
+            return Err(entry.fail("stands in a [[pair]] already", "Keep one for each two materials."));
         }
-        named.push(([a, b], law));
+        named.push(PairRule { materials: [a, b], law, friction: own_friction });
     }
-    let friction = top.section("friction", friction).map(|(scope, file)| read_friction(&scope, file)).transpose()?;
     Ok(LawBook::Materials { law: book.0, constants: book.1, pairs: named, friction })
 }
 
@@ -160,29 +163,90 @@ fn one_law(scope: &Scope, kind: &Written, file: &Written, spring: SpringKeys) ->
     }
 }
 
-fn read_friction(scope: &Scope, file: &FrictionFile) -> Result<Friction, DocumentError> {
-    let entry = scope.required("coefficient", &file.coefficient)?;
-    let coefficient = entry.number()?;
-    if coefficient < 0.0 {
-        return Err(entry.refuse("must not be negative"));
+/// As what spheres meet a flat.
+pub(super) fn of_flat(
+    scope: &Scope,
+    file: &FlatFile,
+    material: Option<usize>,
+    laws: &LawBook,
+) -> Result<FlatContact, DocumentError> {
+    let spring = SpringKeys::of([&file.stiffness, &file.restitution, &file.damping, &file.pull]);
+    let law = match (scope.optional("stiffness", &file.stiffness), scope.optional("kind", &file.kind)) {
+        // A stiffness by itself says which law is meant.
+        (Some(_), None) => Some(Law::SpringDashpot(spring.read(scope)?)),
+        _ => one_law(scope, &file.kind, &file.table, spring)?,
+    };
+    let LawBook::Materials { friction, .. } = laws else { return Ok(FlatContact::default()) };
+    Ok(FlatContact { material, law, friction: rubbing(scope, file.rubbing(), *friction)? })
+}
+
+/// Friction of one pair or flat, if anything of it is written; what is not is as everywhere else, or Mindlin's spring.
+fn rubbing(scope: &Scope, keys: RubbingKeys, usual: Option<Friction>) -> Result<Option<Friction>, DocumentError> {
+    let RubbingKeys { friction, friction_spring, friction_damping, rolling } = keys;
+    if [friction, friction_spring, friction_damping, rolling].iter().all(|key| key.is_none()) {
+        return Ok(None);
     }
-    let entry = scope.required("spring", &file.spring)?;
-    let spring = match entry.text()? {
-        "none" => Spring::None,
-        "mindlin" => Spring::Mindlin,
-        _ => Spring::Constant(entry.positive(Dimension::Stiffness)?),
+    let usual = match (usual, scope.optional("friction", friction)) {
+        (Some(usual), _) => usual,
+        (None, Some(_)) => Friction::mindlin(0.0),
+        (None, None) => {
+            return Err(scope.fail("says how it rubs, but not how strongly", "Give friction, like friction = 0.2."));
+        }
     };
-    let damping = match scope.optional("damping", &file.damping) {
-        Some(entry) => match entry.quantity(Dimension::Rate)? {
-            damping if damping < 0.0 => return Err(entry.refuse("must not be negative")),
-            damping => damping,
-        },
-        None => 0.0,
-    };
-    let friction = Friction { coefficient, spring, damping };
+    let names = ["friction", "friction_spring", "friction_damping", "rolling"];
+    one_friction(scope, names, [friction, friction_spring, friction_damping, rolling], usual).map(Some)
+}
+
+fn read_friction(scope: &Scope, file: &FrictionFile) -> Result<Friction, DocumentError> {
+    scope.required("coefficient", &file.coefficient)?;
+    scope.required("spring", &file.spring)?;
+    let FrictionFile { coefficient, spring, damping, rolling } = file;
+    let names = ["coefficient", "spring", "damping", "rolling"];
+    one_friction(scope, names, [coefficient, spring, damping, rolling], Friction::mindlin(0.0))
+}
+
+/// Friction with what is written under these names in place of what is usual.
+fn one_friction<'a>(
+    scope: &Scope<'a>,
+    [coefficient, spring, damping, rolling]: [&'static str; 4],
+    written: [&'a Written; 4],
+    mut friction: Friction,
+) -> Result<Friction, DocumentError> {
+    for (name, written, place) in
+        [(coefficient, written[0], &mut friction.coefficient), (rolling, written[3], &mut friction.rolling)]
+    {
+        if let Some(entry) = scope.optional(name, written) {
+            *place = entry.number()?;
+            if *place < 0.0 {
+                return Err(entry.refuse("must not be negative"));
+            }
+        }
+    }
+    if let Some(entry) = scope.optional(damping, written[2]) {
+        friction.damping = entry.quantity(Dimension::Rate)?;
+        if friction.damping < 0.0 {
+            return Err(entry.refuse("must not be negative"));
+        }
+    }
+    if let Some(entry) = scope.optional(spring, written[1]) {
+        friction.spring = match entry.text()? {
+            "none" => Spring::None,
+            "mindlin" => Spring::Mindlin,
+            "cattaneo-mindlin" => Spring::CattaneoMindlin,
+            _ => Spring::Constant(entry.positive(Dimension::Stiffness)?),
+        };
+    }
     if friction.does_nothing() {
-        let help = "Write spring = \"mindlin\", or give damping, like damping = \"1e4 1/s\".";
-        return Err(entry.fail("is none and there is no damping, so that friction would do nothing", help));
+        let help = format!("Write {spring} = \"mindlin\", or give {damping}, like {damping} = \"1e4 1/s\".");
+        let what = if friction.rolling > 0.0 {
+            "is none, so that nothing would resist rolling"
+        } else {
+            "is none and there is no damping, so that friction would do nothing"
+        };
+        return Err(match scope.optional(spring, written[1]) {
+            Some(entry) => entry.fail(what, &help),
+            None => scope.fail(&format!("has a spring that {what}"), &help),
+        });
     }
     Ok(friction)
 }

@@ -33,6 +33,16 @@ pub enum SetupError {
     },
 }
 
+impl SetupError {
+    /// What to try, where the file tells.
+    pub fn help(&self) -> Option<&str> {
+        match self {
+            Self::File(error) => Some(&error.help),
+            Self::Lens { .. } | Self::Plan { .. } => None,
+        }
+    }
+}
+
 /// A design without a lens is set up as its host alone. Nothing in it is drawn by chance; a seed is not passed over in silence.
 pub(super) fn setup(design: &Design, first_seed: Option<u64>) -> Result<Setup, SetupError> {
     let lattice = &design.lattice;

@@ -36,7 +36,7 @@ pub use plan::RunPlan;
 pub use preload::Preload;
 pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region};
 
-use crate::dem::rig::{Body, Law, LawBook, Rig};
+use crate::dem::rig::{Body, Law, LawBook, PairRule, Rig};
 use crate::design::Design;
 use crate::document::{self, DocumentError};
 use crate::layout::Layout;
@@ -116,13 +116,17 @@ impl<const D: usize> Bench<D> {
     /// The contact law by name, with friction where there is some; `several` where pairs have laws of their own.
     pub fn law_name(&self) -> String {
         let (name, friction) = match &self.rig.laws {
-            LawBook::Materials { pairs, .. } if !pairs.is_empty() => ("several".to_owned(), None),
+            LawBook::Materials { pairs, .. } if self.has_several_laws(pairs) => ("several".to_owned(), None),
             LawBook::Materials { law: Law::Named(law), friction, .. } => (law.to_string(), friction.as_ref()),
             LawBook::Materials { law: Law::Tabulated(_), friction, .. } => ("tabulated".to_owned(), friction.as_ref()),
             LawBook::Materials { friction, .. } => ("spring-dashpot".to_owned(), friction.as_ref()),
             LawBook::Dashpot { .. } => ("dashpot".to_owned(), None),
         };
-        if friction.is_some() { format!("{name}, with friction") } else { name }
+        if friction.is_some() || self.rig.has_friction() { format!("{name}, with friction") } else { name }
+    }
+
+    fn has_several_laws(&self, pairs: &[PairRule]) -> bool {
+        pairs.iter().any(|rule| rule.law.is_some()) || self.rig.flats.iter().any(|flat| flat.contact.law.is_some())
     }
 
     /// The set of fitted constants, where the law is one of those that have one.

@@ -104,6 +104,18 @@ pub(super) fn no_axis<const D: usize>(entry: &Entry) -> DocumentError {
     entry.fail("is along an axis that there is not", &help)
 }
 
+/// A spin (rad/s): in a sheet about y, in space along each axis.
+pub(super) fn spin<const D: usize>(entry: &Entry) -> Result<[f64; 3], DocumentError> {
+    match D {
+        1 => Err(entry.fail("has no meaning in a chain", "Leave it out.")),
+        2 => Ok([0.0, 0.0, spin_about_y(entry.quantity(Dimension::Spin)?)]),
+        _ => {
+            let about: [f64; D] = vector(entry, |item| item.quantity(Dimension::Spin))?;
+            Ok(std::array::from_fn(|k| about.get(k).copied().unwrap_or(0.0)))
+        }
+    }
+}
+
 /// A spin or angle (rad/s, rad) of a sheet counted about y, from one counted in the plane from x towards z, or the other way: the axes
 /// x, y, z are right-handed, so that a turn from x to z is one about −y.
 pub fn spin_about_y(turn: f64) -> f64 {

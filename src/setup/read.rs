@@ -97,6 +97,15 @@ impl Reading<'_> {
             let material = intruder::material(&scope, section, &mut palette, own)?;
             strikers.push((scope, section, material));
         }
+        // Flats that are named come before walls, which take the names of sides.
+        let mut flats = Vec::new();
+        for (scope, section) in top.sections("flat", &file.flat) {
+            let material = match scope.optional("material", &section.material) {
+                Some(entry) => Some(crystal::place_in(&mut palette, &entry, own)?),
+                None => None,
+            };
+            flats.push((scope, section, material));
+        }
         let crystal = built.build.crystal();
         let sections = (&file.law, &file.pair, &file.friction);
         let mut notes = Vec::new();
@@ -110,9 +119,8 @@ impl Reading<'_> {
                 stage.rig.held[i] = std::array::from_fn(|k| stage.rig.held[i][k] || axes[k]);
             }
         }
-        // Flats that are named come before walls, which take the names of sides.
-        for (scope, section) in top.sections("flat", &file.flat) {
-            stage.flat(&scope, section)?;
+        for (scope, section, material) in flats {
+            stage.flat(&scope, section, material)?;
         }
         if let Some((scope, section)) = top.section("sides", &file.sides) {
             stage.sides(&scope, section)?;

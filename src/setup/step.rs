@@ -9,7 +9,9 @@
 
 use crate::contact::{AnyLaw, Dashpot, History, LawKind, NormalLaw, Pair};
 use crate::dem::Integrator;
-use crate::dem::rig::{Body, Curve, Face, Law, LawBook, Load, LoadKind, Loss, Rig, Simulation, Spring};
+use crate::dem::rig::{
+    Body, Curve, Face, Flat, FlatContact, Law, LawBook, Load, LoadKind, Loss, Rig, Simulation, Spring,
+};
 use crate::design::Accuracy;
 use crate::evaluate::{Stiffest, divisor, overshoot};
 use crate::material::Material;
@@ -26,6 +28,11 @@ const fn in_blow(accuracy: Accuracy) -> f64 {
         Accuracy::OnePercent => 0.3,
     }
 }
+
+/// The part of that under a law that turns late ([`LawKind::turns_late`]): the last state before the turn lies up to a whole step beside the
+/// peak, whose force then errs by up to −(ω h)²/2. And under [`LawKind::Tsuji`], whose force begins with an infinite slope, so that the balance errs as
+/// (ω h)^{5/4}.
+const SHARP: f64 = 0.4;
 
 /// Greatest (1 + η) ω h of a blow between springs and dashpots, c = η √(k m̄): restitution is then exact to the class, for e from 0.05
 /// to 1, cut or not, wherever in a step the bodies meet (test `restitution_is_that_of_each_pair`).
@@ -74,7 +81,7 @@ struct Kind {
 pub(super) fn needed<const D: usize>(rig: &Rig<D>, crystal: usize, window: f64, accuracy: Accuracy) -> Needed {
     let class = crate::units::Dimension::Fraction.show(accuracy.fraction());
     let mut needed = Needed { step: f64::INFINITY, reason: "nothing acts".to_owned() };
-    let LawBook::Materials { law, friction, .. } = &rig.laws else { return needed };
+    let LawBook::Materials { law, .. } = &rig.laws else { return needed };
     let laws = Laws::of(rig, crystal);
     let (speed, why) = greatest_speed(rig, window);
     let closing = 2.0 * speed;
@@ -102,39 +109,51 @@ pub(super) fn needed<const D: usize>(rig: &Rig<D>, crystal: usize, window: f64, 
         needed.at_most(stiffest.limit / parts, || format!("{class} class: {} over {parts}", stiffest.words()));
     }
 
+    // Two spheres, or a sphere and a flat with a rule of its own; other flats stand for equal spheres.
+    let mut meetings = Vec::new();
     for (a, first) in laws.kinds.iter().enumerate() {
         for (b, second) in laws.kinds.iter().enumerate().skip(a) {
-            let names = || format!("{} on {}", materials[first.material].name, materials[second.material].name);
+            let names = format!("{} on {}", materials[first.material].name, materials[second.material].name);
             let mass = 1.0 / (1.0 / first.mass + 1.0 / second.mass);
-            if let Law::SpringDashpot(law) = laws.law(first.material, second.material) {
-                let natural = (law.stiffness / mass).sqrt();
-                let ratio = match law.loss {
-                    Loss::Ratio(ratio) => ratio,
-                    Loss::Rate(rate) => rate / natural,
-                };
-                needed.at_most(in_damped_blow(accuracy) / (natural * (1.0 + ratio)), || {
-                    format!("{class} class: blows of {} last {}", names(), Time.show(std::f64::consts::PI / natural))
-                });
-            } else if speed > 0.0 {
-                let law = laws.between(a, b);
-                let lighter = first.mass.min(second.mass);
-                let stiffness =
-                    law.stiffness_max(collision_force(&*law, lighter, closing, first.radius.min(second.radius)));
-                needed.at_most(in_blow(accuracy) * (mass / stiffness).sqrt(), || {
-                    format!(
-                        "{class} class: blows of {} at up to {} ({why}), {} at most",
-                        names(),
-                        Speed.show(closing),
-                        Stiffness.show(stiffness)
-                    )
-                });
-            }
-            if let Some(Spring::Constant(stiffness)) = friction.map(|friction| friction.spring) {
-                // A solid sphere gives way to a tangential force 7/2 times as readily, since it turns.
-                needed.at_most(in_blow(accuracy) * (mass / (3.5 * stiffness)).sqrt(), || {
-                    format!("{class} class: the tangential spring of {}", names())
-                });
-            }
+            let (law, size) = (laws.law(first.material, second.material), first.radius.min(second.radius));
+            meetings.push((names, law, laws.between(a, b), [mass, first.mass.min(second.mass)], size));
+        }
+        for flat in rig.flats.iter().filter(|flat| flat.contact != FlatContact::default()) {
+            let (law, normal) = laws.at_flat(a, flat);
+            let stands_for = if flat.contact.material.is_some() { 1.0 } else { 0.5 };
+            let mass = stands_for / (1.0 / first.mass + 1.0 / flat.mass);
+            let names = format!("{} on flat {}", materials[first.material].name, flat.name);
+            meetings.push((names, law, normal, [mass, first.mass.min(flat.mass)], first.radius));
+        }
+    }
+    for (names, law, normal, [mass, lighter], size) in &meetings {
+        if let Law::SpringDashpot(law) = law {
+            let natural = (law.stiffness / mass).sqrt();
+            let ratio = match law.loss {
+                Loss::Ratio(ratio) => ratio,
+                Loss::Rate(rate) => rate / natural,
+            };
+            needed.at_most(in_damped_blow(accuracy) / (natural * (1.0 + ratio)), || {
+                format!("{class} class: blows of {names} last {}", Time.show(std::f64::consts::PI / natural))
+            });
+        } else if speed > 0.0 {
+            let sharp = matches!(law, Law::Named(kind) if kind.turns_late() || *kind == LawKind::Tsuji);
+            let resolved = if sharp { SHARP * in_blow(accuracy) } else { in_blow(accuracy) };
+            let stiffness = normal.stiffness_max(collision_force(&**normal, *lighter, closing, *size));
+            needed.at_most(resolved * (mass / stiffness).sqrt(), || {
+                format!(
+                    "{class} class: blows of {names} at up to {} ({why}), {} at most",
+                    Speed.show(closing),
+                    Stiffness.show(stiffness)
+                )
+            });
+        }
+        for friction in rig.frictions() {
+            let Spring::Constant(stiffness) = friction.spring else { continue };
+            // A solid sphere gives way to a tangential force 7/2 times as readily, since it turns.
+            needed.at_most(in_blow(accuracy) * (mass / (3.5 * stiffness)).sqrt(), || {
+                format!("{class} class: the tangential spring of {names}")
+            });
         }
     }
     if rig.drag > 0.0 {
@@ -184,13 +203,26 @@ impl<'a, const D: usize> Laws<'a, D> {
         Self { rig, kinds }
     }
 
-    fn law(&self, a: usize, b: usize) -> &Law {
+    fn law(&self, a: usize, b: usize) -> &'a Law {
         match &self.rig.laws {
             LawBook::Materials { law, pairs, .. } => {
-                pairs.iter().find(|(pair, _)| *pair == [a, b] || *pair == [b, a]).map_or(law, |(_, law)| law)
+                pairs.iter().find(|rule| rule.is_of([a, b])).and_then(|rule| rule.law.as_ref()).unwrap_or(law)
             }
             LawBook::Dashpot { .. } => unreachable!("rig files name laws by materials"),
         }
+    }
+
+    /// The law between a kind and a flat with a rule of its own.
+    fn at_flat(&self, a: usize, flat: &'a Flat<D>) -> (&'a Law, Box<dyn NormalLaw>) {
+        let LawBook::Materials { constants, .. } = &self.rig.laws else {
+            unreachable!("rig files name laws by materials")
+        };
+        let (kind, contact) = (&self.kinds[a], &flat.contact);
+        let other = contact.material.unwrap_or(kind.material);
+        let radius = if contact.material.is_some() { f64::INFINITY } else { kind.radius };
+        let law = contact.law.as_ref().unwrap_or_else(|| self.law(kind.material, other));
+        let materials = [kind.material, other].map(|material| &self.rig.sample.materials[material]);
+        (law, normal(law, &Pair::new(materials, [kind.radius, radius], *constants)))
     }
 
     /// The law between two kinds.
@@ -199,14 +231,17 @@ impl<'a, const D: usize> Laws<'a, D> {
         let LawBook::Materials { constants, .. } = &self.rig.laws else {
             unreachable!("rig files name laws by materials")
         };
-        match self.law(a.material, b.material) {
-            Law::Named(kind) => {
-                let materials = [a, b].map(|kind| &self.rig.sample.materials[kind.material]);
-                Box::new(AnyLaw::new(*kind, &Pair::new(materials, [a.radius, b.radius], *constants)))
-            }
-            Law::Tabulated(table) => Box::new((**table).clone()),
-            Law::SpringDashpot(law) => Box::new(Dashpot { stiffness: law.stiffness, damping: 0.0, cut: true }),
-        }
+        let materials = [a, b].map(|kind| &self.rig.sample.materials[kind.material]);
+        normal(self.law(a.material, b.material), &Pair::new(materials, [a.radius, b.radius], *constants))
+    }
+}
+
+/// A law between the two of a pair; of a dashpot the spring.
+fn normal(law: &Law, pair: &Pair) -> Box<dyn NormalLaw> {
+    match law {
+        Law::Named(kind) => Box::new(AnyLaw::new(*kind, pair)),
+        Law::Tabulated(table) => Box::new((**table).clone()),
+        Law::SpringDashpot(law) => Box::new(Dashpot { stiffness: law.stiffness, damping: 0.0, cut: true }),
     }
 }
 
@@ -265,7 +300,7 @@ fn greatest_speed<const D: usize>(rig: &Rig<D>, window: f64) -> (f64, &'static s
     let motion = rig.loads.iter().filter(|load| load.kind == LoadKind::Velocity).map(|load| load.curve.peak());
     let spins = rig.spin.iter().zip(&rig.sample.spheres).map(|(spin, sphere)| size(spin) * sphere.radius);
     let given = rig.velocity.iter().map(size).chain(rig.flats.iter().map(|flat| size(&flat.velocity)));
-    let turning = if rig.laws.has_friction() { spins.fold(0.0, f64::max) } else { 0.0 };
+    let turning = if rig.has_friction() { spins.fold(0.0, f64::max) } else { 0.0 };
     let parts = [
         (given.fold(0.0, f64::max), "as given"),
         (motion.fold(0.0, f64::max), "by prescribed motion"),

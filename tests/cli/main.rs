@@ -5,7 +5,7 @@
 //! - `check`: layouts under an impact, steps, guards and thresholds
 //! - `layouts`: what a wrong layout file hears
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
-//! - `simulate`: rigs; `impact`: granular beds
+//! - `simulate`: rigs; `modes`: small vibrations; `impact`: granular beds
 //! - `network`: network and motion, of files of any program
 //! - `tolerance`: pieces as made, and the gate
 //! - `cost`: what --dry-run says; `truth`: the same numbers from every command
@@ -22,6 +22,7 @@ mod kept;
 mod laws;
 mod layouts;
 mod measured;
+mod modes;
 mod network;
 mod refusals;
 mod simulate;

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use granulens::contact::{LawKind, Tabulated};
-use granulens::dem::rig::{Arrival, Curve, Flat, Friction, Law, LawBook, Rig, Simulation, Spring};
+use granulens::dem::rig::{Arrival, Curve, Flat, Friction, Law, LawBook, Rig, Simulation};
 use granulens::design::Design;
 use granulens::lattice::HexagonalSheet;
 use granulens::material::find;
@@ -178,7 +178,7 @@ fn rig() -> Simulation<2> {
         law: Law::Named(LawKind::Thesis),
         constants: Default::default(),
         pairs: Vec::new(),
-        friction: Some(Friction { coefficient: 0.3, spring: Spring::Mindlin, damping: 0.0 }),
+        friction: Some(Friction::mindlin(0.3)),
     };
     let mut rig = Rig::new(sample, laws);
     rig.velocity[0] = [0.5, 3.0];

@@ -102,9 +102,10 @@ fn sliding_comes_to_roll_and_grazing_gains_nothing() {
         let left = vx * vx + vz * vz + 0.4 * 0.005 * 0.005 * turn * turn;
         assert!(left <= 1.0 + 1e-6, "{angle}: {left}");
     }
-    let error =
-        Setup::read(shipped("tests/data/cases/13-grazing-rolling/roll-no-spring.toml")).unwrap_err().to_string();
-    assert!(error.contains("spring") && error.contains("damping"), "{error}");
+    let error = Setup::read(shipped("tests/data/cases/13-grazing-rolling/roll-no-spring.toml")).unwrap_err();
+    let (words, help) = (error.to_string(), error.help().unwrap());
+    assert!(words.contains("spring") && words.contains("damping"), "{words}");
+    assert!(help.contains("mindlin") && help.contains("damping"), "{help}");
 }
 
 /// Spins are read as they are written: about y in a sheet.

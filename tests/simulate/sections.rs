@@ -287,3 +287,72 @@ fn layers_share_the_dissipation() {
     let lost: f64 = ran.series("layers-final.csv").column("dissipated_J").iter().sum();
     assert!((lost / ran.summary.energies.dissipated - 1.0).abs() < 1e-9, "{lost}");
 }
+
+/// A flat of brass is an elastic half-space to spheres of steel: F = (4/3) E* √R d^{3/2} (the core's tests hold the blow to 1e-4); one with a stiffness
+/// of its own takes π √(m/2k); friction of one flat alone turns what meets it, and not what meets the other.
+#[test]
+fn flats_have_a_material_a_stiffness_and_friction_of_their_own() {
+    let text = |flat: &str, more: &str| {
+        format!(
+            "{HEAD}[crystal]\npacking = \"square\"\ndiameter = \"10 mm\"\nlayers = 1\nx = [\"0 D\", \"0 D\"]\nmaterial = \"440c\"\n\
+             [law]\nkind = \"hertz\"\n[[flat]]\nname = \"floor\"\npoint = [\"0 mm\", \"5.001 mm\"]\nnormal = [0, -1]\n{flat}\
+             [[moving]]\nlayers = 1\nvelocity = [\"0.3 m/s\", \"0.5 m/s\"]\n[run]\nwindow = \"400 us\"\n\
+             [record]\nquantities = [\"velocity\", \"spin\"]\nevents = [\"force-peak\", \"closes\", \"opens\"]\n{more}"
+        )
+    };
+    let [steel, brass] = ["440c", "brass"].map(|name| find(name, &[]).unwrap());
+    let compliance = [&steel, &brass].map(|m| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus);
+    let mass = steel.sphere_mass(0.01);
+    let peak = |ran: &Ran| -> f64 {
+        let events = std::fs::read_to_string(ran.folder.path().join("events.csv")).unwrap();
+        let forces =
+            events.lines().map(|line| line.split(',').collect::<Vec<_>>()).filter(|row| row[1] == "force-peak");
+        forces.map(|row| row[5].parse().unwrap()).fold(0.0, f64::max)
+    };
+    for (flat, sum) in [("material = \"brass\"\n", compliance[0] + compliance[1]), ("", compliance[0])] {
+        let k = 4.0 / 3.0 / sum * 0.005_f64.sqrt();
+        let exact = k * (5.0 * mass * 0.25 / (4.0 * k)).powf(0.6);
+        let ran = Ran::of(&sheet(&text(flat, "")));
+        assert_eq!(ran.ending, Ending::Complete);
+        assert!((peak(&ran) / exact - 1.0).abs() < 1e-3, "{flat:?}: {} {exact}", peak(&ran));
+    }
+    // An undamped spring: v √(k m) of the pair that the flat stands for, twice the overlap and half the mass.
+    let ran = Ran::of(&sheet(&text("stiffness = \"2e6 N/m\"\nrestitution = 1\n", "")));
+    let exact = 2.0 * 0.5 * (2e6 * 0.5 * mass).sqrt();
+    assert!((peak(&ran) / exact - 1.0).abs() < 1e-3, "{} {exact}", peak(&ran));
+    let turned =
+        |flat: &str| *Ran::of(&sheet(&text(flat, ""))).series("spheres.csv").column("wy_rad_s").last().unwrap();
+    assert!(turned("friction = 0.1\n").abs() > 10.0);
+    assert_eq!(turned(""), 0.0);
+}
+
+/// Friction of a pair of metals alone; resistance to rolling; and a ball that comes spinning.
+#[test]
+fn pairs_rub_and_balls_come_spinning() {
+    let text = |more: &str| {
+        format!(
+            "{HEAD}[crystal]\npacking = \"square\"\ndiameter = \"10 mm\"\nlayers = 1\nx = [\"0 D\", \"0 D\"]\nmaterial = \"brass\"\n\
+             [law]\nkind = \"hertz\"\n[[intruder]]\nname = \"ball\"\nshape = \"ball\"\ndiameter = \"10 mm\"\nmaterial = \"440c\"\n\
+             velocity = \"0.5 m/s\"\ngap = \"1 um\"\n{more}[run]\nwindow = \"200 us\"\n[record]\nquantities = [\"spin\", \"velocity\"]\n"
+        )
+    };
+    let last = |text: &str, column: &str| *Ran::of(&sheet(text)).series("spheres.csv").column(column).last().unwrap();
+    let pair = "[[pair]]\nmaterials = [\"440c\", \"brass\"]\nfriction = 0.2\n";
+    // It slides throughout: the crystal's sphere takes up the couple (5/2) μ p/(m R) of the blow's impulse p = (1 + e) m̄ v.
+    let [steel, brass] = ["440c", "brass"].map(|name| find(name, &[]).unwrap().sphere_mass(0.01));
+    let impulse = 2.0 * 0.5 * steel * brass / (steel + brass);
+    let spun = last(&text(&format!("spin = \"500 rad/s\"\n{pair}")), "wy_rad_s");
+    let exact = -2.5 * 0.2 * impulse / (brass * 0.005);
+    assert!((spun / exact - 1.0).abs() < 2e-3, "{spun} {exact}");
+    let error = |more: &str| Setup::parse("rig.toml", &text(more)).unwrap_err();
+    for (more, said) in [
+        ("spin = \"500 rad/s\"\n", "friction"),
+        ("spin = \"500 rad/s\"\nturns = false\n[friction]\ncoefficient = 0.2\nspring = \"mindlin\"\n", "turn"),
+        ("[[pair]]\nmaterials = [\"440c\", \"brass\"]\n", "nothing of its own"),
+        ("[[pair]]\nmaterials = [\"440c\", \"brass\"]\nrolling = 0.1\n", "how strongly"),
+        ("[friction]\ncoefficient = 0.2\nspring = \"none\"\ndamping = \"1e4 1/s\"\nrolling = 0.1\n", "rolling"),
+    ] {
+        let error = error(more);
+        assert!(format!("{error} {}", error.help).contains(said), "{more}: {error} {}", error.help);
+    }
+}

@@ -114,7 +114,7 @@ impl Grains {
                 0.0 => Spring::None,
                 part => Spring::Constant(part * SPRING),
             };
-            let friction = Friction { coefficient: surface.friction, spring, damping: 0.5 * rate };
+            let friction = Friction { coefficient: surface.friction, spring, damping: 0.5 * rate, rolling: 0.0 };
             let loss = match self.damping {
                 Damping::Kondic => Loss::Rate(rate),
                 Damping::Exact => Loss::with_restitution(surface.restitution, self.cut),

@@ -241,6 +241,12 @@ impl LawKind {
 }
 
 impl LawKind {
+    /// Whether the force of a contact that begins to part is held to the greatest of the accepted steps before, as the published laws have
+    /// it: what it reaches then depends on how near to its greatest overlap the last of these steps comes.
+    pub const fn turns_late(self) -> bool {
+        matches!(self, Self::HertzThesis) || self.makes_energy()
+    }
+
     /// Whether a cycle of such a contact can give back more than it took: the published plastic laws, in gentle contacts.
     pub const fn makes_energy(self) -> bool {
         matches!(self, Self::Thesis | Self::ThesisStatic | Self::Linear | Self::LinearStatic)

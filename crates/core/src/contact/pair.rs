@@ -47,7 +47,8 @@ pub struct Regions {
 }
 
 impl Pair {
-    /// Two spheres of the given materials and radii (m).
+    /// Two spheres of the given materials and radii (m). A radius without end is that of a half-space: r* is then the other's radius, and
+    /// strain rates, which go by r₁ + r₂, are those of two spheres of its size.
     pub fn new(materials: [&Material; 2], radii: [f64; 2], constants: Constants) -> Self {
         let [a, b] = materials;
         let compliance = |m: &Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
@@ -57,11 +58,19 @@ impl Pair {
         Self {
             modulus: 1.0 / (compliance(a) + compliance(b)),
             radius: 1.0 / (1.0 / radii[0] + 1.0 / radii[1]),
-            radii_sum: radii[0] + radii[1],
+            radii_sum: match radii.map(f64::is_finite) {
+                [true, false] => 2.0 * radii[0],
+                [false, true] => 2.0 * radii[1],
+                _ => radii[0] + radii[1],
+            },
             yield_stress: factor * softer.yield_stress,
             rate_constant: softer.rate_constant,
             poisson_ratio: softer.poisson_ratio,
-            reduced_mass: m * n / (m + n),
+            reduced_mass: match [m, n].map(f64::is_finite) {
+                [true, false] => m,
+                [false, true] => n,
+                _ => m * n / (m + n),
+            },
             constants,
         }
     }

@@ -133,7 +133,7 @@ pub(super) fn check<V: Lanes, const D: usize>(
         let overlap_ratio = overlap_max / contacts.reach(c, lane);
         // No law has a lower limit; few contacts are asked for theirs.
         if overlap_ratio > OVERLAP_LIMIT {
-            let limit = contacts.laws.one(c, lane).overlap_limit();
+            let limit = laws.one(c, lane).overlap_limit();
             if overlap_ratio > limit {
                 return Err(Stop::Overlap { spheres, overlap_ratio, limit, time_s });
             }

@@ -49,14 +49,15 @@ fn all_laws() -> Vec<Law> {
 }
 
 /// Every kind of friction, of μ 0.2.
-fn all_frictions() -> [Friction; 5] {
-    let kind = |spring, damping| Friction { coefficient: 0.2, spring, damping };
+fn all_frictions() -> [Friction; 6] {
+    let kind = |spring, damping| Friction { coefficient: 0.2, spring, damping, rolling: 0.0 };
     [
         kind(Spring::Mindlin, 0.0),
         kind(Spring::Constant(1.4e7), 0.0),
         kind(Spring::Mindlin, 3e5),
         kind(Spring::Constant(1.4e7), 3e5),
         kind(Spring::None, 3e5),
+        kind(Spring::CattaneoMindlin, 0.0),
     ]
 }
 
@@ -192,9 +193,9 @@ fn oxide() -> Material {
 const OXIDE_RADIUS: f64 = 2.5e-3;
 
 /// An oxide sphere that strikes a wall at an angle from the normal (°): tangential restitution and spin (rad/s) after it.
-fn oxide_blow(angle: f64, coefficient: f64, [speed, step]: [f64; 2]) -> [f64; 2] {
+fn oxide_blow(angle: f64, friction: Friction, [speed, step]: [f64; 2]) -> [f64; 2] {
     let spheres = vec![sphere([0.0, OXIDE_RADIUS], OXIDE_RADIUS)];
-    let laws = book(Law::Named(LawKind::Hertz), Friction::mindlin(coefficient));
+    let laws = book(Law::Named(LawKind::Hertz), friction);
     let mut rig = Rig::new(Sample { materials: vec![oxide()], spheres }, laws);
     let (sin, cos) = angle.to_radians().sin_cos();
     rig.velocity[0] = [speed * sin, -speed * cos];
@@ -211,12 +212,17 @@ fn oxide_blow(angle: f64, coefficient: f64, [speed, step]: [f64; 2]) -> [f64; 2]
 #[test]
 fn full_sliding_is_the_closed_form() {
     for (coefficient, angle) in [(0.092, 40.0), (0.092, 60.0), (0.092, 85.0), (0.3, 70.0), (0.02, 10.0)] {
-        let speed = 3.9;
-        let [restitution, spin] = oxide_blow(angle, coefficient, [speed, 2e-9]);
-        let exact = 1.0 - 2.0 * coefficient / f64::to_radians(angle).tan();
-        assert!((restitution - exact).abs() < 1e-6, "{angle}: {restitution} and {exact}");
-        let free = 5.0 * coefficient * speed * f64::to_radians(angle).cos() / OXIDE_RADIUS;
-        assert!((0.995..1.0).contains(&(spin / free)), "{angle}: {spin} and {free}");
+        for spring in [Spring::Mindlin, Spring::CattaneoMindlin] {
+            let speed = 3.9;
+            let friction = Friction { spring, ..Friction::mindlin(coefficient) };
+            let [restitution, spin] = oxide_blow(angle, friction, [speed, 2e-9]);
+            let exact = 1.0 - 2.0 * coefficient / f64::to_radians(angle).tan();
+            // The middle of a contact begins to slide a little later than its rim.
+            let near = if spring == Spring::Mindlin { 1e-6 } else { 1e-4 };
+            assert!((restitution - exact).abs() < near, "{spring:?} {angle}: {restitution} and {exact}");
+            let free = 5.0 * coefficient * speed * f64::to_radians(angle).cos() / OXIDE_RADIUS;
+            assert!((0.995..1.0).contains(&(spin / free)), "{spring:?} {angle}: {spin} and {free}");
+        }
     }
 }
 
@@ -272,13 +278,80 @@ fn integrated(angle: f64, coefficient: f64, speed: f64) -> [f64; 2] {
 /// Below full sliding, over the curve of Maw, Barber and Fawcett (1976), the run is the integration above to 1e-6.
 #[test]
 fn partial_sliding_is_the_integrated_one() {
-    for angle in [1.0, 3.0, 5.0, 8.0, 10.0, 14.0, 20.0, 30.0] {
-        let [restitution, spin] = oxide_blow(angle, 0.092, [3.9, 1e-9]);
+    for angle in [1.0, 3.0, 5.0, 6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0, 25.0, 30.0, 40.0] {
+        let [restitution, spin] = oxide_blow(angle, Friction::mindlin(0.092), [3.9, 1e-9]);
         let [exact, exact_spin] = integrated(angle, 0.092, 3.9);
         println!("{angle:4} deg: e_t {restitution:.7} and {exact:.7}, spin {spin:.4} and {exact_spin:.4} rad/s");
         assert!((restitution - exact).abs() < 1e-6, "{angle}: {restitution} and {exact}");
         let scale = 3.9 * f64::to_radians(angle).sin() / OXIDE_RADIUS;
         assert!((spin - exact_spin).abs() < 1e-6 * scale, "{angle}: {spin} and {exact_spin}");
+    }
+}
+
+/// The same blow with a contact whose rim slips first, integrated here by the method of dimensionality reduction (Popov and Heß 2015, chapter 5;
+/// Willert and Popov 2016 for this impact): the sphere of radius R against the plane is a row of springs of spacing dx with the profile x²/R, each
+/// with the normal stiffness E dx/(1 − ν²) and the tangential one 4 G dx/(2 − ν), each under Coulomb's law. Kick, drift, kick, in 20 000 steps.
+fn spread_integrated(angle: f64, coefficient: f64, speed: f64, springs: usize) -> [f64; 2] {
+    let Material { density, youngs_modulus, poisson_ratio: nu, .. } = oxide();
+    let radius = OXIDE_RADIUS;
+    let mass = density * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+    let inertia = 0.4 * mass * radius * radius;
+    let (normal, shear) = (youngs_modulus / (1.0 - nu * nu), 2.0 * youngs_modulus / ((1.0 + nu) * (2.0 - nu)));
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let k = 4.0 / 3.0 * normal * radius.sqrt();
+    let deepest = (5.0 * mass * (speed * cos).powi(2) / (4.0 * k)).powf(0.4);
+    let h = 2.943_275 * deepest / (speed * cos) / 20_000.0;
+    let dx = (radius * deepest).sqrt() / springs as f64;
+    let mut stretch = vec![0.0_f64; springs];
+    let (mut depth, mut fall, mut u, mut spin) = (0.0, speed * cos, speed * sin, 0.0);
+    let (mut push, mut drag): (f64, f64) = (0.0, 0.0);
+    loop {
+        let kick = |fall: &mut f64, u: &mut f64, spin: &mut f64, arm: f64, push: f64, drag: f64| {
+            *fall -= 0.5 * h * push / mass;
+            *u -= 0.5 * h * drag / mass;
+            *spin -= 0.5 * h * drag * arm / inertia;
+        };
+        kick(&mut fall, &mut u, &mut spin, radius - depth, push, drag);
+        depth += h * fall;
+        if depth <= 0.0 {
+            return [u / (speed * sin), -spin];
+        }
+        let arm = radius - depth;
+        let way = h * (u + arm * spin);
+        (push, drag) = (k * depth.powf(1.5), 0.0);
+        for (i, one) in stretch.iter_mut().enumerate() {
+            let x = (i as f64 + 0.5) * dx;
+            // Both sides of the middle.
+            let cap = coefficient * 2.0 * normal * dx * (depth - x * x / radius).max(0.0);
+            let force = (2.0 * shear * dx * (*one + way)).clamp(-cap, cap);
+            *one = force / (2.0 * shear * dx);
+            drag += force;
+        }
+        kick(&mut fall, &mut u, &mut spin, arm, push, drag);
+    }
+}
+
+/// With the contact spread out, the run is that integration to 2e-3 (a row of 16 to 32 springs, two of which become one as the contact grows, against one of
+/// 1000 that lie still), and nearer to the sphere that was
+/// measured (Chung and Ooi 2011: 0.746, 0.675, 0.599 at 4.2, 9.8, 20.2 degrees, read off to some percent) than any contact that sticks as a whole.
+#[test]
+fn spread_sliding_is_the_integrated_one_and_near_the_measured() {
+    let friction = Friction { spring: Spring::CattaneoMindlin, ..Friction::mindlin(0.092) };
+    for angle in [1.0, 2.0, 4.2, 5.0, 7.0, 9.8, 12.0, 14.0, 17.0, 20.2, 25.0, 30.0, 40.0] {
+        let [restitution, spin] = oxide_blow(angle, friction, [3.9, 2e-9]);
+        let [exact, exact_spin] = spread_integrated(angle, 0.092, 3.9, 1000);
+        println!("{angle:4} deg: e_t {restitution:.5} and {exact:.5}, spin {spin:.3} and {exact_spin:.3} rad/s");
+        assert!((restitution - exact).abs() < 2e-3, "{angle}: {restitution} and {exact}");
+        let scale = 3.9 * f64::to_radians(angle).sin() / OXIDE_RADIUS;
+        // A solid sphere's spin is 5/2 of what its centre loses.
+        assert!((spin - exact_spin).abs() < 5e-3 * scale, "{angle}: {spin} and {exact_spin}");
+        let measured = [(4.2, 0.746), (9.8, 0.675), (20.2, 0.599)].into_iter().find(|(at, _)| *at == angle);
+        if let Some((_, measured)) = measured {
+            let [whole, _] = oxide_blow(angle, Friction::mindlin(0.092), [3.9, 2e-9]);
+            println!("     measured {measured}, as a whole {whole:.5}");
+            let off = |found: f64| (found - measured).abs();
+            assert!(off(restitution) < off(whole), "{angle}: {restitution}, {whole} and {measured}");
+        }
     }
 }
 
@@ -428,7 +501,8 @@ fn momentum_and_angular_momentum_are_kept() {
         let (linear, angular, size) = momenta(&simulation);
         simulation.advance(6000, &GO).unwrap();
         let (now, turned, _) = momenta(&simulation);
-        assert!(simulation.ledger().friction > 1e-4 * simulation.ledger().work_in, "{what}: they have rubbed");
+        let rubbed = simulation.ledger().friction / simulation.ledger().work_in;
+        assert!(rubbed > 1e-3, "{what}: they have rubbed by {rubbed:e}");
         let scale: f64 = simulation.rig().mass.iter().sum::<f64>() * 5.0;
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart(&now, &linear) < 1e-13 * scale, "{what}: {now:?} {linear:?}");
@@ -437,7 +511,8 @@ fn momentum_and_angular_momentum_are_kept() {
     }
     let mut draw = Draw(3);
     for law in all_laws() {
-        for friction in all_frictions() {
+        let rolls = |friction: Friction| Friction { rolling: 0.05, ..friction };
+        for friction in all_frictions().into_iter().chain([rolls(Friction::mindlin(0.2)), rolls(all_frictions()[5])]) {
             let laws = book(law.clone(), friction);
             kept::<2>(swarm(&mut draw, laws.clone()), &format!("plane {laws:?}"));
             kept::<3>(swarm(&mut draw, laws.clone()), &format!("space {laws:?}"));
@@ -647,7 +722,7 @@ fn a_rolling_sphere_does_not_feel_seams() {
 /// Friction without spring and without damping would do nothing: it is refused.
 #[test]
 fn friction_without_spring_and_damping_is_refused() {
-    let friction = Friction { coefficient: 0.3, spring: Spring::None, damping: 0.0 };
+    let friction = Friction { coefficient: 0.3, spring: Spring::None, damping: 0.0, rolling: 0.0 };
     let rig = of(vec![sphere([0.0, 0.0], 1e-3)], book(Law::Named(LawKind::Hertz), friction));
     assert!(matches!(Simulation::new(rig, 1e-8).map(|_| ()), Err(RigError::Frictionless)));
 }

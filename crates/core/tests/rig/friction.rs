@@ -19,7 +19,7 @@ pub fn damping(restitution: f64) -> f64 {
 
 pub fn friction(coefficient: f64, restitution: f64, kt: f64) -> Option<Friction> {
     let spring = if kt > 0.0 { Spring::Constant(kt * STIFFNESS) } else { Spring::None };
-    Some(Friction { coefficient, spring, damping: 0.5 * damping(restitution) })
+    Some(Friction { coefficient, spring, damping: 0.5 * damping(restitution), rolling: 0.0 })
 }
 
 /// Disks of given centres and diameters; all of one material.
@@ -135,7 +135,7 @@ fn an_oblique_impact_in_space_does_not_depend_on_how_it_is_turned() {
             law: Law::Named(LawKind::Hertz),
             constants: Constants::Code,
             pairs: Vec::new(),
-            friction: Some(Friction { coefficient: 0.3, spring: Spring::Mindlin, damping: 0.0 }),
+            friction: Some(Friction::mindlin(0.3)),
         };
         let mut rig = Rig::new(Sample { materials: vec![material("440c")], spheres: spheres.to_vec() }, laws);
         rig.velocity[0] = turned([0.0, 0.0, 1.0]);
@@ -169,7 +169,7 @@ fn a_sliding_impact_obeys_coulomb() {
         law: Law::Named(LawKind::Thesis),
         constants: Constants::Code,
         pairs: Vec::new(),
-        friction: Some(Friction { coefficient: 0.1, spring: Spring::None, damping: 1e9 }),
+        friction: Some(Friction { coefficient: 0.1, spring: Spring::None, damping: 1e9, rolling: 0.0 }),
     };
     let spheres = [[0.0, 0.0], [0.0, DIAMETER]].map(|centre| Sphere { centre, radius: 0.5 * DIAMETER, material: 0 });
     let mut rig = Rig::new(Sample { materials: vec![material("440c")], spheres: spheres.to_vec() }, laws);

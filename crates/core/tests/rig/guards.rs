@@ -21,6 +21,20 @@ fn a_blow_beyond_the_law_is_stopped() {
     assert!(stop.to_string().contains("sphere 1 and sphere 2 overlap by"), "{stop}");
 }
 
+/// Laws that are made for large overlaps, or under which nothing piles up, go further: to where the contact is as wide as at 25 % under the others.
+#[test]
+fn each_law_has_its_own_limit() {
+    for (law, limit) in [(LawKind::Hertz, 0.25), (LawKind::MdrStatic, 1.0 - 0.5_f64.sqrt()), (LawKind::Thornton, 0.5)] {
+        let mut rig = rig(&[[0.0, 0.0], [0.0, 1.0]], law);
+        (rig.velocity[0], rig.residual_limit) = ([0.0, 4000.0], f64::INFINITY);
+        let RigStop::Overlap { limit: found, ratio, .. } = stopped(rig.clone(), 5e-9) else { panic!("another guard") };
+        assert!((found - limit).abs() < 1e-12 && ratio > limit, "{law}: {found} {ratio}");
+        rig.overlap_limit = Some(0.1);
+        let RigStop::Overlap { limit: found, .. } = stopped(rig, 5e-9) else { panic!("another guard") };
+        assert_eq!(found, 0.1);
+    }
+}
+
 #[test]
 fn a_table_is_not_extrapolated() {
     let mut rig = rig(&[[0.0, 0.0], [0.0, 1.0]], LawKind::Hertz);

@@ -4,10 +4,12 @@
 mod bed;
 mod contacts;
 mod crystal;
+mod flats;
 mod friction;
 mod guards;
 mod loads;
 #[path = "../physics/reference.rs"]
 mod reference;
 mod restart;
+mod rolling;
 mod rigs;

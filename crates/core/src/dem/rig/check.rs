@@ -90,8 +90,8 @@ impl RigError {
                 "friction in space does not go with mirrors; simulate the whole crystal".to_owned()
             }
             Self::Frictionless => {
-                "friction without a spring and without damping would do nothing; it needs one of both, such as \
-                                   the spring of elastic spheres (Mindlin)"
+                "friction without a spring and without damping would do nothing, nor would resistance to rolling without a \
+                 spring; it needs one of both, such as the spring of elastic spheres (Mindlin)"
                     .to_owned()
             }
             Self::Bound(body) => {
@@ -183,10 +183,10 @@ pub(super) fn check<const D: usize>(rig: &Rig<D>, step: f64) -> Result<(), RigEr
             return wrong("clusters do not go with mirrors");
         }
     }
-    if D == 3 && rig.laws.has_friction() && !rig.mirrors.is_empty() {
+    if D == 3 && rig.has_friction() && !rig.mirrors.is_empty() {
         return Err(RigError::MirroredFriction);
     }
-    if rig.laws.frictions().any(|friction| friction.does_nothing()) {
+    if rig.frictions().any(|friction| friction.does_nothing()) {
         return Err(RigError::Frictionless);
     }
     let least = Finder::new(rig).shortest_period();

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::Rig;
 
 const MAGIC: &[u8; 20] = b"granulens checkpoint";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// The whole state of a run, flattened to numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,6 +30,7 @@ pub(super) struct State {
     pub faces: Vec<(u32, bool, u32)>,
     pub memory: Vec<f64>,
     pub stretch: Vec<f64>,
+    pub extra: Vec<f64>,
     pub account: Vec<f64>,
     pub kept_pairs: Vec<([u32; 2], Vec<i8>, Vec<f64>)>,
     pub kept_faces: Vec<((u32, bool, u32), Vec<f64>)>,

@@ -69,8 +69,8 @@ impl<V: Lanes> Ended<V> {
 
 /// Contacts begin and end within a step, and the dashpot's force does so with a jump. Velocity Verlet lets the force F of a state
 /// act over half the step before it and half the step after. That gives the impulse of a force that is linear between states; where
-/// it begins or ends a part θ of a step away, the impulse is θ h (F₀ + F)/2 instead of h F/2. The difference is given once, so that the
-/// restitution is of second order in the step, as all else is.
+/// it begins or ends a part θ of a step away, the impulse is θ h (F₀ + F)/2 instead of h F/2. The difference is given at once, as an impulse
+/// of its own, so that the restitution is of second order in the step, as all else is, and forces are those of the contact.
 impl SpringDashpot {
     /// The law's name in files.
     pub const NAME: &'static str = "spring-dashpot";
@@ -103,21 +103,33 @@ impl SpringDashpot {
     /// What acts (N) in the first state after the contact has closed, the force proper, and that with which it began.
     #[inline(always)]
     pub(super) fn begin(&self, overlap: f64, closing_speed: f64, reduced: f64, step: f64) -> (f64, f64, f64) {
-        self.begin_all(overlap, closing_speed, self.damping(reduced), step)
+        self.begin_all(overlap, closing_speed, (self.damping(reduced), reduced), step)
     }
 
-    /// The same of contacts side by side, with dashpots c (kg/s).
+    /// The same of contacts side by side, with dashpots c (kg/s) between bodies of reduced mass m̄ (kg).
     #[inline(always)]
-    pub(super) fn begin_all<V: Lanes>(&self, overlap: V, closing_speed: V, damping: V, step: f64) -> (V, V, V) {
+    pub(super) fn begin_all<V: Lanes>(
+        &self,
+        overlap: V,
+        closing_speed: V,
+        (damping, reduced): (V, V),
+        step: f64,
+    ) -> (V, V, V) {
         let (zero, half, one) = (V::splat(0.0), V::splat(0.5), V::splat(1.0));
-        let force = self.push(overlap, closing_speed, damping);
+        let at_rest = self.push(overlap, closing_speed, damping);
         // Where nothing closes, at the start of a run, the force counts as it is.
         let way = closing_speed * V::splat(step);
         let closes = zero.lt(way);
         let part = V::select(overlap.lt(way), overlap / way, one);
         let onset = V::select(closes, damping * closing_speed, zero);
+        // The predicted speed knows nothing of the contact yet: since it closed it has fallen by θ h (F₀ + F)/(2 m̄), F = k δ + c v.
+        let slowed = half * part * V::splat(step) * damping / reduced;
+        let mut force = (V::splat(self.stiffness) * overlap + onset - slowed * onset) / (one + slowed);
+        if self.cut {
+            force = force.max(zero);
+        }
         let acts = half * (force + part * (onset + force));
-        (V::select(closes, acts, force), force, onset)
+        (V::select(closes, acts, at_rest), V::select(closes, force, at_rest), onset)
     }
 
     /// How a contact ends that had this overlap (m) and force (N) a step ago, and whose surfaces are now a gap (m) apart.

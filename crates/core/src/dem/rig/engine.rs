@@ -240,6 +240,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             faces: contacts.faces.iter().map(|f| (f.sphere, face(f.facing).0, face(f.facing).1)).collect(),
             memory: contacts.memory.iter().flat_map(L::numbers).collect(),
             stretch: contacts.stretch.concat(),
+            extra: contacts.extra.clone(),
             account: (0..contacts.len()).flat_map(|c| contacts.account.at(c).numbers()).collect(),
             kept_pairs: contacts.kept_pairs.iter().map(|((ends, image), k)| (*ends, image.to_vec(), kept(k))).collect(),
             kept_faces: contacts
@@ -282,6 +283,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         let contacts = &mut self.contacts;
         let mut fits = state.memory.len() == count * L::NUMBERS
             && state.account.len() == count * Account::NUMBERS
+            && state.extra.len() == contacts.extra.len()
             && state.stretch.len() == contacts.stretch.iter().map(Vec::len).sum::<usize>()
             && state.lost_by_sphere.len() == spheres;
         if !fits {
@@ -295,6 +297,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         for (axis, numbers) in contacts.stretch.iter_mut().zip(state.stretch.chunks(count.max(1))) {
             axis.copy_from_slice(numbers);
         }
+        contacts.extra = state.extra;
         let kept = |numbers: &[f64]| {
             let [work, friction_work, weight, memory @ ..] = numbers else { return None };
             (memory.len() == L::NUMBERS).then(|| Kept {

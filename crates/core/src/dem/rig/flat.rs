@@ -1,9 +1,11 @@
 //! Rigid faces: walls, anvils, impactors.
 
+use super::law::{Friction, Law};
+
 /// A rigid plane or a bounded piece of one. It moves as a whole and does not turn.
 ///
 /// A sphere against a flat counts as two equal spheres at twice the overlap and twice the closing speed (Burgoyne 2016,
-/// appendix A.1, 2.c.ii).
+/// appendix A.1, 2.c.ii), unless the flat is of a material of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flat<const D: usize> {
     /// Name, for records and messages.
@@ -20,6 +22,33 @@ pub struct Flat<const D: usize> {
     pub velocity: [f64; D],
     /// The axes along which it cannot move.
     pub held: [bool; D],
+    /// As what spheres meet it.
+    pub contact: FlatContact,
+}
+
+/// As what spheres meet a flat; by default as a sphere like themselves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FlatContact {
+    /// Index of its material in the sample: it is met as an elastic half-space of that, a sphere without curvature. E*, yield stress and
+    /// friction are those of the two materials, r* is the sphere's radius, overlap and speeds are the sphere's own; strain rates are those of two
+    /// spheres of its size.
+    pub material: Option<usize>,
+    /// Law of its contacts, in place of that between the materials.
+    pub law: Option<Law>,
+    /// Friction at it, in place of that between the materials.
+    pub friction: Option<Friction>,
+}
+
+impl FlatContact {
+    /// Whether it is met as what it is, not as a sphere like the one that meets it.
+    pub(super) fn is_own(&self) -> bool {
+        self.material.is_some()
+    }
+
+    /// Whether there is nothing of its own about it.
+    pub(super) fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Which part of its plane a flat covers.
@@ -58,6 +87,7 @@ impl<const D: usize> Flat<D> {
             mass: f64::INFINITY,
             velocity: [0.0; D],
             held: [true; D],
+            contact: FlatContact::default(),
         }
     }
 

@@ -204,9 +204,10 @@ pub(super) fn lighter<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> f64 {
     a.min(b)
 }
 
-/// Reduced mass (kg) of two bodies; half of that at a flat, which stands for an equal sphere.
+/// Reduced mass (kg) of two bodies; half of that at a flat that stands for an equal sphere.
 fn reduced<const D: usize>(rig: &Rig<D>, bodies: [Body; 2]) -> f64 {
     let [a, b] = masses(rig, bodies);
     let mean = 1.0 / (1.0 / a + 1.0 / b);
-    if bodies.iter().any(|body| matches!(body, Body::Flat(_))) { 0.5 * mean } else { mean }
+    let stands_for_a_sphere = |body: &Body| matches!(body, Body::Flat(f) if !rig.flats[*f].contact.is_own());
+    if bodies.iter().any(stands_for_a_sphere) { 0.5 * mean } else { mean }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::dashpot::{Ended, Loss, SpringDashpot};
+use super::flat::FlatContact;
 use crate::contact::{AnyLaw, Constants, ForceLaw as _, History, LawKind, NormalLaw, OVERLAP_LIMIT, Pair, Tabulated};
 use crate::material::Material;
 
@@ -15,9 +16,10 @@ pub enum LawBook {
         law: Law,
         /// Set of fitted constants of the elastic-plastic laws.
         constants: Constants,
-        /// Laws of single pairs of materials, by their indices in the sample. A flat counts as a sphere like the one it meets.
-        pairs: Vec<([usize; 2], Law)>,
-        /// Friction at every contact; none switches off tangential forces and rotation.
+        /// What is different between single pairs of materials. A flat counts as a sphere like the one it meets, unless it is of a
+        /// material of its own.
+        pairs: Vec<PairRule>,
+        /// Friction at every other contact; where there is none at all, nothing turns.
         friction: Option<Friction>,
     },
     /// Linear spring and dashpot, F = k δ + γ m̄ v with closing speed v, which pulls as a contact ends (Kondic et al. 2012).
@@ -32,6 +34,29 @@ pub enum LawBook {
         /// Where the lever arms of friction end.
         arm: Arm,
     },
+}
+
+/// What holds between two materials in place of what holds everywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairRule {
+    /// By their indices in the sample.
+    pub materials: [usize; 2],
+    /// The law, if it is another.
+    pub law: Option<Law>,
+    /// Friction, if it is another.
+    pub friction: Option<Friction>,
+}
+
+impl PairRule {
+    /// Whether it is for these two, in either order.
+    pub fn is_of(&self, [a, b]: [usize; 2]) -> bool {
+        self.materials == [a, b] || self.materials == [b, a]
+    }
+}
+
+/// The rule for two materials.
+fn rule(pairs: &[PairRule], materials: [usize; 2]) -> Option<&PairRule> {
+    pairs.iter().find(|rule| rule.is_of(materials))
 }
 
 /// Where the lever arms of contact forces end.
@@ -69,6 +94,10 @@ pub struct Friction {
     pub spring: Spring,
     /// γ_t (1/s), per reduced mass.
     pub damping: f64,
+    /// μ_r, resistance to rolling: a couple against the rotation of one body over the other, of at most μ_r R_r |F_n| with R_r = r* of two
+    /// spheres and R on a flat (model C of Ai et al. 2011, without its dashpot). It comes of the tangential spring, on the way R_r θ that the
+    /// contact rolls (k_r = k_t R_r², Wensrich and Katterfeld 2012), by the same rule. Not in [`LawBook::Dashpot`].
+    pub rolling: f64,
 }
 
 /// The spring of static friction.
@@ -78,8 +107,13 @@ pub enum Spring {
     None,
     /// k_t (N/m)
     Constant(f64),
-    /// k_t = 8 G* √(r* δ), of two elastic spheres (Mindlin 1949), with 1/G* = 2(2−ν₁)(1+ν₁)/E₁ + 2(2−ν₂)(1+ν₂)/E₂.
+    /// k_t = 8 G* √(r* δ), of two elastic spheres (Mindlin 1949), with 1/G* = 2(2−ν₁)(1+ν₁)/E₁ + 2(2−ν₂)(1+ν₂)/E₂. The contact sticks or
+    /// slips as a whole.
     Mindlin,
+    /// The same stiffness spread over the contact, whose rim slips while its middle sticks (Cattaneo 1938, Mindlin 1949): a row of springs
+    /// side by side, each with the part of the normal force that Hertz's pressure gives it. By the method of dimensionality reduction (Popov and
+    /// Heß 2015, chapter 5) that is the solution for equal elastic spheres on every path of normal and tangential force.
+    CattaneoMindlin,
 }
 
 impl LawBook {
@@ -88,7 +122,9 @@ impl LawBook {
     pub fn has_dashpots(&self) -> bool {
         let viscous = |law: &Law| matches!(law, Law::SpringDashpot(law) if law.loss != Loss::Rate(0.0));
         match self {
-            Self::Materials { law, pairs, .. } => viscous(law) || pairs.iter().any(|(_, law)| viscous(law)),
+            Self::Materials { law, pairs, .. } => {
+                viscous(law) || pairs.iter().filter_map(|rule| rule.law.as_ref()).any(viscous)
+            }
             Self::Dashpot { .. } => true,
         }
     }
@@ -105,14 +141,11 @@ impl LawBook {
     pub fn name_of(&self, [a, b]: [usize; 2]) -> &'static str {
         match self {
             Self::Dashpot { .. } => SpringDashpot::NAME,
-            Self::Materials { law, pairs, .. } => {
-                let own = pairs.iter().find(|(pair, _)| *pair == [a, b] || *pair == [b, a]);
-                match own.map_or(law, |(_, law)| law) {
-                    Law::Named(kind) => kind.name(),
-                    Law::Tabulated(_) => "table",
-                    Law::SpringDashpot(_) => SpringDashpot::NAME,
-                }
-            }
+            Self::Materials { law, pairs, .. } => match law_between(law, pairs, [a, b]) {
+                Law::Named(kind) => kind.name(),
+                Law::Tabulated(_) => "table",
+                Law::SpringDashpot(_) => SpringDashpot::NAME,
+            },
         }
     }
 
@@ -123,17 +156,34 @@ impl LawBook {
 
     /// Every kind of friction in it.
     pub(super) fn frictions(&self) -> impl Iterator<Item = &Friction> {
-        let (one, many) = match self {
-            Self::Materials { friction, .. } => (friction.as_ref(), &[][..]),
-            Self::Dashpot { materials, .. } => (None, materials.as_slice()),
+        let (one, of_pairs, many) = match self {
+            Self::Materials { friction, pairs, .. } => (friction.as_ref(), pairs.as_slice(), &[][..]),
+            Self::Dashpot { materials, .. } => (None, &[][..], materials.as_slice()),
         };
-        one.into_iter().chain(many.iter().filter_map(|(_, friction)| friction.as_ref()))
+        let of_pairs = of_pairs.iter().filter_map(|rule| rule.friction.as_ref());
+        one.into_iter().chain(of_pairs).chain(many.iter().filter_map(|(_, friction)| friction.as_ref()))
+    }
+
+    /// Switches friction off.
+    pub(super) fn without_friction(&mut self) {
+        match self {
+            Self::Materials { friction, pairs, .. } => {
+                *friction = None;
+                pairs.iter_mut().for_each(|rule| rule.friction = None);
+            }
+            Self::Dashpot { materials, .. } => materials.iter_mut().for_each(|(_, friction)| *friction = None),
+        }
     }
 
     /// One named law between all materials, with the code's constants and without friction.
     pub fn named(kind: LawKind) -> Self {
         Self::Materials { law: Law::Named(kind), constants: Constants::default(), pairs: Vec::new(), friction: None }
     }
+}
+
+/// The law between two materials, of a book's law and its rules for pairs.
+pub(super) fn law_between<'a>(law: &'a Law, pairs: &'a [PairRule], materials: [usize; 2]) -> &'a Law {
+    rule(pairs, materials).and_then(|rule| rule.law.as_ref()).unwrap_or(law)
 }
 
 /// A contact in the first state in which it is closed.
@@ -339,6 +389,11 @@ pub(super) struct Slip {
     pub mindlin: f64,
     /// γ_t (1/s), per reduced mass
     pub rate: f64,
+    /// Whether Mindlin's part is spread over the contact.
+    pub spread: bool,
+    /// μ_r, and r* (m)
+    pub rolling: f64,
+    pub rolling_radius: f64,
 }
 
 /// One end of a contact, as far as laws ask for it.
@@ -362,14 +417,15 @@ pub(super) fn reduced_mass([a, b]: [End; 2]) -> f64 {
 pub(super) trait Binder<L>: Send + Sync {
     /// Whether laws depend on the spheres' sizes, not on their materials alone.
     const BY_SIZE: bool;
-    fn bond(&self, ends: [End; 2]) -> Bond<L>;
+    /// Between two ends, of which the second may be a flat with rules of its own.
+    fn bond(&self, ends: [End; 2], flat: Option<&FlatContact>) -> Bond<L>;
 }
 
 /// Laws by materials; see [`LawBook::Materials`].
 pub(super) struct ByMaterial {
     pub law: Law,
     pub constants: Constants,
-    pub pairs: Vec<([usize; 2], Law)>,
+    pub pairs: Vec<PairRule>,
     pub friction: Option<Friction>,
     pub materials: Vec<Material>,
 }
@@ -377,21 +433,22 @@ pub(super) struct ByMaterial {
 impl Binder<Solid> for ByMaterial {
     const BY_SIZE: bool = true;
 
-    fn bond(&self, ends: [End; 2]) -> Bond<Solid> {
+    fn bond(&self, ends: [End; 2], flat: Option<&FlatContact>) -> Bond<Solid> {
         let [a, b] = ends;
         let materials = [&self.materials[a.material], &self.materials[b.material]];
         let pair = Pair::new(materials, [a.radius, b.radius], self.constants);
-        let named =
-            |(names, _): &&([usize; 2], Law)| *names == [a.material, b.material] || *names == [b.material, a.material];
-        let normal = match self.pairs.iter().find(named).map_or(&self.law, |(_, law)| law) {
+        let both = [a.material, b.material];
+        let between = law_between(&self.law, &self.pairs, both);
+        let normal = match flat.and_then(|flat| flat.law.as_ref()).unwrap_or(between) {
             Law::Named(kind) => Solid::Named(AnyLaw::new(*kind, &pair)),
             Law::Tabulated(table) => Solid::Tabulated(Arc::clone(table)),
             Law::SpringDashpot(law) => Solid::SpringDashpot(*law),
         };
-        let slip = self.friction.map_or(Slip::default(), |friction| {
+        let between = rule(&self.pairs, both).and_then(|rule| rule.friction).or(self.friction);
+        let slip = flat.and_then(|flat| flat.friction).or(between).map_or(Slip::default(), |friction| {
             let compliance = |m: &Material| 2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.youngs_modulus;
             let shear = 1.0 / (compliance(materials[0]) + compliance(materials[1]));
-            friction.slip(8.0 * shear * pair.radius.sqrt())
+            Slip { rolling_radius: pair.radius, ..friction.slip(8.0 * shear * pair.radius.sqrt()) }
         });
         Bond { normal, slip }
     }
@@ -407,7 +464,7 @@ pub(super) struct ByDashpot {
 impl Binder<SpringDashpot> for ByDashpot {
     const BY_SIZE: bool = false;
 
-    fn bond(&self, ends: [End; 2]) -> Bond<SpringDashpot> {
+    fn bond(&self, ends: [End; 2], _: Option<&FlatContact>) -> Bond<SpringDashpot> {
         let (loss, friction) = self.materials[ends[0].material.max(ends[1].material)];
         let normal = SpringDashpot { stiffness: self.stiffness, loss, cut: self.cut };
         Bond { normal, slip: friction.map_or(Slip::default(), |friction| friction.slip(0.0)) }
@@ -417,20 +474,25 @@ impl Binder<SpringDashpot> for ByDashpot {
 impl Friction {
     /// Coulomb's friction with the tangential spring of elastic spheres, undamped.
     pub fn mindlin(coefficient: f64) -> Self {
-        Self { coefficient, spring: Spring::Mindlin, damping: 0.0 }
+        Self { coefficient, spring: Spring::Mindlin, damping: 0.0, rolling: 0.0 }
     }
 
-    /// Whether it is asked for and has neither a spring nor damping, so that no force would ever come of it.
+    /// Whether it is asked for and has neither a spring nor damping, so that no force would ever come of it; or resists rolling without a
+    /// spring.
     pub fn does_nothing(&self) -> bool {
-        self.coefficient > 0.0 && self.spring == Spring::None && self.damping == 0.0
+        let slides = self.coefficient > 0.0 && self.damping == 0.0;
+        self.spring == Spring::None && (slides || self.rolling > 0.0)
     }
 
     fn slip(&self, mindlin: f64) -> Slip {
         Slip {
             coefficient: self.coefficient,
             stiffness: if let Spring::Constant(stiffness) = self.spring { stiffness } else { 0.0 },
-            mindlin: if self.spring == Spring::Mindlin { mindlin } else { 0.0 },
+            mindlin: if matches!(self.spring, Spring::Mindlin | Spring::CattaneoMindlin) { mindlin } else { 0.0 },
             rate: self.damping,
+            spread: self.spring == Spring::CattaneoMindlin,
+            rolling: self.rolling,
+            rolling_radius: 0.0,
         }
     }
 }

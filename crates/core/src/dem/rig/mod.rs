@@ -12,7 +12,7 @@
 //! - `simulation`: from start to end; `check`, `guard`: what is refused and what stops a run; `view`: what can be looked at
 //! - `felt`, `ledger`: what each sphere felt, and where the energy went, by mechanism
 //! - `impact`: an impact on a crystal as a rig, with friction
-//! - `preload`: a crystal squeezed to rest; `modes`: its small vibrations
+//! - `preload`: a crystal squeezed to rest; `modes`: its small vibrations, `eigen`: of a symmetric matrix
 //! - `checkpoint`: the state as bytes, and back
 //!
 //! Positions are displacements from where the spheres lay at the start, as everywhere in [`dem`](super).
@@ -24,6 +24,7 @@ mod cluster;
 mod contacts;
 mod curve;
 mod dashpot;
+mod eigen;
 mod engine;
 mod felt;
 mod flat;
@@ -46,10 +47,10 @@ pub use cluster::{Cluster, ClusterState};
 pub use curve::{Curve, CurveError};
 pub use dashpot::{Loss, SpringDashpot};
 pub use felt::Arrival;
-pub use flat::{Face, Flat};
+pub use flat::{Face, Flat, FlatContact};
 pub use guard::RigStop;
 pub use impact::{rig_step, simulate_as_rig};
-pub use law::{Arm, Friction, Law, LawBook, Spring};
+pub use law::{Arm, Friction, Law, LawBook, PairRule, Spring};
 pub use ledger::{EnergyLedger, Gain};
 pub use modes::{Modes, ModesError};
 pub use preload::{PreloadError, Squeeze, Squeezed, squeeze};
@@ -165,6 +166,16 @@ pub enum LoadKind {
 }
 
 impl<const D: usize> Rig<D> {
+    /// Whether any contact has friction, so that spheres turn.
+    pub fn has_friction(&self) -> bool {
+        self.frictions().next().is_some()
+    }
+
+    /// Every kind of friction in it.
+    pub fn frictions(&self) -> impl Iterator<Item = &Friction> {
+        self.laws.frictions().chain(self.flats.iter().filter_map(|flat| flat.contact.friction.as_ref()))
+    }
+
     /// For each sphere the cluster that it belongs to.
     fn clustered(&self) -> Vec<Option<u32>> {
         let mut of = vec![None; self.sample.spheres.len()];

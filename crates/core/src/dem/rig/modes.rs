@@ -8,8 +8,7 @@
 //! all B over √(m m'); its eigenvalues are ω². K is that of unloading: a small wave squeezes and releases, and a contact that has yielded
 //! releases elastically.
 
-use nalgebra::{DMatrix, SymmetricEigen};
-
+use super::eigen;
 use super::flat::Face;
 use super::simulation::Simulation;
 use super::{Body, Rig};
@@ -42,7 +41,7 @@ pub enum ModesError {
 }
 
 /// Degrees of freedom, at most: the work grows with their cube.
-const MOST: usize = 4000;
+const MOST: usize = 2000;
 
 impl Modes {
     /// The modes of a rig as it stands.
@@ -64,7 +63,7 @@ impl Modes {
             return Err(ModesError::Size { freedoms: freedoms.len() });
         }
         let roots: Vec<f64> = freedoms.iter().map(|&(i, _)| rig.mass[i].sqrt()).collect();
-        let mut matrix = DMatrix::<f64>::zeros(freedoms.len(), freedoms.len());
+        let mut matrix = vec![vec![0.0; freedoms.len()]; freedoms.len()];
         for contact in simulation.view().contacts() {
             let normal = contact.normal;
             let (ends, turning) = match contact.bodies {
@@ -90,18 +89,18 @@ impl Modes {
                             let (Some(first), Some(second)) = (first, second) else { continue };
                             let (Some(row), Some(column)) = (place[*first][j], place[*second][k]) else { continue };
                             let sign = if p == q { 1.0 } else { -1.0 };
-                            matrix[(row, column)] += sign * block / (roots[row] * roots[column]);
+                            matrix[row][column] += sign * block / (roots[row] * roots[column]);
                         }
                     }
                 }
             }
         }
-        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(matrix);
+        let (eigenvalues, vectors) = eigen::symmetric(matrix);
         let mut order: Vec<usize> = (0..freedoms.len()).collect();
         order.sort_by(|&a, &b| eigenvalues[a].total_cmp(&eigenvalues[b]));
         Ok(Self {
             squared: order.iter().map(|&n| eigenvalues[n]).collect(),
-            shapes: order.iter().map(|&n| eigenvectors.column(n).iter().copied().collect()).collect(),
+            shapes: order.iter().map(|&n| vectors[n].clone()).collect(),
             freedoms,
             roots,
         })
@@ -147,7 +146,7 @@ impl Modes {
 /// Refuses what the equations leave out.
 fn known<const D: usize>(rig: &Rig<D>) -> Result<(), ModesError> {
     let parts = [
-        (rig.laws.has_friction(), "friction"),
+        (rig.has_friction(), "friction"),
         (!rig.mirrors.is_empty(), "mirrors; take the periodic crystal"),
         (!rig.clusters.is_empty(), "rigid bodies of several spheres"),
         (!rig.bars.is_empty(), "bars"),

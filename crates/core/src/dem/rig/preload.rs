@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::flat::Face;
 use super::simulation::Simulation;
-use super::{Body, LawBook, Rig, RigError, RigStop};
+use super::{Body, Rig, RigError, RigStop};
 
 /// How far a rig is squeezed along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -190,9 +190,8 @@ fn still<const D: usize>(rig: &Rig<D>) -> Rig<D> {
         (flat.velocity, flat.held) = ([0.0; D], [true; D]);
     }
     (rig.loads, rig.bars) = (Vec::new(), Vec::new());
-    if let LawBook::Materials { friction, .. } = &mut rig.laws {
-        *friction = None;
-    }
+    rig.laws.without_friction();
+    rig.flats.iter_mut().for_each(|flat| flat.contact.friction = None);
     // On its way to rest energy is not looked after.
     (rig.domain, rig.residual_limit, rig.resolution) = (None, f64::INFINITY, None);
     rig

@@ -188,6 +188,10 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     fn exchange(&mut self, a: usize, b: usize) {
         self.memory.swap(a, b);
         self.stretch.iter_mut().filter(|axis| !axis.is_empty()).for_each(|axis| axis.swap(a, b));
+        let count = self.more.count::<D>();
+        if !self.extra.is_empty() {
+            (0..count).for_each(|k| self.extra.swap(a * count + k, b * count + k));
+        }
         let (one, other) = (self.account.at(a), self.account.at(b));
         self.account.put(a, other);
         self.account.put(b, one);

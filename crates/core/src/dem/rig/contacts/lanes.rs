@@ -13,6 +13,7 @@ use crate::real::{Kernel, Lanes};
 use super::friction::Grip;
 use super::react::{CLOSED, between, meet};
 use super::sections::{Piece, Spill};
+use super::sweep::Excess;
 
 /// Near pairs as parallel arrays: row c of each is pair c, as in [`Near`].
 #[derive(Default)]
@@ -64,6 +65,8 @@ struct Block {
     approach: [[f64; BLOCK]; 2],
     turn: [f64; BLOCK],
     force: [[f64; BLOCK]; 2],
+    /// The part of the force that is an impulse; kept only where contacts begin and end with a jump.
+    excess: [[f64; BLOCK]; 2],
     twist: [f64; BLOCK],
 }
 
@@ -73,7 +76,14 @@ impl<const TURNING: bool, const SPRING: bool> Kernel for Sweep<'_, TURNING, SPRI
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
         let zero = [0.0; BLOCK];
-        let mut block = Block { shift: [zero; 2], approach: [zero; 2], turn: zero, force: [zero; 2], twist: zero };
+        let mut block = Block {
+            shift: [zero; 2],
+            approach: [zero; 2],
+            turn: zero,
+            force: [zero; 2],
+            excess: [zero; 2],
+            twist: zero,
+        };
         let count = self.piece.account.overlap.len();
         let mut begin = 0;
         while begin < count {
@@ -161,6 +171,8 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         if !V::any(V::or(closed, zero.lt(before))) {
             zero.store(&mut block.force[0][n..]);
             zero.store(&mut block.force[1][n..]);
+            zero.store(&mut block.excess[0][n..]);
+            zero.store(&mut block.excess[1][n..]);
             zero.store(&mut block.twist[n..]);
             return;
         }
@@ -174,16 +186,22 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         let force_before = V::load(&self.piece.account.force[c..]);
         let exact = law.loss.is_exact();
         let damping = if exact { loss * (V::splat(law.stiffness) * reduced).sqrt() } else { loss * reduced };
-        let push = law.push(meeting.overlap, meeting.closing_speed, damping);
+        let mut push = law.push(meeting.overlap, meeting.closing_speed, damping);
         let (mut acts, mut from, mut last, mut release) = (push, force_before, zero, [zero; 2]);
         if exact {
             let old = zero.lt(before);
-            let (begins, _, onset) = law.begin_all(meeting.overlap, meeting.closing_speed, damping, self.step);
+            let (begins, force, onset) =
+                law.begin_all(meeting.overlap, meeting.closing_speed, (damping, reduced), self.step);
             (acts, from) = (V::select(old, push, begins), V::select(old, force_before, onset));
+            push = V::select(old, push, force);
             let ended = law.end_all(before, force_before, -meeting.overlap, meeting.closing_speed, damping);
             let parting = V::select(old, ended.acts, zero);
             release = [parting * meeting.normal[0], parting * meeting.normal[1]];
             last = V::select(old, ended.last, zero);
+            for k in 0..2 {
+                let begun = (acts - push) * meeting.normal[k];
+                V::select(closed, begun, release[k]).store(&mut block.excess[k][n..]);
+            }
         }
         let mut force = [acts * meeting.normal[0], acts * meeting.normal[1]];
         let (mut twist, mut power) = (zero, zero);
@@ -222,8 +240,16 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
 
     #[inline(always)]
     fn give(&mut self, begin: usize, size: usize, block: &Block) {
-        let Piece { first, first_sphere, force, twist, spill, .. } = &mut self.piece;
+        let Piece { first, first_sphere, force, twist, spill, excess, .. } = &mut self.piece;
         let ends = &self.lines.ends[*first + begin..][..size];
+        if self.bonds[0].normal.loss.is_exact() {
+            for n in 0..size {
+                let beyond = [block.excess[0][n], block.excess[1][n]];
+                if beyond != [0.0; 2] {
+                    excess.extend(Excess::of_pair(ends[n], beyond));
+                }
+            }
+        }
         let twist = &mut twist[..force.len()];
         for n in 0..size {
             let [a, b] = ends[n].map(|end| end as usize - *first_sphere);

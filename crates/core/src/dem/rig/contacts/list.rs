@@ -45,6 +45,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             true => inherited(axis, &from),
             false => Vec::new(),
         });
+        let extra = inherited_rows(&self.extra, &from, if self.turning { self.more.count::<D>() } else { 0 });
         if !self.kept_pairs.is_empty() || !self.kept_faces.is_empty() {
             for c in (0..from.len()).filter(|&c| from[c] == NEW) {
                 let kept = match near.get(c) {
@@ -63,7 +64,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         }
         self.near = near;
         self.faces = faces;
-        (self.memory, self.account, self.stretch) = (memory, account, stretch);
+        (self.memory, self.account, self.stretch, self.extra) = (memory, account, stretch, extra);
         self.bind(rig, binder);
         self.share = match rig.mirrors.is_empty() {
             true => Vec::new(),
@@ -106,7 +107,13 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     fn bind<B: Binder<L>>(&mut self, rig: &Rig<D>, binder: &B) {
         let count = self.near.len() + self.faces.len();
-        let (near, faces, ends, face_factor) = (&self.near, &self.faces, &self.ends, self.face_factor);
+        let (near, faces, ends, flat_factor) = (&self.near, &self.faces, &self.ends, &self.flat_factor);
+        let own = |c: usize| match faces.get(c.wrapping_sub(near.len())).map(|face| face.facing) {
+            Some(Facing::Flat(f)) => {
+                Some((f, &rig.flats[f as usize].contact)).filter(|(_, contact)| !contact.is_usual())
+            }
+            _ => None,
+        };
         let met = |c: usize| match near.get(c) {
             Some(pair) => (pair.ends.map(|i| ends[i as usize]), 1.0),
             None => {
@@ -114,10 +121,14 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 let end = ends[face.sphere as usize];
                 // Where a flat stands for an equal sphere the closing speed counts double, and the mass that is slowed half.
                 let (mass, counted) = match face.facing {
-                    Facing::Flat(f) => (rig.flats[f as usize].mass, face_factor),
+                    Facing::Flat(f) => (rig.flats[f as usize].mass, flat_factor[f as usize]),
                     Facing::Mirror(_) => (end.mass, 1.0),
                 };
-                ([end, End { mass, ..end }], counted)
+                let face = match own(c).and_then(|(_, contact)| contact.material) {
+                    Some(material) => End { material, radius: f64::INFINITY, mass },
+                    None => End { mass, ..end },
+                };
+                ([end, face], counted)
             }
         };
         self.reduced = rows(count, |c| {
@@ -128,8 +139,12 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         let mut last = None;
         self.bond.clear();
         for c in 0..count {
-            // A face counts as a sphere like the one that it meets.
-            let key = near.get(c).map_or_else(|| [faces[c - near.len()].sphere; 2], |pair| pair.ends).map(class);
+            // A face counts as a sphere like the one that it meets, unless there is something of its own about it.
+            let key = match (near.get(c), own(c)) {
+                (Some(pair), _) => pair.ends.map(class),
+                (None, Some((flat, _))) => [class(faces[c - near.len()].sphere), OF_FLAT | flat],
+                (None, None) => [faces[c - near.len()].sphere; 2].map(class),
+            };
             // Most contacts have the law of the one before.
             let place = match last {
                 Some((known, place)) if known == key => place,
@@ -137,7 +152,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                     let next = self.bonds.len() as u32;
                     let place = *self.known_bonds.entry(key).or_insert(next);
                     if place == next {
-                        self.bonds.push(binder.bond(met(c).0));
+                        self.bonds.push(binder.bond(met(c).0, own(c).map(|(_, contact)| contact)));
                     }
                     place
                 }
@@ -154,6 +169,9 @@ struct Heritage {
     from: Vec<u32>,
     gone: Vec<usize>,
 }
+
+/// In the key of a kind of contact: its second end is no kind of sphere but this flat.
+const OF_FLAT: u32 = 1 << 31;
 
 /// No place in an old list.
 const NEW: u32 = u32::MAX;
@@ -194,6 +212,17 @@ impl Heritage {
 /// The rows that stood in these places; of new ones nothing.
 pub fn inherited<T: Copy + Default + Send + Sync>(old: &[T], from: &[u32]) -> Vec<T> {
     rows(from.len(), |c| old.get(from[c] as usize).copied().unwrap_or_default())
+}
+
+/// The same of rows of so many numbers each.
+fn inherited_rows(old: &[f64], from: &[u32], count: usize) -> Vec<f64> {
+    let mut rows = vec![0.0; from.len() * count];
+    if count > 0 {
+        for (row, &place) in rows.chunks_exact_mut(count).zip(from).filter(|(_, place)| **place != NEW) {
+            row.copy_from_slice(&old[place as usize * count..][..count]);
+        }
+    }
+    rows
 }
 
 /// 1/2 for a pair that lies in a mirror, on which both its spheres lie.

@@ -26,7 +26,7 @@ use std::collections::{BTreeMap, HashMap};
 pub(super) use account::Account;
 pub(super) use faces::{Facing, NearFace};
 pub(super) use react::Predicted;
-pub(super) use sweep::Sums;
+pub(super) use sweep::{Excess, Sums};
 
 use super::bodies::{Bodies, dot};
 use super::law::{Bond, Bonding, End};
@@ -35,6 +35,7 @@ use super::{Arm, Body, Rig};
 use crate::dem::share::parts;
 use crate::real::Width;
 use account::Accounts;
+use friction::{More, Row};
 use lanes::Lines;
 use sections::Sections;
 
@@ -86,6 +87,9 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     pub memory: Vec<L::Memory>,
     /// ξ, the tangential spring (m), along each axis; empty without friction.
     pub stretch: [Vec<f64>; D],
+    /// What friction remembers besides: `more.count()` numbers of each contact.
+    pub extra: Vec<f64>,
+    more: More,
     pub account: Accounts,
     /// Memories of contacts that are no longer near.
     pub kept_pairs: BTreeMap<PairKey<D>, Kept<L::Memory>>,
@@ -95,8 +99,10 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     pub lost_by_sphere: Vec<f64>,
     /// What contacts had borne when they were dropped, for the guards' next look.
     pub dropped: Vec<Strain>,
-    /// Overlap, closing and sliding of a contact with a flat over those of sphere and flat: 2 where a flat stands for an equal sphere.
-    face_factor: f64,
+    /// Overlap, closing and sliding of a contact with each flat over those of sphere and flat: 2 where it stands for an equal sphere.
+    flat_factor: Vec<f64>,
+    /// Whether it is of a material of its own.
+    flat_is_own: Vec<bool>,
     /// Kinds of spheres: those of one kind have the same laws.
     class: Vec<u32>,
     ends: Vec<End>,
@@ -153,18 +159,21 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             known_bonds: HashMap::new(),
             memory: Vec::new(),
             stretch: std::array::from_fn(|_| Vec::new()),
+            extra: Vec::new(),
+            more: More::of(rig),
             account: Accounts::default(),
             kept_pairs: BTreeMap::new(),
             kept_faces: BTreeMap::new(),
             lost: [0.0; 2],
             lost_by_sphere: vec![0.0; count],
             dropped: Vec::new(),
-            face_factor,
+            flat_is_own: rig.flats.iter().map(|flat| flat.contact.is_own()).collect(),
+            flat_factor: rig.flats.iter().map(|flat| if flat.contact.is_own() { 1.0 } else { face_factor }).collect(),
             class,
             lever: ends.iter().map(|end| if in_contact { 1.0 } else { end.radius }).collect(),
             radius: ends.iter().map(|end| end.radius).filter(|_| in_contact).collect(),
             ends,
-            turning: rig.laws.has_friction(),
+            turning: rig.has_friction(),
             overlap_limit: rig.overlap_limit,
             sections: Sections::of(&[], count),
             lines: Lines::default(),
@@ -195,7 +204,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     pub fn weight(&self, c: usize) -> f64 {
         match c.checked_sub(self.near.len()) {
             Some(f) => match self.faces[f].facing {
-                Facing::Flat(_) => self.faces[f].share / self.face_factor,
+                Facing::Flat(flat) => self.faces[f].share / self.flat_factor[flat as usize],
                 Facing::Mirror(_) => 0.5,
             },
             None => self.share(c),
@@ -205,7 +214,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// Overlap, closing and sliding of a contact over those of its two bodies.
     pub fn face_scale(&self, c: usize) -> f64 {
         match c.checked_sub(self.near.len()).map(|f| self.faces[f].facing) {
-            Some(Facing::Flat(_)) => self.face_factor,
+            Some(Facing::Flat(flat)) => self.flat_factor[flat as usize],
             Some(Facing::Mirror(_)) => 2.0,
             None => 1.0,
         }
@@ -214,7 +223,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// The same over those that records show: of a flat they show the sphere's own, of a mirror those of sphere and image.
     pub fn shown_scale(&self, c: usize) -> f64 {
         match c.checked_sub(self.near.len()).map(|f| self.faces[f].facing) {
-            Some(Facing::Flat(_)) => self.face_factor,
+            Some(Facing::Flat(flat)) => self.flat_factor[flat as usize],
             Some(Facing::Mirror(_)) | None => 1.0,
         }
     }
@@ -258,10 +267,14 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         L::greatest(&self.memory[c]).unwrap_or([self.account.overlap[c], self.account.force[c]])
     }
 
-    /// By what an overlap is judged (m): the sum of radii, a sphere's diameter at a face.
+    /// By what an overlap is judged (m): the sum of radii, a sphere's diameter at a face; its radius at a flat of a material of its own, into
+    /// which it goes as deep as two equal spheres into each other at twice the overlap.
     pub fn reach(&self, c: usize) -> f64 {
         match c.checked_sub(self.near.len()) {
-            Some(f) => 2.0 * self.faces[f].radius,
+            Some(f) => {
+                let own = matches!(self.faces[f].facing, Facing::Flat(flat) if self.flat_is_own[flat as usize]);
+                if own { self.faces[f].radius } else { 2.0 * self.faces[f].radius }
+            }
             None => self.near[c].reach,
         }
     }
@@ -330,12 +343,34 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// Force (N) of a contact's tangential spring.
     pub fn tangential(&self, c: usize) -> f64 {
+        if let Some(row) = self.row(c) {
+            return dot(&row.force(), &row.force()).sqrt();
+        }
         self.spring(c).map_or(0.0, |[stiffness, squared]| stiffness * squared.sqrt())
     }
 
-    /// ½ k_t ξ² (J), what a contact's tangential spring holds.
+    /// ½ k_t ξ² (J), what a contact's tangential springs hold, and that against rolling.
     pub fn tangential_stored(&self, c: usize) -> f64 {
-        self.spring(c).map_or(0.0, |[stiffness, squared]| 0.5 * stiffness * squared)
+        let slid = match self.row(c) {
+            Some(row) => row.stored(),
+            None => self.spring(c).map_or(0.0, |[stiffness, squared]| 0.5 * stiffness * squared),
+        };
+        let rolled = self.more.rolled(self.extra_of(c)).map_or(0.0, |rolled| {
+            0.5 * self.bonds[self.bond[c] as usize].slip.stiffness_at(self.account.overlap[c]) * dot(rolled, rolled)
+        });
+        slid + rolled
+    }
+
+    /// What friction remembers of a contact besides.
+    fn extra_of(&self, c: usize) -> &[f64] {
+        let count = self.more.count::<D>();
+        self.extra.get(c * count..(c + 1) * count).unwrap_or(&[])
+    }
+
+    /// The row of springs of a contact whose friction is spread over it.
+    fn row(&self, c: usize) -> Option<Row<'_, D>> {
+        let slip = &self.bonds[self.bond[c] as usize].slip;
+        (self.turning && slip.spread).then(|| Row::of(slip, self.more.springs(self.extra_of(c))))
     }
 
     /// Whether there are tangential springs.

@@ -12,7 +12,7 @@ use crate::dem::rig::turns::Turns;
 use crate::real::Lanes;
 
 use super::account::Account;
-use super::friction::{Grip, coulomb};
+use super::friction::{Grip, Held, coulomb, spread};
 
 /// The velocities at which forces are asked for, and the step that led here.
 #[derive(Clone, Copy)]
@@ -29,7 +29,11 @@ pub struct Predicted<'a, const D: usize> {
 #[derive(Clone, Copy, Debug)]
 pub struct Reaction<const D: usize> {
     pub force: [f64; D],
+    /// The part of it that is no force of this state, but an impulse over the step in which the contact began or ended.
+    pub excess: [f64; D],
     pub twist: [f64; 3],
+    /// The couple on the second end that resists rolling (N m); the first has the opposite.
+    pub roll: [f64; 3],
     /// By what each end's couple is multiplied besides its `lever`.
     pub arms: [f64; 2],
 }
@@ -159,6 +163,15 @@ impl<const D: usize> Motion<'_, D> {
     }
 }
 
+/// How far one end has turned against the other during a step, and on which radius it rolls.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rolls {
+    /// R_r (m)
+    pub radius: f64,
+    /// By what the first end has turned more than the second (rad).
+    pub turned: [f64; 3],
+}
+
 /// The reaction of two spheres and what the contact remembers then, if they overlap or have just parted.
 #[inline(always)]
 pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
@@ -166,6 +179,7 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     motion: Motion<D>,
     (bond, reduced): (&Bond<L>, f64),
     past: &Past<L::Memory, D>,
+    mut held: Held<'_>,
 ) -> Option<(Reaction<D>, Past<L::Memory, D>)> {
     let Predicted { velocity, turn, step, .. } = motion.predicted;
     let Near { ends: [a, b], offset, gap, reach, .. } = *near;
@@ -186,9 +200,10 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     }
     let mut meeting = meet::<f64, D>((&between, excess), reach, &approach, &[0.0; 3]);
     if !closed {
+        held.numbers.fill(0.0);
         return Some(release::<D, L>(&meeting, (bond, reduced), past, step));
     }
-    let (mut arms, mut way) = ([1.0; 2], [0.0; D]);
+    let (mut arms, mut way, mut rolls) = ([1.0; 2], [0.0; D], Rolls::default());
     if TURNING {
         arms = motion.arms.of([a, b], meeting.overlap);
         let together =
@@ -200,11 +215,16 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
             // Half a step ago, where the mean velocities hold.
             let middle: [f64; D] = std::array::from_fn(|k| between[k] + 0.5 * step * approach[k]);
             let distance = dot(&middle, &middle).sqrt();
-            let turn = together(motion.mean_turn(a), motion.mean_turn(b));
+            let turned = [motion.mean_turn(a), motion.mean_turn(b)];
+            if bond.slip.rolling > 0.0 {
+                let turned = std::array::from_fn(|k| (turned[0][k] - turned[1][k]) * step);
+                rolls = Rolls { radius: bond.slip.rolling_radius, turned };
+            }
+            let turn = together(turned[0], turned[1]);
             way = sliding(&approach, &turn, &middle.map(|x| x / distance)).map(|u| u * step);
         }
     }
-    let (reaction, past) = react::<D, L, TURNING>(&meeting, &way, (bond, reduced), past, step);
+    let (reaction, past) = react::<D, L, TURNING>(&meeting, (&way, rolls), (bond, reduced), past, (&mut held, step));
     Some((Reaction { arms, ..reaction }, past))
 }
 
@@ -226,21 +246,24 @@ pub fn release<const D: usize, L: Bonding>(
     let before = [account.overlap, account.force];
     let Ended { acts, last } = bond.normal.end(before, -meeting.overlap, meeting.closing_speed, reduced, &memory);
     account.open(last, step);
-    let reaction = Reaction { force: meeting.normal.map(|n| acts * n), twist: [0.0; 3], arms: [1.0; 2] };
-    (reaction, Past { memory, stretch: [0.0; D], account })
+    let force = meeting.normal.map(|n| acts * n);
+    (
+        Reaction { force, excess: force, twist: [0.0; 3], roll: [0.0; 3], arms: [1.0; 2] },
+        Past { memory, stretch: [0.0; D], account },
+    )
 }
 
-/// Normal and tangential force of a closed contact, whose ends slid by `way` (m) during the step, and what it remembers then.
+/// Normal and tangential force of a closed contact, whose ends slid by `way` (m) and rolled during the step, and what it remembers then.
 #[inline(always)]
 pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
     meeting: &Meeting<f64, D>,
-    way: &[f64; D],
+    (way, rolls): (&[f64; D], Rolls),
     (bond, reduced): (&Bond<L>, f64),
     past: &Past<L::Memory, D>,
-    step: f64,
+    (held, step): (&mut Held<'_>, f64),
 ) -> (Reaction<D>, Past<L::Memory, D>) {
     let Meeting { overlap, closing_speed, normal, .. } = meeting;
-    let (mut twist, mut stretch, mut account) = ([0.0; 3], past.stretch, past.account);
+    let (mut twist, mut roll, mut stretch, mut account) = ([0.0; 3], [0.0; 3], past.stretch, past.account);
     let (push, acts, memory) = if past.account.overlap > 0.0 {
         let (push, memory) = bond.normal.respond(*overlap, *closing_speed, reduced, &past.memory);
         (push, push, memory)
@@ -251,7 +274,7 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
         (force, acts, memory)
     };
     let mut force = normal.map(|n| acts * n);
-    if TURNING && bond.slip.coefficient > 0.0 {
+    if TURNING && (bond.slip.coefficient > 0.0 || bond.slip.rolling > 0.0) {
         let slip = &bond.slip;
         let damping = slip.rate * reduced;
         if by_grip::<D, L>() {
@@ -271,17 +294,35 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
                 true => *overlap / (*closing_speed * step),
                 false => 1.0,
             };
-            let rubbed = coulomb(slip, damping, meeting, (push, &way.map(|x| since * x)), (&account, &stretch), step);
+            let slipped = (push, &way.map(|x| since * x));
+            let mut rubbed = match held.springs(slip) {
+                Some(springs) => spread(slip, (*overlap, normal), slipped, &account, springs),
+                None => coulomb(slip, (*overlap, normal), slipped, (&account, &stretch)),
+            };
+            if damping > 0.0 {
+                rubbed.damp(slip.coefficient * push.abs(), damping, &meeting.sliding(), (account.power, step));
+            }
             for k in 0..D {
                 force[k] += rubbed.drag[k];
             }
             (twist, stretch) = (cross(&rubbed.drag, normal), rubbed.stretch);
             account.friction_work += rubbed.work;
             account.power = rubbed.power;
+            if let Some(rolled) = held.rolled(slip) {
+                let upright: [f64; 3] = std::array::from_fn(|k| if k < D { normal[k] } else { 0.0 });
+                let about = dot(&rolls.turned, &upright);
+                // The part about the normal is no rolling.
+                let way = std::array::from_fn(|k| since * rolls.radius * (rolls.turned[k] - about * upright[k]));
+                let resists = coulomb(&slip.of_rolling(), (*overlap, &upright), (push, &way), (&account, rolled));
+                *rolled = resists.stretch;
+                roll = resists.drag.map(|force| rolls.radius * force);
+                account.friction_work += resists.work;
+            }
         }
     }
     account.push(*overlap, push);
-    (Reaction { force, twist, arms: [1.0; 2] }, Past { memory, stretch, account })
+    let excess = normal.map(|n| (acts - push) * n);
+    (Reaction { force, excess, twist, roll, arms: [1.0; 2] }, Past { memory, stretch, account })
 }
 
 impl<const D: usize> Meeting<f64, D> {

@@ -5,7 +5,7 @@
 //! Which sections there are depends on the pairs alone, so that sums are the same for any number of threads.
 
 use super::account::AccountRows;
-use super::sweep::Sums;
+use super::sweep::{Excess, Sums};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::turns::Turns;
 use crate::dem::share::{cut, each_of};
@@ -37,6 +37,7 @@ pub struct Sections<const D: usize> {
     sections: Vec<Section>,
     /// What each has laid by.
     spills: Vec<Vec<Spill<D>>>,
+    excesses: Vec<Vec<Excess<D>>>,
 }
 
 /// One section at work: rows of its pairs from `first` on, of its spheres from `first_sphere` on.
@@ -46,12 +47,15 @@ pub struct Piece<'a, const D: usize, M> {
     pub memory: &'a mut [M],
     pub account: AccountRows<'a>,
     pub stretch: [&'a mut [f64]; D],
+    /// Of each pair as many numbers as its friction remembers besides.
+    pub extra: &'a mut [f64],
     pub force: &'a mut [[f64; D]],
     /// Numbers of a [`Turns`]: couples per lever arm while pairs are at work, torques in the end.
     pub twist: &'a mut [f64],
     /// Radii (m) of its spheres.
     pub lever: &'a [f64],
     pub spill: &'a mut Vec<Spill<D>>,
+    pub excess: &'a mut Vec<Excess<D>>,
 }
 
 impl<const D: usize> Sections<D> {
@@ -69,7 +73,8 @@ impl<const D: usize> Sections<D> {
                 Section { pairs: near.partition_point(|pair| (pair.ends[0] as usize) < sphere), spheres: sphere }
             })
             .collect();
-        Self { spills: vec![Vec::new(); sections.len()], sections }
+        let count = sections.len();
+        Self { sections, spills: vec![Vec::new(); count], excesses: vec![Vec::new(); count] }
     }
 
     /// Lets every section do its part, from zero on. `work` adds up the forces on its spheres, with `TURNING` their torques too, and
@@ -78,7 +83,7 @@ impl<const D: usize> Sections<D> {
         &mut self,
         mut memory: &mut [M],
         mut account: AccountRows<'_>,
-        stretch: &mut [Vec<f64>; D],
+        (stretch, mut extra): (&mut [Vec<f64>; D], &mut [f64]),
         lever: &[f64],
         sums: &mut Sums<D>,
         work: impl Fn(Piece<'_, D, M>) + Sync,
@@ -90,11 +95,16 @@ impl<const D: usize> Sections<D> {
             }
             work(piece);
         };
+        let pairs = self.sections.last().map_or(0, |section| section.pairs);
+        let each = extra.len() / pairs.max(1);
         let mut stretch = stretch.each_mut().map(|axis| axis.as_mut_slice());
         let (mut force, mut twist) = (&mut sums.force[..], sums.torque.numbers_mut());
         let (mut first, mut first_sphere) = (0, 0);
-        let pieces = self.sections.iter().zip(&mut self.spills).map(|(section, spill)| {
+        sums.excess.clear();
+        let laid_by = self.spills.iter_mut().zip(&mut self.excesses);
+        let pieces = self.sections.iter().zip(laid_by).map(|(section, (spill, excess))| {
             spill.clear();
+            excess.clear();
             let (pairs, spheres) = (section.pairs - first, section.spheres - first_sphere);
             let piece = Piece {
                 first,
@@ -102,19 +112,23 @@ impl<const D: usize> Sections<D> {
                 memory: cut(&mut memory, pairs),
                 account: account.cut(pairs),
                 stretch: stretch.each_mut().map(|axis| cut(axis, if TURNING { pairs } else { 0 })),
+                extra: cut(&mut extra, pairs * each),
                 force: cut(&mut force, spheres),
                 twist: cut(&mut twist, spheres * Turns::<D>::AXES),
                 lever: &lever[first_sphere..section.spheres],
                 spill,
+                excess,
             };
             (first, first_sphere) = (section.pairs, section.spheres);
             piece
         });
         if self.sections.len() == 1 {
             pieces.for_each(work);
+            sums.excess.append(&mut self.excesses[0]);
             return;
         }
         each_of(pieces.collect(), work);
+        self.excesses.iter_mut().for_each(|excess| sums.excess.append(excess));
         for Spill { sphere, force, twist } in self.spills.iter().flatten() {
             let i = *sphere as usize;
             for k in 0..D {

@@ -4,14 +4,15 @@ use std::any::Any;
 
 use super::Contacts;
 use super::faces::{Facing, NearFace, Standing};
+use super::friction::Held;
 use super::lanes::{Disks, Sweep};
-use super::react::{Arms, Meeting, Motion, Past, Predicted, Reaction, react, react_pair, release, sliding};
+use super::react::{Arms, Meeting, Motion, Past, Predicted, Reaction, Rolls, react, react_pair, release, sliding};
 use super::sections::{Piece, Spill};
-use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::{Bodies, dot};
 use crate::dem::rig::dashpot::SpringDashpot;
 use crate::dem::rig::law::Bonding;
 use crate::dem::rig::turns::{self, Turns};
+use crate::dem::rig::{Body, Rig};
 
 /// Force sums on all bodies.
 #[derive(Clone, Debug)]
@@ -19,11 +20,34 @@ pub struct Sums<const D: usize> {
     pub force: Vec<[f64; D]>,
     pub torque: Turns<D>,
     pub flat: Vec<[f64; D]>,
+    /// What in these sums is no force of the state, but an impulse over the step; see [`SpringDashpot`].
+    pub excess: Vec<Excess<D>>,
+}
+
+/// By how much (N) what acts on a body over one step exceeds the force of a contact, where that has just begun or ended.
+#[derive(Clone, Copy, Debug)]
+pub struct Excess<const D: usize> {
+    pub body: Body,
+    pub force: [f64; D],
+}
+
+impl<const D: usize> Excess<D> {
+    /// On both ends of a pair, of which the second is pushed by `force`.
+    #[inline(always)]
+    pub fn of_pair(ends: [u32; 2], force: [f64; D]) -> [Self; 2] {
+        let [a, b] = ends.map(|end| Body::Sphere(end as usize));
+        [Self { body: a, force: force.map(|f| -f) }, Self { body: b, force }]
+    }
 }
 
 impl<const D: usize> Sums<D> {
     pub fn new(spheres: usize, flats: usize) -> Self {
-        Self { force: vec![[0.0; D]; spheres], torque: Turns::still(spheres), flat: vec![[0.0; D]; flats] }
+        Self {
+            force: vec![[0.0; D]; spheres],
+            torque: Turns::still(spheres),
+            flat: vec![[0.0; D]; flats],
+            excess: Vec::new(),
+        }
     }
 }
 
@@ -54,12 +78,15 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     fn sweep_any<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
         let Self { near, share, bond, reduced, bonds, memory, stretch, account, lever, radius, sections, .. } = self;
+        let each = self.more.count::<D>();
+        let extra = if TURNING { &mut self.extra[..each * near.len()] } else { &mut [] };
         let (near, share, bond, reduced) = (&near[..], &share[..], &bond[..], &reduced[..]);
         let (bonds, lever) = (&bonds[..], &lever[..]);
         let motion = Motion { bodies, lever, arms: arms(radius), predicted };
-        sections.run::<_, TURNING>(memory, account.rows(), stretch, lever, sums, |piece| {
-            let Piece { first, first_sphere, memory, mut account, stretch, .. } = piece;
-            let Piece { force: sum, twist: couple, lever, spill, .. } = piece;
+        let more = self.more;
+        sections.run::<_, TURNING>(memory, account.rows(), (stretch, extra), lever, sums, |piece| {
+            let Piece { first, first_sphere, memory, mut account, stretch, extra, .. } = piece;
+            let Piece { force: sum, twist: couple, lever, spill, excess: beyond, .. } = piece;
             for n in 0..account.overlap.len() {
                 let c = first + n;
                 let share = if share.is_empty() { 1.0 } else { share[c] };
@@ -69,8 +96,9 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                     account: account.at(n),
                 };
                 let law = (&bonds[bond[c] as usize], reduced[c]);
-                let reaction = react_pair::<D, L, TURNING>(&near[c], motion, law, &past);
-                let Some((Reaction { force, twist, arms }, now)) = reaction else { continue };
+                let held = Held { more, numbers: if TURNING { &mut extra[n * each..][..each] } else { &mut [] } };
+                let reaction = react_pair::<D, L, TURNING>(&near[c], motion, law, &past, held);
+                let Some((Reaction { force, excess, twist, roll, arms }, now)) = reaction else { continue };
                 (memory[n], _) = (now.memory, account.put(n, now.account));
                 if TURNING {
                     for k in 0..D {
@@ -78,18 +106,25 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                     }
                 }
                 let (force, twist) = (force.map(|f| share * f), twist.map(|f| share * f));
+                let roll = roll.map(|couple| share * couple);
+                if excess != [0.0; D] {
+                    beyond.extend(Excess::of_pair(near[c].ends, excess.map(|f| share * f)));
+                }
                 let [a, b] = near[c].ends.map(|end| end as usize - first_sphere);
                 add(&mut sum[a], -1.0, &force);
                 if TURNING {
                     turns::add::<D>(couple, a, arms[0], &twist);
+                    turns::add::<D>(couple, a, -1.0, &roll);
                 }
                 if b < sum.len() {
                     add(&mut sum[b], 1.0, &force);
                     if TURNING {
                         turns::add::<D>(couple, b, arms[1], &twist);
+                        turns::add::<D>(couple, b, 1.0, &roll);
                     }
                 } else {
-                    spill.push(Spill { sphere: near[c].ends[1], force, twist: twist.map(|couple| arms[1] * couple) });
+                    let twist = std::array::from_fn(|k| arms[1] * twist[k] + roll[k]);
+                    spill.push(Spill { sphere: near[c].ends[1], force, twist });
                 }
             }
             if TURNING {
@@ -157,16 +192,19 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             let meeting = Meeting { overlap, closing_speed, normal, approach, turn: [0.0; 3] };
             let past = Past { memory: self.memory[c], stretch: [0.0; D], account: row };
             let law = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
-            let (Reaction { force, .. }, now) = release::<D, L>(&meeting, law, &past, predicted.step);
+            let (Reaction { force, excess, .. }, now) = release::<D, L>(&meeting, law, &past, predicted.step);
             row = now.account;
             let force = force.map(|f| share * f);
             add(&mut sums.force[i], 1.0, &force);
             if let Some(flat) = flat {
                 add(&mut sums.flat[flat], -1.0, &force);
             }
+            sums.exceed(i, flat, excess.map(|f| share * f));
         }
         self.account.put(c, row);
         self.stretch.iter_mut().filter_map(|axis| axis.get_mut(c)).for_each(|part| *part = 0.0);
+        let each = self.more.count::<D>();
+        self.extra.iter_mut().skip(c * each).take(each).for_each(|part| *part = 0.0);
     }
 
     fn face_reacts<const TURNING: bool>(
@@ -203,16 +241,23 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         let step = predicted.step;
         let arm = if self.radius.is_empty() { 1.0 } else { distance };
         let slips = flat.filter(|_| TURNING);
-        let (Reaction { force, twist, .. }, now) = if let Some(flat) = slips {
+        let each = self.more.count::<D>();
+        let numbers = if TURNING { &mut self.extra[c * each..][..each] } else { &mut [] };
+        let mut held = Held { more: self.more, numbers };
+        let (Reaction { force, excess, twist, roll, .. }, now) = if let Some(flat) = slips {
             let motion = Motion { bodies, lever: &self.lever, arms: arms(&self.radius), predicted };
             meeting.turn = predicted.turn.get(i).map(|turn| factor * arm * turn);
             let before = &bodies.flat_velocity[flat];
             let of_flat = std::array::from_fn(|k| 0.5 * (before[k] + predicted.flat_velocity[flat][k]));
-            let turn = motion.mean_turn(i).map(|turn| factor * arm * turn);
+            let turned = motion.mean_turn(i);
+            // Against a flat a sphere rolls on its own radius; as for sliding, all that one sphere does counts twice where the flat stands for another.
+            let rolls =
+                Rolls { radius: factor * law.0.slip.rolling_radius, turned: turned.map(|turn| -factor * turn * step) };
+            let turn = turned.map(|turn| factor * arm * turn);
             let way = sliding(&moving(&motion.mean_velocity(i), &of_flat), &turn, &normal).map(|u| u * step);
-            react::<D, L, true>(&meeting, &way, law, &past, step)
+            react::<D, L, true>(&meeting, (&way, rolls), law, &past, (&mut held, step))
         } else {
-            react::<D, L, false>(&meeting, &still, law, &past, step)
+            react::<D, L, false>(&meeting, (&still, Rolls::default()), law, &past, (&mut held, step))
         };
         (self.memory[c], _) = (now.memory, self.account.put(c, now.account));
         if TURNING {
@@ -224,9 +269,22 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         add(&mut sums.force[i], 1.0, &force);
         if slips.is_some() {
             sums.torque.add(i, self.lever[i] * arm, &twist.map(|f| share * f));
+            sums.torque.add(i, 1.0, &roll.map(|couple| share * couple));
         }
         if let Some(flat) = flat {
             add(&mut sums.flat[flat], -1.0, &force);
+        }
+        sums.exceed(i, flat, excess.map(|f| share * f));
+    }
+}
+
+impl<const D: usize> Sums<D> {
+    /// Notes the excess of a contact of a sphere with a flat, or with its image.
+    fn exceed(&mut self, sphere: usize, flat: Option<usize>, force: [f64; D]) {
+        if force != [0.0; D] {
+            self.excess.push(Excess { body: Body::Sphere(sphere), force });
+            let on_flat = |flat| Excess { body: Body::Flat(flat), force: force.map(|f| -f) };
+            self.excess.extend(flat.map(on_flat));
         }
     }
 }
@@ -266,7 +324,7 @@ impl Contacts<2, SpringDashpot> {
     fn sweep_kind<const TURNING: bool, const SPRING: bool>(&mut self, step: f64, disks: Disks<'_>, sums: &mut Sums<2>) {
         let Self { lines, lever, bonds, bond, reduced, memory, stretch, account, sections, width, .. } = self;
         let (lines, bonds, bond, reduced) = (&*lines, &bonds[..], &bond[..], &reduced[..]);
-        sections.run::<_, TURNING>(memory, account.rows(), stretch, lever, sums, |piece| {
+        sections.run::<_, TURNING>(memory, account.rows(), (stretch, &mut []), lever, sums, |piece| {
             width.run(Sweep::<TURNING, SPRING> { lines, disks, bonds, bond, reduced, piece, step });
         });
     }

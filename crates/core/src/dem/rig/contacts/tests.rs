@@ -28,7 +28,7 @@ fn jostled(
             material: usize::from(i % 20 == 3),
         })
         .collect();
-    let friction = |spring| Some(Friction { coefficient: 0.3, spring, damping: 0.7 });
+    let friction = |spring| Some(Friction { coefficient: 0.3, spring, damping: 0.7, rolling: 0.0 });
     let materials = losses.into_iter().zip(grip).map(|(loss, spring)| (loss, friction(spring))).collect::<Vec<_>>();
     let binder = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut };
     let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut, arm: Arm::Radius };

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::{Machine, flat_weight};
+use crate::dem::rig::contacts::Excess;
 use crate::dem::rig::law::{Binder, Bonding};
 use crate::dem::rig::{Body, LoadKind, Rig};
 
@@ -132,6 +133,42 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
                 displacement[k] += 0.5 * h * h * push;
                 trial[k] += h * push;
                 self.work_in += weight * act.force[k] * (displacement[k] - act.from[k]);
+            }
+        }
+    }
+
+    /// Impulses of contacts that began or ended within the step, as if they had stood in the implicit equation of the new velocity.
+    pub fn give_impulses(&mut self, rig: &Rig<D>, h: f64, impulses: &[Excess<D>]) {
+        for Excess { body, force } in impulses {
+            if let Some(Act { prescribed: Some([moved, _]), .. }) = self.acts.iter().find(|act| act.body == *body) {
+                self.work_in -= (0..D).map(|k| force[k] * moved[k]).sum::<f64>();
+                continue;
+            }
+            let bodies = &mut self.bodies;
+            let (velocity, acceleration, inverse, rates, mass) = match *body {
+                Body::Sphere(i) => (
+                    &mut bodies.velocity[i],
+                    &mut bodies.acceleration[i],
+                    &bodies.inverse_mass[i],
+                    bodies.damping.get(i).copied().unwrap_or([0.0; D]),
+                    rig.mass[i] * bodies.weight[i],
+                ),
+                Body::Flat(f) => (
+                    &mut bodies.flat_velocity[f],
+                    &mut bodies.flat_acceleration[f],
+                    &bodies.flat_inverse_mass[f],
+                    bodies.flat_damping[f],
+                    rig.flats[f].mass * flat_weight(rig),
+                ),
+            };
+            for k in 0..D {
+                let gained = h * force[k] * inverse[k] / (1.0 + 0.5 * h * rates[k]);
+                if rates[k] > 0.0 {
+                    let (old, new) = (velocity[k], velocity[k] + gained);
+                    self.absorbed += 0.5 * h * mass * rates[k] * (new * new - old * old);
+                    acceleration[k] -= rates[k] * gained;
+                }
+                velocity[k] += gained;
             }
         }
     }

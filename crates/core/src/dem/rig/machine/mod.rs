@@ -15,7 +15,7 @@ use std::ops::Range;
 use acts::{Act, Loaded};
 
 use super::bodies::{Bodies, dot};
-use super::contacts::{Contacts, Predicted, Sums};
+use super::contacts::{Contacts, Excess, Predicted, Sums};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
 use super::pairs::Finder;
@@ -58,7 +58,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         let finder = Finder::new(rig);
         let contacts = Contacts::new(rig, face_factor);
         let (spheres, flats) = (rig.sample.spheres.len(), rig.flats.len());
-        let turning = rig.laws.has_friction();
+        let turning = rig.has_friction();
         Self {
             seen: bodies.displacement.clone(),
             flat_seen: bodies.flat_moved.clone(),
@@ -144,10 +144,30 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             Predicted { velocity: trial, turn: trial_turn, flat_velocity: flat_trial, step: h },
             sums,
         );
+        let impulses = self.part_impulses();
         self.kick(rig, h);
+        self.give_impulses(rig, h, &impulses);
         self.finish_acts(rig, h);
         self.move_clusters(rig, h);
+        // Its room is used again.
+        self.sums.excess = impulses;
         self.count += 1;
+    }
+
+    /// Takes out of the sums what is no force of this state but an impulse. Members of clusters keep it among their forces.
+    fn part_impulses(&mut self) -> Vec<Excess<D>> {
+        let Self { sums, bodies, .. } = self;
+        let mut impulses = std::mem::take(&mut sums.excess);
+        impulses.retain(|Excess { body, force }| {
+            let sum = match *body {
+                Body::Sphere(i) if bodies.clustered[i].is_some() => return false,
+                Body::Sphere(i) => &mut sums.force[i],
+                Body::Flat(f) => &mut sums.flat[f],
+            };
+            (0..D).for_each(|k| sum[k] -= force[k]);
+            true
+        });
+        impulses
     }
 
     /// Clusters take up the forces on their members, and the members their motion.
@@ -185,8 +205,8 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         for (f, flat) in rig.flats.iter().enumerate().filter(|(_, flat)| flat.mass.is_finite()) {
             let velocity = &bodies.flat_velocity[f];
             ledger.kinetic += 0.5 * flat.mass * whole * dot(velocity, velocity);
-            let acceleration = &bodies.flat_acceleration[f];
-            ledger.held_back += eighth * flat.mass * whole * dot(acceleration, acceleration);
+            let driven = driven_squared(&bodies.flat_acceleration[f], velocity, &bodies.flat_damping[f]);
+            ledger.held_back += eighth * flat.mass * whole * driven;
             for k in 0..D {
                 if bodies.flat_inverse_mass[f][k] > 0.0 {
                     ledger.potential -= flat.mass * whole * rig.gravity[k] * bodies.flat_moved[f][k];
@@ -211,14 +231,15 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         ledger
     }
 
-    /// Kinetic and potential energy of some spheres, those of clusters apart, and Σ m a².
+    /// Kinetic and potential energy of some spheres, those of clusters apart, and Σ m (b² − λ² v²), see [`driven_squared`].
     fn motion(&self, rig: &Rig<D>, spheres: Range<usize>) -> [f64; 3] {
         let bodies = &self.bodies;
         let (mut kinetic, mut potential, mut pushed) = (0.0, 0.0, 0.0);
         for i in spheres.filter(|&i| bodies.clustered[i].is_none()) {
             let mass = rig.mass[i] * bodies.weight[i];
             kinetic += 0.5 * mass * bodies.speed_squared(i);
-            pushed += mass * dot(&bodies.acceleration[i], &bodies.acceleration[i]);
+            let rates = bodies.damping.get(i).copied().unwrap_or([0.0; D]);
+            pushed += mass * driven_squared(&bodies.acceleration[i], &bodies.velocity[i], &rates);
             if self.turning {
                 let spin = &bodies.spin.get(i);
                 kinetic += 0.5 * rig.inertia[i] * bodies.weight[i] * dot(spin, spin);
@@ -258,6 +279,12 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         self.at_hand = ledger.at_hand;
         ledger
     }
+}
+
+/// b² − λ² v² (m²/s⁴) of a body that is driven with b and damped at rates λ, so that its acceleration is a = b − λ v: with bars and drag
+/// answered by Crank and Nicolson's rule, it is this whose change a step's balance is out by, times h² m/8. Without them it is a².
+fn driven_squared<const D: usize>(acceleration: &[f64; D], velocity: &[f64; D], rates: &[f64; D]) -> f64 {
+    (0..D).map(|k| acceleration[k] * (acceleration[k] + 2.0 * rates[k] * velocity[k])).sum()
 }
 
 /// The part of each flat that is simulated: every mirror of a rig halves its flats.
