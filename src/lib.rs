@@ -27,6 +27,7 @@ pub mod setup;
 pub mod trial;
 pub mod study;
 pub mod export;
+pub mod page;
 pub mod report;
 pub mod tolerance;
 pub mod gate;

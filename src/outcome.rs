@@ -14,7 +14,7 @@ use crate::lattice::Site;
 use crate::layout::Bill;
 use crate::lens::Prescription;
 pub use crate::score::Scores;
-use crate::score::Spreads;
+use crate::score::{Better, Measure, Spreads};
 use crate::target::Target;
 
 /// Format number of every JSON file of results.
@@ -35,11 +35,14 @@ pub struct Method {
     /// The commit that it was built from.
     #[serde(default = "unknown")]
     pub commit: String,
-    /// Contact law.
+    /// Contact law; `several` where pairs have laws of their own.
+    #[serde(default)]
     pub law: String,
-    /// Set of fitted constants.
-    pub constants: String,
+    /// Set of fitted constants, where the law has one.
+    #[serde(default)]
+    pub constants: Option<String>,
     /// Integrator.
+    #[serde(default)]
     pub integrator: String,
     /// Step (s).
     pub step_s: f64,
@@ -61,10 +64,10 @@ impl Method {
     /// In a line, as every command that simulates prints it.
     pub fn words(&self) -> String {
         use crate::units::Dimension::Time;
+        let constants = self.constants.as_ref().map_or(String::new(), |constants| format!(", constants {constants}"));
         format!(
-            "law {}, constants {}; {}, step {} ({}), window {} ({})",
+            "law {}{constants}; {}, step {} ({}), window {} ({})",
             self.law,
-            self.constants,
             self.integrator,
             Time.show(self.step_s),
             self.step_reason,
@@ -128,6 +131,9 @@ pub struct Manifest {
     pub design_file: String,
     /// Its text.
     pub design: String,
+    /// The command that gives the same numbers, where one was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
     /// What strikes the crystal, in words: `26 kN for 20 us on every sphere of row 1`.
     pub impact: String,
     /// First random seed and number of seeds.
@@ -302,7 +308,7 @@ pub struct Checked {
     /// The piece to be built, both halves.
     pub piece: Bill,
     /// The simulated half.
-    pub half: Bill,
+    pub half: Option<Bill>,
     /// With what, and how.
     #[serde(flatten)]
     pub method: Method,
@@ -373,7 +379,25 @@ pub enum Word {
     Undecided,
 }
 
+/// The part by which scores under a single force have to differ to tell more than the force's chance: twice what scores of one layout
+/// scatter by, and a little.
+const DECIDED: f64 = 0.04;
+
 impl Word {
+    /// Of a score against another, with the standard deviation of their difference; none with one force.
+    pub fn of(measure: Measure, value: f64, other: f64, spread: Option<f64>) -> Self {
+        let (near, unclear) = match spread {
+            Some(spread) => ((value - other).abs() <= 2.0 * spread, Self::Equal),
+            None => ((value - other).abs() <= DECIDED * other.abs(), Self::Undecided),
+        };
+        match measure.better() {
+            _ if near => unclear,
+            Better::Smaller if value < other => Self::Better,
+            Better::Greater if value > other => Self::Better,
+            _ => Self::Worse,
+        }
+    }
+
     /// As it is written.
     pub const fn name(self) -> &'static str {
         match self {

@@ -118,7 +118,7 @@ impl BedFile {
     /// Reads and checks a bed file.
     ///
     /// # Errors
-    /// The file cannot be read, or the first thing that is wrong with it.
+    /// The file cannot be read, or what is wrong with it, the first thing and the others.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DocumentError> {
         let path = path.as_ref();
         Self::parse(path, &document::text(path)?)
@@ -127,9 +127,13 @@ impl BedFile {
     /// Checks the text of a bed file; `path` is named in messages, and a bed's file is looked for beside it.
     ///
     /// # Errors
-    /// The first thing that is wrong with it.
+    /// What is wrong with it, the first thing and the others.
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self, DocumentError> {
         let path = path.as_ref();
+        document::all(Source { path, text, examples: EXAMPLES }, |text| Self::check(path, text))
+    }
+
+    fn check(path: &Path, text: &str) -> Result<Self, DocumentError> {
         let source = Source { path, text, examples: EXAMPLES };
         let other = || document::expect(source, document::Kind::Bed);
         let root = document::parse(source).or_else(|error| other().and(Err(error)))?;
@@ -458,5 +462,14 @@ mod tests {
             assert_eq!(error.to_string(), fault);
             assert!(!error.help.is_empty());
         }
+    }
+
+    #[test]
+    fn all_faults_are_told_at_once() {
+        let text =
+            BED.replace("width = 100", "width = 1").replace("\"disk\"", "\"dis\"").replace("speed = 0.7", "speed = 70");
+        let error = BedFile::parse("bed.toml", &text).unwrap_err();
+        let lines: Vec<_> = std::iter::once(&error).chain(error.others()).map(|error| error.line).collect();
+        assert_eq!(lines, [Some(5), Some(8), Some(10)], "{:?}", error.others());
     }
 }

@@ -7,7 +7,8 @@ use granulens::dem::{
     BatchError, Impact, Phases, simulate, simulate_batch, simulate_batch_timed, simulate_batch_with_friction, steps_in,
 };
 use granulens::design::{Accuracy, Design};
-use granulens::evaluate::{Comparison, impact};
+use granulens::evaluate::{Comparison, impact, method};
+use granulens::outcome::Method;
 use granulens::real::Width;
 use granulens::sample::{Sample, Sphere};
 use granulens::search::Dice;
@@ -49,9 +50,10 @@ fn accuracy(text: &str) -> Result<Accuracy, String> {
 struct Figures {
     format: u32,
     design: String,
+    /// With what, and how.
+    #[serde(flatten)]
+    method: Method,
     spheres: usize,
-    step_s: f64,
-    window_s: f64,
     steps: u64,
     threads: usize,
     lanes: usize,
@@ -163,7 +165,8 @@ impl Bench {
         let overrides = self.motion.overrides(common);
         let comparison = Comparison::of_lens(&design, &lens, overrides)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
-        note(common, &format!("step: {}", comparison.plan.step_reason));
+        let method = method(&design, &comparison.plan);
+        note(common, &method.words());
         let impact = impact(&design, &comparison.plan);
         let sample = comparison.subject.sample();
         let width = Width::widest();
@@ -191,8 +194,7 @@ impl Bench {
             format: granulens::outcome::FORMAT,
             design: design.name.clone(),
             spheres: sample.spheres.len(),
-            step_s: impact.step,
-            window_s: impact.window,
+            method,
             steps,
             threads,
             lanes,
@@ -264,7 +266,7 @@ fn words(f: &Figures) -> String {
         f.design,
         f.spheres,
         f.steps,
-        f.step_s,
+        f.method.step_s,
         f.lanes,
         f.ms_per_design,
         f.threads,

@@ -19,7 +19,7 @@ use super::console::{emit, emit_json, interrupt, note, pretty};
 use super::cost::{arrangement, tell};
 use super::failure::Failure;
 use super::folder::begin;
-use super::{Common, Motion, cost};
+use super::{Common, Motion, command_line, cost};
 
 /// Drawings, lists and a frame for the workshop that builds a layout
 ///
@@ -76,6 +76,8 @@ impl Build {
         let verlet = Overrides { integrator: Some(Integrator::Verlet), ..overrides };
         let rig_plan =
             Plan::new(&design, verlet, &layout.palette).map_err(|error| Failure::of_plan(&design, &verlet, &error))?;
+        note(common, &format!("inspection list: {}", method(&design, &plan).words()));
+        note(common, &format!("the piece in its walls: {}", method(&design, &rig_plan).words()));
         if common.dry_run {
             let alone = arrangement(&layout.sample(), &impact(&design, &plan))?;
             let parts = [
@@ -121,6 +123,7 @@ impl Build {
             "cost": build::total_cost(&parts),
             "frame_mm": { "width": frame.width, "depth": frame.depth, "height": frame.height, "wall": frame.wall, "floor": frame.floor },
             "walls": walls,
+            "walls_method": method(&design, &rig_plan),
             "inspection": RANKED,
         });
         files.push(("build.json".to_owned(), pretty(&told).into_bytes()));
@@ -167,6 +170,7 @@ fn manifest(design: &Design, plan: &Plan, started: SystemTime, begun: Instant) -
         method: method(design, plan),
         design_file: design.path.display().to_string(),
         design: design.text.clone(),
+        command: Some(command_line()),
         impact: design.impact_in_words(),
         seeds: [plan.first_seed, 0],
         threads: rayon::current_num_threads(),

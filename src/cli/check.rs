@@ -6,16 +6,17 @@ use std::time::Instant;
 
 use granulens::dem::Stop;
 use granulens::design::{Design, Threshold};
-use granulens::evaluate::{Beside, Evaluation, Forces, OverLawsError, Plan, beside_uniform, impact, method, unnamed};
+use granulens::evaluate::{
+    Beside, Evaluation, Forces, OverLawsError, Plan, Subject, beside_uniform, impact, method, unnamed,
+};
 use granulens::gate::{Asked, Gate, GateError, Word, gate};
-use granulens::layout::Layout;
+use granulens::layout::{self, Layout, PieceSphere};
 use granulens::material::Material;
 use granulens::outcome::{self, Checked, FORMAT};
 use granulens::score::{Measure, Scores};
 use granulens::tolerance::{MOST_SAMPLES, Tolerances};
 use granulens::units::Dimension::{Energy, Force, Mass};
 
-use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
@@ -92,7 +93,22 @@ impl Gated {
 impl Check {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
-        let layout = read_layout(common, &design, &self.layout)?;
+        let read = layout::read_piece(&self.layout, design.lattice, &design.palette(), &design.own_materials)?;
+        read.notes.iter().for_each(|text| note(common, &format!("note: {text}")));
+        let layout = read.layout;
+        let subject = Subject { layout: &layout, left: read.left.as_deref() };
+        if subject.left.is_some() {
+            note(
+                common,
+                "note: the halves of the piece differ: it is simulated whole, between walls at both far sides",
+            );
+        }
+        if subject.left.is_some() && (self.gate || self.gated.least_yield.is_some()) {
+            return Err(Failure::input_with_help(
+                "the gate judges pieces whose halves are alike",
+                "Leave out --gate and --yield, or make both halves alike.",
+            ));
+        }
         let overrides = self.motion.overrides(common);
         let plan = Plan::new(&design, overrides, &layout.palette)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
@@ -123,10 +139,12 @@ impl Check {
         let gated = self.gated.asked(&layout, common)?;
         probe_all(common, &[self.spheres.as_ref(), common.out.as_ref()])?;
         let begun = Instant::now();
-        let beside = beside_uniform(&design, &layout, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
+        let beside = beside_uniform(&design, subject, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
         let gate = match beside.evaluation.record.stop {
-            None if self.gate || self.strict => Some(gate((&design, &layout), &plan, &beside, &gated, interrupt())?),
+            None if (self.gate || self.strict) && subject.left.is_none() => {
+                Some(gate((&design, &layout), &plan, &beside, &gated, interrupt())?)
+            }
             _ => None,
         };
         let Beside { evaluation, reference, stopped, forces, over_forces } = beside;
@@ -147,12 +165,15 @@ impl Check {
             warnings.push(unnamed(material));
         }
         if let Some(path) = &self.spheres {
-            write_file(common, path, &spheres(&layout, &record))?;
+            write_file(common, path, &spheres(subject, &record))?;
         }
         let laws = match &stop {
             None => self.under.scores(&design, &layout, overrides)?,
             Some(_) => None,
         };
+        if laws.is_some() && subject.left.is_some() {
+            warnings.push("under other laws the half x >= 0 alone is judged, for both".to_owned());
+        }
         let (mean, spreads) = over_forces.unwrap_or_default();
         // Where several forces are asked for, their score is what a threshold is about.
         let judged = if forces.is_empty() { &scores } else { &mean };
@@ -167,8 +188,8 @@ impl Check {
             forces,
             materials: layout.palette.iter().map(|material| material.name.clone()).collect(),
             reference,
-            piece: layout.piece(price),
-            half: layout.half(price),
+            piece: subject.piece(price),
+            half: subject.left.is_none().then(|| layout.half(price)),
             method: method(&design, &plan),
             steps: record.steps,
             seconds,
@@ -301,25 +322,29 @@ fn words(checked: &Checked) -> String {
     text
 }
 
-/// What each sphere felt, as CSV; SI.
-fn spheres(layout: &Layout, record: &granulens::dem::Record<2>) -> String {
+/// What each sphere felt, as CSV; SI. Of a piece of two halves all of its spheres, row by row from left to right.
+fn spheres(subject: Subject<'_>, record: &granulens::dem::Record<2>) -> String {
+    let layout = subject.layout;
     let mut text = String::from(
         "row,column,x,z,material,max_kinetic_J,max_net_force_N,max_contact_force_N,arrival_s,dissipated_J\n",
     );
-    for (i, site) in layout.lattice.sites().iter().enumerate() {
-        let material = &layout.palette[usize::from(layout.materials[i])].name;
+    let places: Vec<(u32, u32, f64, f64, u8)> = match subject.left {
+        None => {
+            let sites = layout.lattice.sites();
+            sites.iter().zip(&layout.materials).map(|(at, &m)| (at.row, at.column, at.x, at.z, m)).collect()
+        }
+        Some(left) => {
+            let material = |at: &PieceSphere| if at.x < 0.0 { left[at.site] } else { at.material };
+            layout::whole(layout).iter().map(|at| (at.row, at.column, at.x, at.z, material(at))).collect()
+        }
+    };
+    for (i, (row, column, x, z, material)) in places.into_iter().enumerate() {
+        let material = &layout.palette[usize::from(material)].name;
         let arrival = record.arrival[i].map_or_else(String::new, |time| time.to_string());
         let _ = writeln!(
             text,
-            "{},{},{},{},{material},{},{},{},{arrival},{}",
-            site.row,
-            site.column,
-            site.x,
-            site.z,
-            record.max_kinetic[i],
-            record.max_net_force[i],
-            record.max_contact_force[i],
-            record.dissipated[i],
+            "{row},{column},{x},{z},{material},{},{},{},{arrival},{}",
+            record.max_kinetic[i], record.max_net_force[i], record.max_contact_force[i], record.dissipated[i],
         );
     }
     text

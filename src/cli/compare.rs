@@ -13,7 +13,7 @@ use super::cost::{Part, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
 use super::over_laws::UnderLaws;
-use super::{Band, Common, Motion, propose};
+use super::{Band, Common, Motion, command_line, propose};
 
 /// Simulate the lens, or a given layout, and all baselines; print the table
 ///
@@ -52,7 +52,8 @@ impl Compare {
         self.under.chosen(&design)?;
         probe(common, common.out.as_ref())?;
         let bar = Bar::new(common, comparison.len());
-        let outcome = compare(&comparison, interrupt(), &bar)?;
+        let mut outcome = compare(&comparison, interrupt(), &bar)?;
+        outcome.manifest.command = Some(command_line());
         bar.done();
         if let Some(path) = &common.out {
             write_file(common, path, &report::outcome_json(&outcome)?)?;

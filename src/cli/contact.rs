@@ -6,21 +6,22 @@ mod states;
 use std::path::PathBuf;
 
 use granulens::contact::{AnyLaw, Constants, LawKind, Pair, collide};
-use granulens::material::find;
-use granulens::report;
+use granulens::design::Shelf;
+use granulens::report::ContactCurve;
 use granulens::units::Dimension::{Force, Length};
 use serde_json::json;
 
 use super::console::{emit, emit_json, note};
 use super::failure::Failure;
 use super::folder::{write_file, write_json};
+use super::picture::{KINDS, Paper, ends_in, write_picture};
 use super::tuning::Tuned;
 use super::{Common, length};
 use states::States;
 
 /// Draw a contact's force-displacement curve, evaluate the law at given states or speeds, or fit it to what was measured
 ///
-/// The curve, with its regions and an unloading, goes to the file of --out as SVG. With --states, the forces and the histories
+/// The curve, with its regions and an unloading, goes to the file of --out as SVG, PDF or CSV. With --states, the forces and the histories
 /// after a step go to stdout as CSV, or to the file of --out; so does, with --speeds, what head-on collisions come to. With --fit, the
 /// constants with their intervals.
 #[derive(clap::Args)]
@@ -28,6 +29,9 @@ pub struct Contact {
     /// The two materials, such as 440c,brass
     #[arg(long, value_name = "A,B")]
     pair: String,
+    /// File with own materials, [materials.NAME], alone or in a design
+    #[arg(long = "materials", value_name = "FILE")]
+    own: Option<PathBuf>,
     /// thesis, consistent, mdr, linear, each also without rate as NAME-static; thornton, walton-braun, tsuji, storakers; hertz,
     /// hertz-thesis; thesis if left out
     #[arg(long)]
@@ -40,6 +44,8 @@ pub struct Contact {
     constants: Constants,
     #[command(flatten)]
     tuned: Tuned,
+    #[command(flatten)]
+    paper: Paper,
     /// CSV with the columns d,v,dmax,Fmax in SI, v > 0 closing; dmax = Fmax = 0 is a fresh contact
     #[arg(long, value_name = "FILE")]
     states: Option<PathBuf>,
@@ -83,14 +89,18 @@ impl Contact {
             return self.collisions(common, &law, &pair);
         }
         if let Some(path) = &common.out {
-            if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+            let title = format!("{} ({}, {} constants)", self.pair.replace(',', " on "), self.law(), self.constants);
+            let curve = ContactCurve::new(&law, &pair);
+            if ends_in(path, "csv") {
+                write_file(common, path, &curve.csv())?;
+            } else if KINDS.iter().any(|kind| ends_in(path, kind)) {
+                write_picture(common, path, &curve.svg(&title, &self.paper.look()))?;
+            } else {
                 return Err(Failure::input_with_help(
-                    format!("--out {}: the curve is drawn as SVG only", path.display()),
-                    "Let the name end in .svg.",
+                    format!("--out {}: the curve is drawn as SVG or PDF, or written as CSV", path.display()),
+                    "Let the name end in .svg, .pdf or .csv.",
                 ));
             }
-            let title = format!("{} ({}, {} constants)", self.pair.replace(',', " on "), self.law(), self.constants);
-            write_file(common, path, &report::contact_curve(&law, &pair, &title))?;
             note(common, &format!("curve: {}", path.display()));
         }
         let regions = pair.regions(1.0);
@@ -186,6 +196,7 @@ impl Contact {
             }
         };
         let constants = Constants { tuning: self.tuned.tuning()?, ..self.constants };
-        Ok(Pair::new([&find(a, &[])?, &find(b, &[])?], radii, constants))
+        let shelf = self.own.as_ref().map(Shelf::read).transpose()?.unwrap_or_default();
+        Ok(Pair::new([&shelf.find(a)?, &shelf.find(b)?], radii, constants))
     }
 }

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use granulens::build::{Change, changes};
 use granulens::dem::Stop;
 use granulens::design::Design;
-use granulens::evaluate::{Forces, Plan, beside_uniform};
+use granulens::evaluate::{Forces, Plan, beside_uniform, method};
 use granulens::layout::{self, Layout};
-use granulens::outcome::FORMAT;
+use granulens::outcome::{COMMIT, FORMAT, Method, VERSION};
 use serde_json::{Value, json};
 
 use super::compare::read_layout;
-use super::console::{emit, emit_json, interrupt};
+use super::console::{emit, emit_json, interrupt, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_json};
@@ -75,14 +75,16 @@ impl Diff {
             return tell(common, &parts);
         }
         probe(common, common.out.as_ref())?;
+        let mut how = None;
         let ratios = match &design {
             Some(design) => {
                 let plan = self.plan(design, &a, &b, common)?;
+                note(common, &how.insert(method(design, &plan)).words());
                 Some([ratios(design, &a, &plan)?, ratios(design, &b, &plan)?])
             }
             None => None,
         };
-        let told = self.json(&changes, ratios.as_ref());
+        let told = self.json(&changes, ratios.as_ref(), how);
         write_json(common, &told)?;
         if common.json {
             emit_json(&told);
@@ -100,7 +102,7 @@ impl Diff {
         Plan::new(design, overrides, &palette).map_err(|error| Failure::of_plan(design, &overrides, &error))
     }
 
-    fn json(&self, changes: &[Change], ratios: Option<&[Ratios; 2]>) -> Value {
+    fn json(&self, changes: &[Change], ratios: Option<&[Ratios; 2]>, method: Option<Method>) -> Value {
         let listed = changes.iter().map(|change| {
             json!({
                 "row": change.site.row, "column": change.site.column, "x": change.site.x, "z": change.site.z,
@@ -110,7 +112,11 @@ impl Diff {
         let counted = counted(changes).into_iter().map(
             |((from, to), [sites, spheres])| json!({ "from": from, "to": to, "sites": sites, "spheres": spheres }),
         );
-        let mut told = json!({
+        let mut told = match method {
+            Some(method) => json!(method),
+            None => json!({ "version": VERSION, "commit": COMMIT }),
+        };
+        let differing = json!({
             "format": FORMAT,
             "a": self.a.display().to_string(),
             "b": self.b.display().to_string(),
@@ -119,6 +125,9 @@ impl Diff {
             "counts": counted.collect::<Vec<_>>(),
             "changes": listed.collect::<Vec<_>>(),
         });
+        if let (Value::Object(told), Value::Object(differing)) = (&mut told, differing) {
+            told.extend(differing);
+        }
         if let Some([a, b]) = ratios {
             for (k, name) in NAMES.into_iter().enumerate() {
                 let change = a[k].zip(b[k]).map(|(a, b)| b - a);

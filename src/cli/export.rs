@@ -6,9 +6,10 @@ use granulens::contact::LawKind;
 use granulens::dem::rig::{Rig, RigError, RigStop, Simulation};
 use granulens::dem::{Integrator, steps_in};
 use granulens::design::Design;
-use granulens::evaluate::{Overrides, Plan};
+use granulens::evaluate::{Overrides, Plan, method};
 use granulens::export;
-use granulens::setup::{Bench, Setup};
+use granulens::outcome::{COMMIT, FORMAT, Method, VERSION};
+use granulens::setup::{Bench, Setup, dividing_step};
 use granulens::units::Dimension::Time;
 use serde_json::json;
 
@@ -96,7 +97,7 @@ impl Export {
             let plan = Plan::new(&design, overrides, &layout.palette)
                 .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
             let rig = export::whole_crystal(&layout, design.impact, design.law, design.constants);
-            Ok(Run { rig, step: plan.step, steps: steps_in(plan.window, plan.step) })
+            Ok(Run { rig, steps: steps_in(plan.window, plan.step), method: method(&design, &plan) })
         })
     }
 
@@ -110,10 +111,19 @@ impl Export {
         self.write(common, |law| {
             let step = self.motion.step.unwrap_or_else(|| match law {
                 // LAMMPS switches forces on and off between steps.
-                Some(_) => export::dividing_step(&bench.rig, bench.plan.step).unwrap_or(bench.plan.step),
+                Some(_) => dividing_step(&bench.rig, bench.plan.step).unwrap_or(bench.plan.step),
                 None => bench.plan.step,
             });
-            Ok(Run { rig: bench.rig.clone(), step, steps: steps_in(window, step) })
+            let mut method = Method { step_s: step, window_s: window, ..bench.method() };
+            if step != bench.plan.step {
+                let why = if self.motion.step.is_some() {
+                    "given"
+                } else {
+                    "divides the pulses, between steps of which LAMMPS switches"
+                };
+                method.step_reason = why.to_owned();
+            }
+            Ok(Run { rig: bench.rig.clone(), steps: steps_in(window, step), method })
         })
     }
 
@@ -131,7 +141,7 @@ impl Export {
             ] {
                 if asked {
                     let run = run(law)?;
-                    let mut simulation = begin(run.rig, run.step)?;
+                    let mut simulation = begin(run.rig, run.method.step_s)?;
                     parts.push(cost::Part::new(what, 1, Some(cost::rig(&mut simulation, run.steps))));
                 }
             }
@@ -145,16 +155,20 @@ impl Export {
             ));
         }
         probe_all(common, &[self.xyz.as_ref(), common.out.as_ref()])?;
+        let mut told = Vec::new();
         if let Some(folder) = &self.lammps {
             let mut run = run(Some(LawKind::Hertz))?;
             let every = self.every(&mut run);
-            let deck = export::deck(&run.rig, run.step, run.steps, every)
+            let deck = export::deck(&run.rig, run.method.step_s, run.steps, every)
                 .map_err(|error| Failure::input(error.to_string()))?;
+            note(common, &format!("LAMMPS: {}", run.method.words()));
+            told.push(("lammps_method", run.method.clone()));
             let mut frames = String::new();
             follow(common, run, every, |simulation| frames.push_str(&export::dump_frame(simulation)))?;
             write_folder(
                 common,
                 folder,
+                &told[0].1,
                 [
                     ("crystal.data".to_owned(), deck.data),
                     ("in.crystal".to_owned(), deck.input),
@@ -170,9 +184,11 @@ impl Export {
             );
         }
         if self.xyz.is_none() && self.vtp.is_none() {
-            return self.tell(common);
+            return self.tell(common, told);
         }
         let mut run = run(None)?;
+        note(common, &format!("frames: {}", run.method.words()));
+        let method = run.method.clone();
         let every = self.every(&mut run);
         let mut xyz = String::new();
         let mut files = Vec::new();
@@ -198,17 +214,21 @@ impl Export {
         if let Some(folder) = &self.vtp {
             files.push(("spheres.pvd".to_owned(), export::collection(&spheres)));
             files.push(("contacts.pvd".to_owned(), export::collection(&contacts)));
-            write_folder(common, folder, files)?;
+            write_folder(common, folder, &method, files)?;
         }
-        self.tell(common)
+        told.push(("method", method));
+        self.tell(common, told)
     }
 
-    /// What was written, as JSON.
-    fn tell(&self, common: &Common) -> Result<(), Failure> {
-        let written = json!({
-            "format": granulens::outcome::FORMAT, "source": self.source, "lammps": self.lammps, "xyz": self.xyz,
-            "vtp": self.vtp,
+    /// What was written and how it was run, as JSON.
+    fn tell(&self, common: &Common, methods: Vec<(&str, Method)>) -> Result<(), Failure> {
+        let mut written = json!({
+            "format": FORMAT, "source": self.source, "lammps": self.lammps, "xyz": self.xyz,
+            "vtp": self.vtp, "version": VERSION, "commit": COMMIT,
         });
+        for (name, method) in methods {
+            written[name] = json!(method);
+        }
         write_json(common, &written)?;
         if common.json {
             emit_json(&written);
@@ -218,8 +238,10 @@ impl Export {
 
     /// Steps between two frames. The run is made to end with one, less than a frame after the window.
     fn every<const D: usize>(&self, run: &mut Run<D>) -> u64 {
-        let every =
-            self.every.map_or(run.steps / 50, |every| (every / run.step).round() as u64).clamp(1, run.steps.max(1));
+        let every = self
+            .every
+            .map_or(run.steps / 50, |every| (every / run.method.step_s).round() as u64)
+            .clamp(1, run.steps.max(1));
         run.steps = run.steps.div_ceil(every) * every;
         every
     }
@@ -228,9 +250,9 @@ impl Export {
 /// What is run to be written.
 struct Run<const D: usize> {
     rig: Rig<D>,
-    /// Step (s).
-    step: f64,
     steps: u64,
+    /// With what, and how.
+    method: Method,
 }
 
 fn begin<const D: usize>(rig: Rig<D>, step: f64) -> Result<Simulation<D>, Failure> {
@@ -244,7 +266,7 @@ fn follow<const D: usize>(
     every: u64,
     mut frame: impl FnMut(&Simulation<D>),
 ) -> Result<(), Failure> {
-    let mut simulation = begin(run.rig, run.step)?;
+    let mut simulation = begin(run.rig, run.method.step_s)?;
     let interrupt = interrupt();
     let bar = Count::new(common, (run.steps / every) as usize, "frames");
     frame(&simulation);
@@ -264,15 +286,16 @@ fn follow<const D: usize>(
 fn write_folder(
     common: &Common,
     place: &std::path::Path,
+    method: &Method,
     files: impl IntoIterator<Item = (String, String)>,
 ) -> Result<(), Failure> {
     let folder = folder::begin(common, place)?;
     for (name, text) in files {
         folder.write(&name, text.as_bytes())?;
     }
-    let manifest = json!({
-        "format": granulens::outcome::FORMAT, "made_by": "granulens export", "version": env!("CARGO_PKG_VERSION"),
-    });
+    let mut manifest = json!(method);
+    manifest["format"] = json!(FORMAT);
+    manifest["made_by"] = json!("granulens export");
     folder.write("manifest.json", pretty(&manifest).as_bytes())?;
     Ok(folder.finish()?)
 }

@@ -43,6 +43,8 @@ pub struct Input {
     key: Option<String>,
     message: String,
     help: Option<String>,
+    /// What else is wrong with the file.
+    others: Vec<Value>,
     /// The same with the place in the file drawn.
     drawn: Option<miette::Report>,
 }
@@ -141,11 +143,14 @@ impl Failure {
             error.insert("exit_code".to_owned(), json!(code));
             match self {
                 Self::Input(input) => {
-                    let Input { file, line, key, message, help, .. } = *input;
+                    let Input { file, line, key, message, help, others, .. } = *input;
                     let fields = [("file", json!(file)), ("line", json!(line)), ("key", json!(key))];
                     error.extend(fields.into_iter().map(|(name, value)| (name.to_owned(), value)));
                     error.insert("message".to_owned(), json!(message));
                     error.insert("help".to_owned(), json!(help));
+                    if !others.is_empty() {
+                        error.insert("others".to_owned(), json!(others));
+                    }
                 }
                 Self::Guard(messages) | Self::Deviation(messages) | Self::Threshold(messages) => {
                     error.insert("message".to_owned(), json!(messages.join("; ")));
@@ -190,10 +195,16 @@ impl From<DesignError> for Failure {
             line: error.line.map(|line| line as u64),
             key: error.key.clone(),
             message: error.to_string(),
-            help: Some(error.help.clone()),
+            help: Some(error.help.clone()).filter(|help| !help.is_empty()),
+            others: error.others().iter().map(other).collect(),
             drawn: Some(miette::Report::new(error)),
         }))
     }
+}
+
+/// Another fault of the same file, as JSON.
+fn other(error: &DesignError) -> Value {
+    json!({ "line": error.line, "key": error.key, "message": error.to_string(), "help": error.help })
 }
 
 impl From<granulens::columns::TableError> for Failure {
@@ -227,6 +238,7 @@ impl From<LayoutFileError> for Failure {
             key: error.key.map(str::to_owned),
             message: error.to_string(),
             help: error.help.clone(),
+            others: Vec::new(),
             drawn: Some(miette::Report::new(error)),
         }))
     }
@@ -235,9 +247,8 @@ impl From<LayoutFileError> for Failure {
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Design(error) => (*error).into(),
             StudyError::Layout(error) => (*error).into(),
-            StudyError::File { path, line, message } => Self::of_file(&path, line, &message),
+            StudyError::File(error) => (*error).into(),
             StudyError::Journal { path, message } => Self::of_file(&path, None, &message),
             StudyError::Evaluator(EvaluatorError::Plan(error)) => {
                 Self::input_with_help(format!("the study's {error}."), error.help())

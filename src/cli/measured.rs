@@ -8,7 +8,8 @@ use granulens::design::Design;
 use granulens::measured::{
     Channel, Comparison, Data, DataError, Fit, Input, InputError, PredictError, compare, curves_csv, fit, page, predict,
 };
-use granulens::outcome::{COMMIT, FORMAT, Manifest, Method, VERSION};
+use granulens::outcome::{FORMAT, Manifest};
+use granulens::report::Provenance;
 use granulens::setup::{Bench, Setup};
 use granulens::units::Dimension::Time;
 use serde_json::json;
@@ -17,7 +18,7 @@ use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note, pretty};
 use super::failure::Failure;
 use super::folder::begin;
-use super::{Common, cost};
+use super::{Common, command_line, cost};
 
 /// Draw measured force, velocity or displacement histories on the prediction; fit uncertain inputs
 ///
@@ -94,6 +95,7 @@ impl Measured {
             })?);
         }
         inputs.iter().try_for_each(|input| input.check(&bench.rig))?;
+        note(common, &bench.method().words());
         bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if common.dry_run {
             let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step).map_err(PredictError::Rig)?;
@@ -136,7 +138,7 @@ impl Measured {
         let of_fit = fitted.as_ref().map(|(fit, after)| (fit, after));
         let (best, at) = fitted.as_ref().map_or((&before, compared.offset_s), |(fit, _)| (&fit.prediction, fit.offset));
         for (name, text) in [
-            ("report.html", page(&title, data, (&before, &compared), of_fit)),
+            ("report.html", page(&title, provenance(bench), data, (&before, &compared), of_fit)),
             ("curves.csv", curves_csv(data, best, at)),
             ("measured.json", pretty(&told)),
             ("manifest.json", pretty(&manifest(bench, started, begun))),
@@ -189,23 +191,18 @@ fn table(text: &mut String, compared: &Comparison) {
     }
 }
 
+fn provenance<const D: usize>(bench: &Bench<D>) -> Provenance {
+    Provenance::new(command_line(), bench.path.display().to_string(), bench.text.clone()).by(&bench.method())
+}
+
 fn manifest<const D: usize>(bench: &Bench<D>, started: SystemTime, begun: Instant) -> Manifest {
     Manifest {
         format: FORMAT,
         name: bench.name.clone(),
-        method: Method {
-            version: VERSION.to_owned(),
-            commit: COMMIT.to_owned(),
-            law: "as the file says".to_owned(),
-            constants: "as the file says".to_owned(),
-            integrator: "verlet".to_owned(),
-            step_s: bench.plan.step,
-            step_reason: bench.plan.step_reason.clone(),
-            window_s: bench.plan.window,
-            window_reason: "as the file says".to_owned(),
-        },
+        method: bench.method(),
         design_file: bench.path.display().to_string(),
         design: bench.text.clone(),
+        command: Some(command_line()),
         impact: "as the file says".to_owned(),
         seeds: [bench.seeds.first().copied().unwrap_or_default(), bench.seeds.len() as u64],
         threads: rayon::current_num_threads(),

@@ -2,7 +2,7 @@
 //!
 //! - `failure`: what went wrong, as text or JSON, and the exit codes
 //! - `console`: output that survives a closed pipe, Ctrl-C, progress
-//! - `folder`: where output goes
+//! - `folder`: where output goes; `picture`: figures as files
 //! - `cost`: what a command would cost
 
 mod bench;
@@ -24,6 +24,8 @@ mod modes;
 mod motion;
 mod network;
 mod over_laws;
+mod picture;
+mod report;
 mod reproduce;
 mod run;
 mod simulate;
@@ -104,6 +106,7 @@ enum Command {
     Modes(modes::Modes),
     Check(check::Check),
     Compare(compare::Compare),
+    Report(report::Report),
     Diff(diff::Diff),
     Measured(measured::Measured),
     Build(build::Build),
@@ -126,6 +129,7 @@ impl Command {
     fn simulates(&self) -> bool {
         match self {
             Self::Study(study) => study.simulates(),
+            Self::Report(report) => report.simulates(),
             Self::Run(_) | Self::Simulate(_) | Self::Check(_) | Self::Compare(_) => true,
             Self::Reproduce(_) | Self::Export(_) | Self::Impact(_) => true,
             Self::Diff(_) | Self::Build(_) | Self::Measured(_) | Self::Tolerance(_) => true,
@@ -169,6 +173,7 @@ pub fn main() -> ExitCode {
         Command::Modes(command) => command.run(common),
         Command::Check(command) => command.run(common),
         Command::Compare(command) => command.run(common),
+        Command::Report(command) => command.run(common),
         Command::Diff(command) => command.run(common),
         Command::Measured(command) => command.run(common),
         Command::Build(command) => command.run(common),
@@ -201,6 +206,26 @@ fn ended(done: Result<(), Failure>, json: bool) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.print(json),
     }
+}
+
+/// The command that gives the same numbers: this one, without where they go, how loud and on how many threads.
+fn command_line() -> String {
+    let mut words = vec!["granulens".to_owned()];
+    // A name that is no text stands as it is shown.
+    let mut given = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    while let Some(word) = given.next() {
+        match word.as_str() {
+            "--out" | "--threads" => drop(given.next()),
+            "--quiet" | "-q" | "--json" | "--force" | "--dry-run" => {}
+            // An empty word, and one that a shell would part, stand in quotes.
+            word if word.starts_with("--out=") || word.starts_with("--threads=") => {}
+            word if word.is_empty() || word.contains([' ', '"', '\'', '*', '$', '&', ';', '(', ')']) => {
+                words.push(format!("\"{}\"", word.replace('"', "\\\"")));
+            }
+            word => words.push(word.to_owned()),
+        }
+    }
+    words.join(" ")
 }
 
 /// The crystal that a wave-speed bound is asked of.

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use granulens::design::Design;
 use granulens::evaluate::{Comparison, Forces, compare};
 use granulens::layout;
+use granulens::outcome::Outcome;
 use granulens::output::Folder;
 use granulens::report;
 
 use super::console::{Bar, emit, emit_json, interrupt, note};
 use super::failure::Failure;
 use super::folder::begin;
-use super::{Band, Common, Motion, propose};
+use super::{Band, Common, Motion, command_line, propose};
 
 /// The whole job: propose a lens, simulate it and its baselines, score, report
 ///
@@ -39,42 +40,59 @@ impl Run {
             return super::compare::cost(common, &design, &comparison);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
-        let folder = begin(common, &place)?;
         note(common, &super::design::words(&design, &lens));
-        note(common, &format!("step: {}", comparison.plan.step_reason));
-
-        let bar = Bar::new(common, comparison.len());
-        let outcome = compare(&comparison, interrupt(), &bar)?;
-        bar.done();
-
-        let expected = comparison.len();
-        if outcome.arrangements.len() < expected {
-            let finished = outcome.arrangements.len();
-            let (kept, folder) = Folder::beside(&place, "interrupted")?;
-            report::write_numbers(&outcome, folder.path())?;
-            folder.finish()?;
-            return Err(Failure::Interrupted(format!(
-                "{finished} of {expected} arrangements are finished; their numbers are in {}",
-                kept.display()
-            )));
-        }
-        report::write(&outcome, folder.path())?;
-        for (name, text) in [
-            ("layout.csv", layout::write(&comparison.subject)),
-            ("layout-full.csv", layout::write_full(&comparison.subject)),
-            ("layout.json", layout::write_json(&comparison.subject)),
-        ] {
-            folder.write(name, text.as_bytes())?;
-        }
-        folder.finish()?;
-
-        if common.json {
-            emit_json(&report::numbers(&outcome));
-        } else {
-            emit(&report::table(&outcome));
-        }
-        note(common, &format!("report: {}", place.join("report.html").display()));
-        super::compare::unfinished(&comparison, &outcome)?;
-        super::compare::guard(&outcome)
+        deliver(common, &comparison, &place, false)
     }
+}
+
+/// Simulates a comparison and writes its report, which appears when it is complete.
+pub fn deliver(common: &Common, comparison: &Comparison<'_>, place: &Path, with_pdf: bool) -> Result<(), Failure> {
+    let folder = begin(common, place)?;
+    note(common, &format!("step: {}", comparison.plan.step_reason));
+    let bar = Bar::new(common, comparison.len());
+    let mut outcome = compare(comparison, interrupt(), &bar)?;
+    outcome.manifest.command = Some(command_line());
+    bar.done();
+
+    let expected = comparison.len();
+    if outcome.arrangements.len() < expected {
+        let finished = outcome.arrangements.len();
+        let (kept, folder) = Folder::beside(place, "interrupted")?;
+        report::write_numbers(&outcome, folder.path())?;
+        folder.finish()?;
+        return Err(Failure::Interrupted(format!(
+            "{finished} of {expected} arrangements are finished; their numbers are in {}",
+            kept.display()
+        )));
+    }
+    report::write(&outcome, folder.path())?;
+    if with_pdf {
+        pdfs(&outcome, &folder)?;
+    }
+    for (name, text) in [
+        ("layout.csv", layout::write(&comparison.subject)),
+        ("layout-full.csv", layout::write_full(&comparison.subject)),
+        ("layout.json", layout::write_json(&comparison.subject)),
+    ] {
+        folder.write(name, text.as_bytes())?;
+    }
+    folder.finish()?;
+
+    if common.json {
+        emit_json(&report::numbers(&outcome));
+    } else {
+        emit(&report::table(&outcome));
+    }
+    note(common, &format!("report: {}", place.join("report.html").display()));
+    super::compare::unfinished(comparison, &outcome)?;
+    super::compare::guard(&outcome)
+}
+
+/// Every figure as PDF beside its SVG.
+pub fn pdfs(outcome: &Outcome, folder: &Folder) -> Result<(), Failure> {
+    for (name, svg) in report::pictures(outcome)? {
+        let bytes = report::pdf(&svg).map_err(|error| Failure::input(format!("{name}: {error}")))?;
+        folder.write(&name.replace(".svg", ".pdf"), &bytes)?;
+    }
+    Ok(())
 }

@@ -55,17 +55,7 @@ impl Simulate {
     fn bench<const D: usize>(&self, bench: &Bench<D>, common: &Common) -> Result<(), Failure> {
         let folder = common.out.clone().unwrap_or_else(|| Path::new("simulations").join(&bench.name));
         let keeping = Keeping { resume: self.resume, every: Duration::from_secs_f64(self.checkpoint_every) };
-        note(
-            common,
-            &format!(
-                "{} spheres; law {}; verlet, step {} ({}), window {}",
-                bench.sites.len(),
-                bench.law_name(),
-                Time.show(bench.plan.step),
-                bench.plan.step_reason,
-                Time.show(bench.plan.window)
-            ),
-        );
+        note(common, &format!("{} spheres; {}", bench.sites.len(), bench.method().words()));
         if let Some(preload) = &bench.preload {
             note(common, &preload.to_string());
         }
@@ -107,8 +97,8 @@ impl Simulate {
                 common.out.as_ref().map_or(String::new(), |out| format!(" --out {}", out.display()))
             )));
         }
-        if summary.step_s != bench.plan.step {
-            note(common, &format!("step {}: {}", Time.show(summary.step_s), summary.step_reason));
+        if summary.method.step_s != bench.plan.step {
+            note(common, &format!("step {}: {}", Time.show(summary.method.step_s), summary.method.step_reason));
         }
         let foreseen = &bench.plan.warnings;
         for warning in summary.warnings.iter().filter(|warning| !foreseen.contains(warning)) {
@@ -154,7 +144,7 @@ fn table(summary: &Summary) -> String {
         summary.layers,
         Time.show(summary.time_s),
         summary.steps,
-        Time.show(summary.step_s)
+        Time.show(summary.method.step_s)
     );
     let ledger = &summary.energies;
     text += "| energy | J |\n|---|---|\n";

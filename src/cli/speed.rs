@@ -1,7 +1,9 @@
 //! `granulens speed`: the closed-form bound of the wave speed.
 
+use std::path::PathBuf;
+
 use granulens::contact::Pair;
-use granulens::material::find;
+use granulens::design::Shelf;
 use granulens::wave::{REACHED_ERROR, bound, speed_reached};
 use serde_json::json;
 
@@ -18,6 +20,9 @@ pub struct Speed {
     /// Material; give two for a dimer with mixed contacts
     #[arg(long = "material", value_name = "NAME", required = true)]
     materials: Vec<String>,
+    /// File with own materials, [materials.NAME], alone or in a design
+    #[arg(long = "materials", value_name = "FILE")]
+    own: Option<PathBuf>,
     #[command(flatten)]
     crystal: Crystal,
     /// Contact force in F_p, from 0.35: the speed to be expected there, beside the bound
@@ -27,7 +32,8 @@ pub struct Speed {
 
 impl Speed {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let materials: Vec<_> = self.materials.iter().map(|name| find(name, &[])).collect::<Result<_, _>>()?;
+        let shelf = self.own.as_ref().map(Shelf::read).transpose()?.unwrap_or_default();
+        let materials: Vec<_> = self.materials.iter().map(|name| shelf.find(name)).collect::<Result<_, _>>()?;
         let pair = match materials.as_slice() {
             [one] => [one, one],
             [one, two] => [one, two],

@@ -9,6 +9,7 @@ use granulens::evaluate::{OverLawsError, Overrides, Plan, evaluate, method, over
 use granulens::layout::Layout;
 use granulens::outcome::FORMAT;
 use granulens::output;
+use granulens::report::Provenance;
 use granulens::score::{Measure, Scores};
 use granulens::tolerance::{
     Criterion, INTERVAL, KeptError, MOST_SAMPLES, Samples, State, Told, Tolerances, Workshop, WorkshopError, as_built,
@@ -21,7 +22,7 @@ use super::compare::read_layout;
 use super::console::{Count, emit, emit_json, interrupt, note, pretty};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
-use super::{Common, Motion};
+use super::{Common, Motion, command_line};
 
 /// Before it is built: what a layout is worth once a workshop has made it
 ///
@@ -217,7 +218,10 @@ impl Tolerance {
             words,
         };
         if let Some(folder) = folder {
-            let page = page(&told, &criterion, &samples, &measures, &maps);
+            let (file, text) = (design.path.display().to_string(), design.text.clone());
+            let provenance =
+                Provenance::new(command_line(), file, text).by(&told.method).with("Random seed", seed.to_string());
+            let page = page(&told, provenance, &criterion, &samples, &measures, &maps);
             for (name, text) in &files {
                 output::write(&folder.join(name), text.as_bytes(), common.force)?;
             }

@@ -3,21 +3,22 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{Overrides, Plan, calibrate, trace_arrivals, trace_lens};
+use granulens::evaluate::{Overrides, Plan, calibrate, method, trace_arrivals, trace_lens};
 use granulens::material::Material;
-use granulens::outcome::{Traced, TracedFocus};
+use granulens::outcome::{Method, Traced, TracedFocus};
 use granulens::report;
 use granulens::units::Dimension::{Force, Length, Time};
 use granulens::wave::Decay;
 
 use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
-use super::folder::{probe_all, write_file};
+use super::folder::probe_all;
+use super::picture::write_picture;
 use super::{Common, propose, time};
 
 /// Trace rays through the proposed lens: paths, wavefronts, caustic and first arrivals; milliseconds, no sphere moves
 ///
-/// The picture goes to stdout as SVG, or to the file of --out; with --json the rays go to stdout in its place. Of a layout
+/// The picture goes to stdout as SVG, or to the file of --out, as SVG or PDF; with --json the rays go to stdout in its place. Of a layout
 /// nobody knows the faces: for one that is given only first arrivals are found, by the eikonal equation on the lattice.
 #[derive(clap::Args)]
 pub struct Trace {
@@ -25,7 +26,7 @@ pub struct Trace {
     design: PathBuf,
     /// Layout, one line per sphere, in place of the proposed lens
     layout: Option<PathBuf>,
-    /// Write the spot diagram, where rays pass the focal row, as SVG to this file
+    /// Write the spot diagram, where rays pass the focal row, as SVG or PDF to this file
     #[arg(long, value_name = "FILE")]
     spots: Option<PathBuf>,
     /// Number of rays to draw
@@ -50,26 +51,28 @@ impl Trace {
         }
         let design = Design::read(&self.design)?;
         probe_all(common, &[common.out.as_ref(), self.spots.as_ref()])?;
-        let traced = match &self.layout {
+        let mut how = None;
+        let mut traced = match &self.layout {
             Some(path) => {
                 let layout = super::compare::read_layout(common, &design, path)?;
-                let decays = self.decays(&design, &layout.palette)?;
+                let decays = self.decays(common, &design, &layout.palette, &mut how)?;
                 trace_arrivals(&design, &layout, self.interval, decays.as_deref())
             }
             None => {
                 let lens = propose(&design)?;
-                let decays = self.decays(&design, &lens.palette)?;
+                let decays = self.decays(common, &design, &lens.palette, &mut how)?;
                 trace_lens(&design, &lens, usize::from(self.rays), self.interval, decays.as_deref())
             }
         };
+        traced.decay_method = how;
         let picture = report::trace(&traced);
         if let Some(path) = &common.out {
-            write_file(common, path, &picture)?;
+            write_picture(common, path, &picture)?;
             note(common, &format!("picture: {}", path.display()));
         }
         if let Some(path) = &self.spots {
             let rays: Vec<_> = traced.foci.iter().map(|focus| &focus.rays).collect();
-            write_file(common, path, &report::spot_diagram(&traced.name, traced.diameter, &rays))?;
+            write_picture(common, path, &report::spot_diagram(&traced.name, traced.diameter, &rays))?;
             note(common, &format!("spot diagram: {}", path.display()));
         }
         traced.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
@@ -86,14 +89,21 @@ impl Trace {
 }
 
 impl Trace {
-    /// How the wave decays in each material, where that is asked for.
-    fn decays(&self, design: &Design, palette: &[Material]) -> Result<Option<Vec<Decay>>, Failure> {
+    /// How the wave decays in each material, where that is asked for, and how that was found.
+    fn decays(
+        &self,
+        common: &Common,
+        design: &Design,
+        palette: &[Material],
+        how: &mut Option<Method>,
+    ) -> Result<Option<Vec<Decay>>, Failure> {
         if !self.decay {
             return Ok(None);
         }
         let overrides = Overrides::default();
         let plan =
             Plan::new(design, overrides, palette).map_err(|error| Failure::of_plan(design, &overrides, &error))?;
+        note(common, &format!("uniform crystals: {}", how.insert(method(design, &plan)).words()));
         let found = calibrate(design, &plan, palette, interrupt())?;
         let named = found.into_iter().zip(palette).map(|(decay, material)| {
             decay.ok_or_else(|| {

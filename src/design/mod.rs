@@ -5,6 +5,7 @@
 //! physics can tell (a lens that cannot reach its focus, a step above the stability limit) is found by those who know it.
 //!
 //! - `file`: as written; `check`: as checked, with `region`, `lens`, `prices`, `threshold` and `tuning` for their parts
+//! - `shelf`: own materials and prices without a design
 //! - `published`: whether it is the published one
 
 mod check;
@@ -13,6 +14,7 @@ mod lens;
 mod prices;
 mod published;
 mod region;
+mod shelf;
 mod threshold;
 mod tuning;
 
@@ -24,6 +26,7 @@ pub use crate::document::DocumentError as DesignError;
 pub(crate) use check::NO_LAW;
 pub(crate) use file::ThresholdsFile;
 pub(crate) use prices::add as add_price;
+pub use shelf::Shelf;
 pub use threshold::Threshold;
 pub(crate) use threshold::read as thresholds;
 pub(crate) use tuning::tuning;
@@ -120,7 +123,7 @@ impl Design {
     /// Reads and checks a design file.
     ///
     /// # Errors
-    /// The file cannot be read, or the first thing that is wrong with it.
+    /// The file cannot be read, or what is wrong with it, the first thing and the others.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignError> {
         let path = path.as_ref();
         let text = crate::document::text(path)?;
@@ -130,9 +133,11 @@ impl Design {
     /// Checks the text of a design file; `path` is only named in messages.
     ///
     /// # Errors
-    /// The first thing that is wrong with it.
+    /// What is wrong with it, the first thing and the others.
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self, DesignError> {
-        check::design(path.as_ref(), text)
+        let path = path.as_ref();
+        let source = Source { path, text, examples: file::EXAMPLES };
+        document::all(source, |text| check::design(path, text))
     }
 
     /// What strikes the crystal: `26 kN for 20 us on every sphere of row 1`.

@@ -17,9 +17,16 @@ pub struct DocumentError {
     pub key: Option<String>,
     /// Key, value and the rule they break, as a sentence.
     pub message: String,
-    /// What to try, in whole sentences.
+    /// What to try, in whole sentences; empty where the message says it.
     pub help: String,
-    excerpt: Option<Box<Excerpt>>,
+    more: Option<Box<More>>,
+}
+
+/// What few errors have, or what is large.
+#[derive(Debug, Default)]
+struct More {
+    excerpt: Option<Excerpt>,
+    others: Vec<DocumentError>,
 }
 
 /// The text with the place in it.
@@ -41,23 +48,50 @@ impl fmt::Display for DocumentError {
 
 impl miette::Diagnostic for DocumentError {
     fn help(&self) -> Option<Box<dyn fmt::Display + '_>> {
-        Some(Box::new(&self.help))
+        (!self.help.is_empty()).then(|| Box::new(&self.help) as Box<dyn fmt::Display>)
+    }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn miette::Diagnostic> + 'a>> {
+        let others = self.others().iter().map(|other| other as &dyn miette::Diagnostic);
+        (!self.others().is_empty()).then(|| Box::new(others) as Box<dyn Iterator<Item = _>>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.excerpt.as_ref().map(|excerpt| &excerpt.text as &dyn SourceCode)
+        self.excerpt().map(|excerpt| &excerpt.text as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.excerpt.as_ref()?.place.clone();
+        let place = self.excerpt()?.place.clone();
         Some(Box::new(std::iter::once(LabeledSpan::new(Some("here".to_owned()), place.start, place.len()))))
     }
 }
 
 impl DocumentError {
+    /// The bytes of the text that it is about.
+    pub(super) fn place(&self) -> Option<Range<usize>> {
+        self.excerpt().map(|excerpt| excerpt.place.clone())
+    }
+
+    fn excerpt(&self) -> Option<&Excerpt> {
+        self.more.as_ref()?.excerpt.as_ref()
+    }
+
+    /// What else is wrong with the file, in the order in which it is found.
+    pub fn others(&self) -> &[Self] {
+        self.more.as_ref().map_or(&[], |more| &more.others)
+    }
+
+    /// The same error with what else is wrong.
+    pub(crate) fn with_others(mut self, others: Vec<Self>) -> Self {
+        if !others.is_empty() {
+            self.more.get_or_insert_default().others = others;
+        }
+        self
+    }
+
     /// An error about a file as a whole.
     pub(crate) fn of_file(path: &Path, message: String, help: String) -> Self {
-        Self { file: path.to_owned(), line: None, key: None, message, help, excerpt: None }
+        Self { file: path.to_owned(), line: None, key: None, message, help, more: None }
     }
 }
 
@@ -92,9 +126,9 @@ impl Source<'_> {
             // A key or a text may hold line breaks of its own, written as \n.
             message: message.replace(char::is_control, " "),
             help,
-            excerpt: place.map(|place| {
+            more: place.map(|place| {
                 let text = NamedSource::new(self.path.display().to_string(), self.text.to_owned());
-                Box::new(Excerpt { text, place })
+                Box::new(More { excerpt: Some(Excerpt { text, place }), others: Vec::new() })
             }),
         }
     }

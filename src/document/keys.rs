@@ -195,7 +195,7 @@ fn not_a_section(source: Source, key: &str, written: &str) -> (String, String) {
 }
 
 /// The key (with its sections) that stands, or whose value stands, at `place`, and whether it is a section.
-fn find(table: &DeTable, place: &Range<usize>, above: &str) -> Option<(String, bool)> {
+pub(super) fn find(table: &DeTable, place: &Range<usize>, above: &str) -> Option<(String, bool)> {
     table.iter().find_map(|(name, value)| {
         let key = if above.is_empty() { name.get_ref().to_string() } else { format!("{above}.{}", name.get_ref()) };
         let (inside, is_table) = match value.get_ref() {

@@ -96,3 +96,9 @@ pub(crate) fn place(source: Source<'_>, key: &str) -> Option<Range<usize>> {
     }
     place
 }
+
+/// The key, with its sections, that stands at a place of the text.
+pub(crate) fn key_at(text: &str, place: &Range<usize>) -> Option<String> {
+    let table = DeTable::parse(text).ok()?;
+    super::keys::find(table.get_ref(), place, "").map(|(key, _)| key)
+}

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use super::forces::under_forces;
-use super::{EvaluateError, Evaluation, EvaluatorError, Forces, Plan, evaluate};
-use crate::dem::Stop;
+use super::{EvaluateError, Evaluated, Evaluation, EvaluatorError, Forces, Plan, Subject};
+use crate::dem::{ForcePulse, Stop};
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
 use crate::score::{Scores, Spreads, over_forces};
@@ -47,19 +47,20 @@ pub fn unnamed(material: &str) -> String {
     )
 }
 
-/// Evaluates a layout beside the crystals of the host and of the design's lens material alone, which `compare` has among its
+/// Evaluates a layout, or a piece of two halves, beside the crystals of the host and of the design's lens material alone, which `compare` has among its
 /// baselines.
 ///
 /// # Errors
 /// See [`EvaluatorError`].
-pub fn beside_uniform(
+pub fn beside_uniform<'a>(
     design: &Design,
-    layout: &Layout,
+    given: impl Into<Subject<'a>>,
     plan: &Plan,
     forces: Forces,
     interrupt: &AtomicBool,
 ) -> Result<Beside, EvaluatorError> {
-    let mut subject = layout.clone();
+    let given: Subject<'_> = given.into();
+    let mut subject = given.layout.clone();
     let reference = reference(design, &mut subject);
     let kinds = std::iter::once((Baseline::AllHost, 0)).chain(reference.map(|material| (Baseline::AllLens, material)));
     let (names, baselines): (Vec<String>, Vec<Layout>) =
@@ -68,7 +69,8 @@ pub fn beside_uniform(
     let layouts: Vec<&Layout> = std::iter::once(&subject).chain(&baselines).collect();
     let runs = layouts
         .par_iter()
-        .map(|layout| evaluate(design, layout, plan, interrupt))
+        .enumerate()
+        .map(|(k, layout)| Subject { layout, left: given.left.filter(|_| k == 0) }.evaluate(design, plan, interrupt))
         .collect::<Result<Vec<_>, EvaluateError>>()?;
     let stopped = runs.iter().skip(1).zip(&names);
     let stopped = stopped.filter_map(|(run, name)| Some((name.clone(), run.record.stop.clone()?))).collect();
@@ -80,7 +82,18 @@ pub fn beside_uniform(
         return Ok(Beside { evaluation, reference, stopped, forces: Vec::new(), over_forces: None });
     }
     let forces = forces.about(design.impact.force);
-    let runs = under_forces(design, plan, &layouts, &forces, interrupt)?;
+    let mut runs = under_forces(design, plan, &layouts, &forces, interrupt)?;
+    if given.left.is_some() {
+        let own = Subject { layout: &subject, left: given.left };
+        runs[0] = forces
+            .iter()
+            .map(|&force| {
+                let design = Design { impact: ForcePulse { force, ..design.impact }, ..design.clone() };
+                let Evaluation { scores, record, .. } = own.evaluate(&design, plan, interrupt)?;
+                Ok(Evaluated { scores, stop: record.stop })
+            })
+            .collect::<Result<_, EvaluateError>>()?;
+    }
     let related = |force: usize| {
         let run = |k: usize| runs.get(k).map(|runs| &runs[force]).filter(|run| run.stop.is_none());
         let mut scores = run(0)?.scores.clone();

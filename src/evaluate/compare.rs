@@ -206,6 +206,7 @@ pub fn compare(
             method: method(design, plan),
             design_file: design.path.display().to_string(),
             design: design.text.clone(),
+            command: None,
             impact: design.impact_in_words(),
             seeds: [plan.first_seed, design.seeds],
             threads: rayon::current_num_threads(),

@@ -44,7 +44,7 @@ pub fn calibrate(
             let speed = bound(Dimension::Two, [material, material], strip.diameter(), design.constants).speed;
             let window = CROSSINGS * strip.depth(f64::from(strip.rows())) / speed + design.impact.duration;
             let plan = Plan { window: window.max(plan.window), ..plan.clone() };
-            let record = simulated(&design, &layout, &plan, interrupt)?;
+            let record = simulated(&design, &layout.sample(), &plan, interrupt)?;
             Ok(if record.stop.is_some() { None } else { decay(&strip, material, design.constants, &record) })
         })
         .collect()

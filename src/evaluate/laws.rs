@@ -8,24 +8,16 @@ use super::{EvaluatorError, Forces, Overrides, Plan, PlanError, beside_uniform};
 use crate::contact::LawKind;
 use crate::design::Design;
 use crate::layout::Layout;
+use crate::score::{Measure, Scores};
 
 /// The scores of a layout under one law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LawScores {
     /// The law.
     pub law: LawKind,
-    /// F (J)
-    #[serde(rename = "focal_mean_J")]
-    pub focal_mean: f64,
-    /// P (J)
-    #[serde(rename = "protected_mean_J")]
-    pub protected_mean: f64,
-    /// C = F/P
-    pub contrast: Option<f64>,
-    /// G = F/F(all host)
-    pub focal_gain: Option<f64>,
-    /// Q = P/P(all lens)
-    pub protection: Option<f64>,
+    /// The scores; of a run that ended early without ratios.
+    #[serde(flatten)]
+    pub scores: Scores,
     /// The step (s), chosen for the law.
     pub step_s: f64,
     /// Why one of its runs ended early, if so; the numbers that need it are left out.
@@ -104,19 +96,14 @@ pub fn over_laws(
         .zip(&plans)
         .map(|(design, plan)| {
             let beside = beside_uniform(design, layout, plan, Forces::ONE, interrupt)?;
-            let (scores, stop) = (beside.evaluation.scores, beside.evaluation.record.stop);
-            let own = stop.is_none();
+            let (mut scores, stop) = (beside.evaluation.scores, beside.evaluation.record.stop);
+            if stop.is_some() {
+                for ratio in [Measure::Contrast, Measure::FocalGain, Measure::Protection] {
+                    scores.set(ratio, None);
+                }
+            }
             let stop = stop.or_else(|| beside.stopped.into_iter().next().map(|(_, stop)| stop));
-            Ok(LawScores {
-                law: design.law,
-                focal_mean: scores.focal_mean,
-                protected_mean: scores.protected_mean,
-                contrast: scores.contrast.filter(|_| own),
-                focal_gain: scores.focal_gain.filter(|_| own),
-                protection: scores.protection.filter(|_| own),
-                step_s: plan.step,
-                stop: stop.map(|stop| stop.to_string()),
-            })
+            Ok(LawScores { law: design.law, scores, step_s: plan.step, stop: stop.map(|stop| stop.to_string()) })
         })
         .collect::<Result<Vec<_>, EvaluatorError>>()?;
     let range = |of: fn(&LawScores) -> Option<f64>| {
@@ -124,9 +111,9 @@ pub fn over_laws(
         Some([values().reduce(f64::min)?, values().reduce(f64::max)?])
     };
     let range = Ranges {
-        contrast: range(|scores| scores.contrast),
-        focal_gain: range(|scores| scores.focal_gain),
-        protection: range(|scores| scores.protection),
+        contrast: range(|law| law.scores.contrast),
+        focal_gain: range(|law| law.scores.focal_gain),
+        protection: range(|law| law.scores.protection),
     };
     Ok(OverLaws { each, range })
 }
@@ -136,14 +123,14 @@ impl OverLaws {
     pub fn table(&self) -> String {
         let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3}"));
         let mut text = format!("{:<18}{:>8}{:>8}{:>8}\n", "under the law", "C", "G", "Q");
-        for scores in &self.each {
+        for law in &self.each {
             text += &format!(
                 "{:<18}{:>8}{:>8}{:>8}{}\n",
-                scores.law.name(),
-                number(scores.contrast),
-                number(scores.focal_gain),
-                number(scores.protection),
-                scores.stop.as_ref().map_or_else(String::new, |stop| format!("  ({stop})")),
+                law.law.name(),
+                number(law.scores.contrast),
+                number(law.scores.focal_gain),
+                number(law.scores.protection),
+                law.stop.as_ref().map_or_else(String::new, |stop| format!("  ({stop})")),
             );
         }
         for (words, end) in [("least", 0), ("greatest", 1)] {

@@ -9,6 +9,7 @@
 //! - `forces`: one score of several forces; `verdict`: better, equal or worse than what a lens has to beat
 //! - `glance`: what is guessed without a simulation; `laws`: one layout under several contact laws
 //! - `held`: the whole piece between mirrors, or in a frame; `settle`: how unequal spheres lie in it under gravity
+//! - `whole`: pieces whose halves differ
 //! - `made`: laws that gave back more than was put in
 
 mod batch;
@@ -26,6 +27,7 @@ mod settle;
 mod stiffest;
 mod traced;
 mod verdict;
+mod whole;
 
 pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError, common_plan};
 pub use beside::{Beside, beside_uniform, unnamed};
@@ -39,9 +41,10 @@ pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_law
 pub use plan::{Overrides, Plan, PlanError};
 pub use settle::SettleError;
 pub use traced::{trace_arrivals, trace_lens};
+pub use whole::Subject;
 
 pub(crate) use made::gain_words;
-pub(crate) use stiffest::{Stiffest, divisor, overshoot};
+pub(crate) use stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 
 use std::sync::atomic::AtomicBool;
 
@@ -54,6 +57,7 @@ use crate::dem::{
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::outcome::{COMMIT, Method, VERSION};
+use crate::sample::Sample;
 use crate::score::Scores;
 use crate::units::Dimension::Length;
 use crate::wave::Validity;
@@ -94,13 +98,13 @@ pub fn evaluate(
     plan: &Plan,
     interrupt: &AtomicBool,
 ) -> Result<Evaluation, EvaluateError> {
-    let record = simulated(design, layout, plan, interrupt)?;
+    let sample = layout.sample();
+    let record = simulated(design, &sample, plan, interrupt)?;
     let within = (&layout.lattice, &design.target);
     let mut scores = Scores::of_energies(&record.max_kinetic, within.0, within.1);
-    let mass = |i: usize| layout.palette[usize::from(layout.materials[i])].sphere_mass(layout.lattice.diameter());
-    scores.add_records(&record, within, |site| [site; 2], 1.0, mass);
+    scores.add_records(&record, within, |site| [site; 2], 1.0, |sphere| sample.mass(sphere));
     scores.add_layout(&layout.stats(|material| design.price(material)));
-    let doubts = Doubts::of(&record, layout, design);
+    let doubts = Doubts::of(&record, &sample, &record.max_kinetic, design);
     Ok(Evaluation { scores, record, doubts })
 }
 
@@ -110,7 +114,7 @@ pub fn method(design: &Design, plan: &Plan) -> Method {
         version: VERSION.to_owned(),
         commit: COMMIT.to_owned(),
         law: design.law_name(),
-        constants: design.constants.to_string(),
+        constants: Some(design.constants.to_string()),
         integrator: plan.integrator.to_string(),
         step_s: plan.step,
         step_reason: plan.step_reason.clone(),
@@ -122,14 +126,14 @@ pub fn method(design: &Design, plan: &Plan) -> Method {
 /// What each sphere of a layout feels under a design's impact.
 fn simulated(
     design: &Design,
-    layout: &Layout,
+    sample: &Sample<2>,
     plan: &Plan,
     interrupt: &AtomicBool,
 ) -> Result<Record<2>, EvaluateError> {
-    let (sample, impact) = (layout.sample(), impact(design, plan));
+    let impact = impact(design, plan);
     Ok(match design.friction {
-        Some(coefficient) => simulate_with_friction(&sample, &impact, coefficient, interrupt)?,
-        None => simulate(&sample, &impact, interrupt)?,
+        Some(coefficient) => simulate_with_friction(sample, &impact, coefficient, interrupt)?,
+        None => simulate(sample, &impact, interrupt)?,
     })
 }
 
@@ -185,21 +189,23 @@ impl Doubts {
         self.depth
     }
 
-    fn of(record: &Record<2>, layout: &Layout, design: &Design) -> Self {
-        let diameter = layout.lattice.diameter();
+    /// `max_kinetic` is that of every site of the half.
+    fn of(record: &Record<2>, sample: &Sample<2>, max_kinetic: &[f64], design: &Design) -> Self {
+        let lattice = &design.lattice;
+        let diameter = lattice.diameter();
         let overlap = record.contacts.iter().map(|contact| contact.overlap_max).fold(0.0, f64::max);
         let depth = |contact: &ContactRecord| {
-            let materials = contact.spheres.map(|i| &layout.palette[usize::from(layout.materials[i])]);
+            let materials = contact.spheres.map(|i| &sample.materials[sample.spheres[i].material]);
             let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants);
             contact.overlap_max / pair.regions(1.0).plastic_overlap
         };
         let depth = if design.law.is_plastic() { record.contacts.iter().map(depth).fold(0.0, f64::max) } else { 0.0 };
         let target = &design.target;
-        let strongest = record.max_kinetic.iter().copied().fold(0.0, f64::max);
-        let unreached = [target.focal_sites(&layout.lattice), target.protect.sites(&layout.lattice)]
+        let strongest = max_kinetic.iter().copied().fold(0.0, f64::max);
+        let unreached = [target.focal_sites(lattice), target.protect.sites(lattice)]
             .into_iter()
             .flatten()
-            .filter(|&site| record.max_kinetic[site] <= UNREACHED * strongest)
+            .filter(|&site| max_kinetic[site] <= UNREACHED * strongest)
             .count();
         // Of a run that was stopped early nobody expects that it gets there.
         let unreached = if record.stop.is_none() { unreached } else { 0 };

@@ -1,6 +1,6 @@
 //! How a design is simulated: step and window, one for all of its arrangements, each with its reason.
 
-use super::stiffest::{Stiffest, divisor, overshoot};
+use super::stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 use crate::contact::{AnyLaw, NormalLaw, Pair};
 use crate::dem::Integrator;
 use crate::design::Design;
@@ -129,8 +129,9 @@ impl Plan {
                 (step, format!("given; {limit}"))
             }
             None => {
-                let parts = (pulse / accurate).ceil();
-                (pulse / parts, format!("{class} class: {limit} over {divisor}, {parts} steps in the pulse"))
+                let most = accurate.min(pulse / IN_PULSE);
+                let step = dividing(most, &[pulse]).unwrap_or(most);
+                (step, format!("{class} class: {limit} over {divisor}, {:.0} steps in the pulse", pulse / step))
             }
         };
         let speed = |m: &Material| wave::bound(Dimension::Two, [m, m], diameter, design.constants).speed;

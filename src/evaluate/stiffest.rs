@@ -1,4 +1,5 @@
-//! The stiffest contact that may arise, and how far below its stability limit a step must lie to be accurate.
+//! The stiffest contact that may arise, how far below its stability limit a step must lie to be accurate, and that it divides the
+//! pulses: one rule for lenses and rigs.
 
 use crate::contact::LawKind;
 use crate::dem::{Integrator, stable_step};
@@ -27,6 +28,19 @@ pub(crate) fn divisor(accuracy: Accuracy, integrator: Integrator) -> f64 {
         Accuracy::TenthPercent => TENTH_PERCENT,
         Accuracy::OnePercent => one_percent(integrator),
     }
+}
+
+/// An automatic step cuts the shortest pulse into at least so many.
+pub(crate) const IN_PULSE: f64 = 20.0;
+
+/// The greatest step up to `most` of which every square pulse (s) is a whole number; none without pulses, and where they have none in
+/// common down to a thousandth of the shortest over that.
+pub(crate) fn dividing(most: f64, pulses: &[f64]) -> Option<f64> {
+    let shortest = pulses.iter().copied().reduce(f64::min)?;
+    let is_whole = |pulse: f64, step: f64| (pulse / step - (pulse / step).round()).abs() <= 1e-9;
+    let fewest = (shortest / most * (1.0 - 1e-12)).ceil().max(1.0);
+    let steps = (0..1000_u32).map(|more| shortest / (fewest + f64::from(more)));
+    steps.into_iter().find(|&step| pulses.iter().all(|&pulse| is_whole(pulse, step)))
 }
 
 /// Greatest contact force in the sheet over the force that a struck sphere hands to each of its two contacts, as

@@ -167,6 +167,7 @@ fn trace_layout(
         materials,
         layout: layout.materials.clone(),
         proposal: None,
+        decay_method: None,
         rays: Vec::new(),
         wavefronts: Vec::new(),
         caustic: Vec::new(),

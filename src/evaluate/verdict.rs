@@ -2,7 +2,7 @@
 
 use crate::chance::Mean;
 use crate::outcome::{Verdict, Word};
-use crate::score::{Better, Measure, Scores, geometric};
+use crate::score::{Measure, Scores, geometric};
 
 /// The measures that a verdict is given on.
 const JUDGED: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Protection];
@@ -13,10 +13,6 @@ const RIVALS: [(&str, [&str; 2]); 3] = [
     ("uniform", ["all-host", "all-lens"]),
     ("random", ["random-lens-rows", "random-behind"]),
 ];
-
-/// The part by which scores under a single force have to differ to tell more than the force's chance: twice what scores of one layout
-/// scatter by, and a little.
-const DECIDED: f64 = 0.04;
 
 /// One arrangement: its kind, and its scores under each force.
 pub(super) struct Judged<'a> {
@@ -43,16 +39,7 @@ pub(super) fn verdict(subject: &[Scores], others: &[Judged]) -> Vec<Verdict> {
         let (kind, best, differences) =
             kinds.iter().filter_map(of_kind).reduce(|a, b| if better(b.1, a.1) { b } else { a })?;
         let spread = if own.len() > 1 { Mean::of(&differences).deviation } else { None };
-        let (near, unclear) = match spread {
-            Some(spread) => ((value - best).abs() <= 2.0 * spread, Word::Equal),
-            None => ((value - best).abs() <= DECIDED * best.abs(), Word::Undecided),
-        };
-        let word = match measure.better() {
-            _ if near => unclear,
-            Better::Smaller if value < best => Word::Better,
-            Better::Greater if value > best => Word::Better,
-            _ => Word::Worse,
-        };
+        let word = Word::of(measure, value, best, spread);
         let [measure, against, arrangement] = [measure.name(), against, kind].map(str::to_owned);
         Some(Verdict { measure, against, arrangement, value, best, spread, word })
     };

@@ -112,18 +112,6 @@ fn is_whole(duration: f64, step: f64) -> bool {
     whole >= 1.0 && (duration / step - whole).abs() <= 1e-9
 }
 
-/// The greatest step, up to `step` (s), of which every square pulse of a rig is a whole number; none down to a thousandth of the
-/// shortest pulse over that.
-pub fn dividing_step<const D: usize>(rig: &Rig<D>, step: f64) -> Option<f64> {
-    let pulses: Vec<f64> = (rig.loads.iter())
-        .filter_map(|load| if let Curve::Square { duration, .. } = load.curve { Some(duration) } else { None })
-        .collect();
-    let Some(shortest) = pulses.iter().copied().reduce(f64::min) else { return Some(step) };
-    let fewest = (shortest / step * (1.0 - 1e-12)).ceil().max(1.0);
-    let steps = (0..1000_u32).map(|more| shortest / (fewest + f64::from(more)));
-    steps.into_iter().find(|&step| pulses.iter().all(|&pulse| is_whole(pulse, step)))
-}
-
 fn loads<const D: usize>(rig: &Rig<D>, step: f64) -> Result<Vec<Push>, DeckError> {
     let mut pushes = Vec::new();
     for load in &rig.loads {

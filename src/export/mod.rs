@@ -10,7 +10,7 @@ mod lammps;
 mod vtp;
 mod xyz;
 
-pub use lammps::{Deck, DeckError, deck, dividing_step, dump_frame};
+pub use lammps::{Deck, DeckError, deck, dump_frame};
 pub use vtp::{collection, contacts, spheres};
 pub use xyz::frame;
 

@@ -13,5 +13,5 @@ pub use error::LayoutFileError;
 pub use extent::lattice_of;
 pub use granulens_core::layout::*;
 pub use piece::{PieceSphere, whole};
-pub use read::{ReadLayout, read, read_noted};
+pub use read::{ReadLayout, read, read_noted, read_piece};
 pub use write::{write, write_full, write_json};

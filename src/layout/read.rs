@@ -21,8 +21,10 @@ const ROUNDED: f64 = 1e-3;
 /// A layout that was read, and what should be known of it.
 #[derive(Clone, Debug)]
 pub struct ReadLayout {
-    /// The layout.
+    /// The layout; of a piece of two halves the right one.
     pub layout: Layout,
+    /// Where the halves of a whole piece differ the material of every site's image, left of the axis.
+    pub left: Option<Vec<u8>>,
     /// Where what was written is not quite what was taken.
     pub notes: Vec<String>,
 }
@@ -65,6 +67,32 @@ pub fn read_noted(
     palette: &[Material],
     own: &[Material],
 ) -> Result<ReadLayout, LayoutFileError> {
+    match find(path, lattice, palette, own)? {
+        (_, Some(uneven)) => Err(uneven),
+        (read, None) => Ok(read),
+    }
+}
+
+/// The same of a piece whose halves may differ.
+///
+/// # Errors
+/// As [`read`], but for halves that differ.
+pub fn read_piece(
+    path: &Path,
+    lattice: HexagonalSheet,
+    palette: &[Material],
+    own: &[Material],
+) -> Result<ReadLayout, LayoutFileError> {
+    find(path, lattice, palette, own).map(|(read, _)| read)
+}
+
+/// A layout, and what is to be said where only symmetric ones are taken and this one is not.
+fn find(
+    path: &Path,
+    lattice: HexagonalSheet,
+    palette: &[Material],
+    own: &[Material],
+) -> Result<(ReadLayout, Option<LayoutFileError>), LayoutFileError> {
     let text = input::text(path).map_err(|error| {
         let (message, help) = match error {
             Unreadable::NotText { valid, .. } => {
@@ -109,7 +137,7 @@ fn parse(
     lattice: HexagonalSheet,
     palette: &[Material],
     own: &[Material],
-) -> Result<ReadLayout, LayoutFileError> {
+) -> Result<(ReadLayout, Option<LayoutFileError>), LayoutFileError> {
     let source = Source { path, text };
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
@@ -195,19 +223,24 @@ fn parse(
         let help = format!("Add {row},{column},{x},{z},{},MATERIAL.", lattice.diameter());
         return Err(source.error(at, None, message).trying(help));
     }
-    for (halves, site) in given.iter().zip(&sites) {
-        if let [Some((right, _)), Some((left, at))] = *halves
-            && left != right
-        {
-            let [left, right] = [left, right].map(|place| palette[usize::from(place)].name.clone());
-            let message = format!(
-                "row {}: {left} at x = {} m and {right} at {} m; the halves of the piece are not each other's images.",
-                site.row, -site.x, site.x
-            );
-            let help = "A design simulates one half, x >= 0, and its mirror image: make both alike, or check the halves one by one.";
-            return Err(source.error(at, Some(5), message).trying(help));
-        }
-    }
+    // A sphere on the axis is its own image.
+    let image = |halves: &[Option<(u8, usize)>; 2]| halves[1].or(halves[0]);
+    let differs = |halves: &[Option<(u8, usize)>; 2]| {
+        image(halves).map(|(material, _)| material) != halves[0].map(|(material, _)| material)
+    };
+    let differing = given.iter().position(differs);
+    let left = differing.map(|_| given.iter().filter_map(image).map(|(material, _)| material).collect());
+    let uneven = differing.and_then(|k| {
+        let [(right, _), (left, at)] = [given[k][0]?, given[k][1]?];
+        let [left, right] = [left, right].map(|place| palette[usize::from(place)].name.clone());
+        let site = &sites[k];
+        let message = format!(
+            "row {}: {left} at x = {} m and {right} at {} m; the halves of the piece are not each other's images.",
+            site.row, -site.x, site.x
+        );
+        let help = "granulens check simulates such a piece whole; this command takes the half x >= 0 for both: make them alike.";
+        Some(source.error(at, Some(5), message).trying(help))
+    });
     let materials = given.into_iter().filter_map(|halves| halves[0]).map(|(material, _)| material).collect();
     let mut notes = Vec::new();
     if snapped > 0 {
@@ -219,7 +252,7 @@ fn parse(
             farthest / lattice.diameter(),
         ));
     }
-    Ok(ReadLayout { layout: Layout { lattice, palette, materials }, notes })
+    Ok((ReadLayout { layout: Layout { lattice, palette, materials }, left, notes }, uneven))
 }
 
 /// How to come by a layout to begin with.

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Comparison, Data, Fit, Prediction};
-use crate::report::{COLOURS, Chart, Line, escape, plain_page};
+use crate::report::{COLOURS, Chart, Figure, Frame, Line, Provenance, escape};
 use crate::units::Dimension::Time;
 
 /// The unit at the end of a record's name.
@@ -57,7 +57,7 @@ fn above(comparison: &Comparison, fitted: Option<(&Fit, &Comparison)>) -> String
 
 fn table(title: &str, comparison: &Comparison) -> String {
     let mut html = format!(
-        "<h2>{title}</h2>\n<table border=\"1\" cellpadding=\"4\" style=\"border-collapse: collapse\"><tr><th>record</th>\
+        "<h2>{title}</h2>\n<div class=\"wide\"><table><tr><th>record</th>\
          <th>arrival, measured</th><th>predicted</th><th>peak, measured</th><th>predicted</th><th>rms difference</th><th>over the \
          peak</th></tr>\n"
     );
@@ -83,6 +83,7 @@ fn table(title: &str, comparison: &Comparison) -> String {
 /// The page; `before` is the prediction as the file says.
 pub fn page(
     title: &str,
+    provenance: Provenance,
     data: &Data,
     (before, comparison): (&Prediction, &Comparison),
     fitted: Option<(&Fit, &Comparison)>,
@@ -116,10 +117,25 @@ pub fn page(
         }
         let unit = unit(&record.name);
         let chart = |title: String, lines| Chart { title, labels: ["time (us)".to_owned(), unit.to_owned()], lines };
-        pictures.push(chart(record.name.clone(), lines).svg());
-        pictures.push(chart(format!("{}: measured less predicted", record.name), left).svg());
+        pictures.push((record.name.clone(), chart(record.name.clone(), lines).svg()));
+        let title = format!("{}: measured less predicted", record.name);
+        pictures.push((title.clone(), chart(title, left).svg()));
     }
-    plain_page(title, &above(comparison, fitted), pictures.iter().map(String::as_str))
+    let figures = pictures.iter().map(|(title, svg)| Figure {
+        file: "curves.csv",
+        svg,
+        caption: format!("{title}, on the clock of the measurement."),
+        numbers: None,
+    });
+    let frame = Frame {
+        title,
+        kind: "Measured histories on the prediction, by granulens. Numbers are in the files beside this page.",
+        verdict: above(comparison, fitted),
+        figures: figures.collect(),
+        sections: Vec::new(),
+        provenance,
+    };
+    frame.html()
 }
 
 /// The curves as a table: for each record what was measured and what was predicted, with what was fitted where something was.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Proposal;
+use super::{Method, Proposal};
 use crate::lattice::Site;
 use crate::target::Target;
 
@@ -57,6 +57,9 @@ pub struct Traced {
     /// then those of that wave.
     #[serde(default, rename = "focal_arrival_decaying_s")]
     pub focal_arrival_decaying: Option<f64>,
+    /// With what, and how, uniform crystals were simulated to find how the wave decays; the window is at least this one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decay_method: Option<Method>,
     /// What to know before trusting a wave that decays.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,

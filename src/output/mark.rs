@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 const SIGN: &str = "; crc ";
 
 /// The checksum of a file's contents, as in journals: CRC-32, in hexadecimal.
-pub(super) fn digest(contents: &[u8]) -> String {
+pub(crate) fn digest(contents: &[u8]) -> String {
     format!("{:08x}", crc32fast::hash(contents))
 }
 

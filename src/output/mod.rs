@@ -2,7 +2,7 @@
 //!
 //! A file appears when it is complete, by way of a temporary one beside it. One that stands there already is replaced only where
 //! granulens wrote it and nobody changed it since, or where that is asked for by force; never, even so, where the same command
-//! reads it. Devices and pipes are written to, links are followed. A folder is replaced as a whole, and only where it is one of
+//! reads it. Devices, pipes and links are written through: who names a link means what it leads to. A folder is replaced as a whole, and only where it is one of
 //! results whose files are as they were written.
 //!
 //! - `mark`: how what granulens wrote is told from what others did
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 pub use folder::{Folder, check_folder, seal_folder};
 use mark::is_unchanged;
-pub(crate) use mark::marked;
+pub(crate) use mark::{digest, marked};
 
 use crate::input;
 
@@ -194,11 +194,16 @@ fn place(path: &Path, force: bool) -> Result<Place, OutputError> {
         if found.permissions().readonly() {
             return Err(OutputError::ReadOnly(path.to_owned()));
         }
-        if !is_unchanged(&target) {
+        if !is_link(path) && !is_unchanged(&target) {
             return Err(OutputError::NotOurs(path.to_owned()));
         }
     }
     Ok(Place::Whole(target, Some(found.permissions())))
+}
+
+/// Whether a name is that of a link.
+fn is_link(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink())
 }
 
 /// Writes a file of the program's own, with a name that nobody else would give it, such as one of a cache. It is there as a
@@ -335,6 +340,11 @@ mod tests {
             assert_eq!(fs::read_to_string(real).unwrap(), text);
         }
         assert_eq!(fs::metadata(&real).unwrap().permissions().mode() & 0o777, 0o600);
+        // Who names a link means what it leads to, whoever wrote that; by its own name it is left alone.
+        fs::write(&new, "a user's").unwrap();
+        assert!(matches!(write(&new, b"five", false), Err(OutputError::NotOurs(_))));
+        write(&dangling, b"five", false).unwrap();
+        assert_eq!(fs::read_to_string(&new).unwrap(), "five");
         fs::set_permissions(&real, fs::Permissions::from_mode(0o400)).unwrap();
         assert!(matches!(write(&link, b"three", false), Err(OutputError::ReadOnly(_))));
         // Where the mark of a link's file stands, beside the file, it is found by the file's own name too.

@@ -2,7 +2,7 @@
 
 use super::chart::{COLOURS, Chart, Line};
 use super::colour::Scale;
-use super::plain_page::plain_page;
+use super::frame::{Figure, Frame, Provenance};
 use super::svg::{Anchor, Svg, escape};
 use crate::bed::{Bed, BedImpact, Course, Disk, Measures, Moment, Sound};
 
@@ -29,8 +29,8 @@ pub struct BedRecord<'a> {
     pub course: &'a Course,
 }
 
-/// Draws an impact; `words` stand on the page above the pictures.
-pub fn draw_bed(name: &str, record: &BedRecord<'_>, words: &str) -> BedPictures {
+/// Draws an impact; `words` stand on the page above the pictures, `provenance` below.
+pub fn draw_bed(name: &str, record: &BedRecord<'_>, words: &str, provenance: Provenance) -> BedPictures {
     let &BedRecord { impact, bed, measures, sound: heard, course } = record;
     let speed = impact.intruder.speed;
     let mut pictures = vec![
@@ -42,11 +42,29 @@ pub fn draw_bed(name: &str, record: &BedRecord<'_>, words: &str) -> BedPictures 
     ];
     pictures.extend(heard.map(|heard| ("sound.svg", sound(name, heard))));
     let words = words.lines().map(escape).collect::<Vec<_>>().join("\n");
-    let above = format!(
-        "<pre>{words}</pre>\n<p>Lengths in mean grain diameters d, times in collision times τ_c, masses in that of a grain of \
-         diameter d (Kondic et al. 2012).</p>\n"
-    );
-    let page = plain_page(name, &above, pictures.iter().map(|(_, svg)| svg.as_str()));
+    let verdict = format!("<pre>{words}</pre>\n");
+    let figures = pictures.iter().map(|(file, svg)| {
+        let (caption, numbers) = match *file {
+            "depth.svg" => ("Depth of the intruder's lowest point below the surface before the impact.", "impact.csv"),
+            "force.svg" => ("Force of the grains on the intruder.", "impact.csv"),
+            "energy.svg" => ("Where the energy of grains and intruder is and went.", "impact.csv"),
+            "bed.svg" => ("The bed at the hardest moment.", "grains.csv"),
+            "sound.svg" => ("What reached the bottom of a push on the top.", "sound.csv"),
+            _ => ("Pair correlation of the bed before the impact.", "pair-correlation.csv"),
+        };
+        Figure { file, svg, caption: caption.to_owned(), numbers: Some(numbers.to_owned()) }
+    });
+    let units = "<p>Lengths in mean grain diameters d, times in collision times τ_c, masses in that of a grain of diameter d \
+                 (Kondic et al. 2012).</p>\n";
+    let page = Frame {
+        title: name,
+        kind: "An impact on a granular bed, simulated by granulens. Numbers are in impact.json and the tables beside this page.",
+        verdict,
+        figures: figures.collect(),
+        sections: vec![("Units", units.to_owned())],
+        provenance,
+    };
+    let page = page.html();
     BedPictures { pictures, page }
 }
 

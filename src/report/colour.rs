@@ -18,6 +18,41 @@ const VIRIDIS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
+/// From dark to light without hue, for papers that are printed so: equal steps of lightness, the ends neither black nor white.
+const GREYS: [[u8; 3]; 9] = [
+    [38, 38, 38],
+    [62, 62, 62],
+    [86, 86, 86],
+    [111, 111, 111],
+    [137, 137, 137],
+    [163, 163, 163],
+    [190, 190, 190],
+    [217, 217, 217],
+    [245, 245, 245],
+];
+
+/// Which colours a surface is painted with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Palette {
+    /// Viridis.
+    #[default]
+    Viridis,
+    /// Greys.
+    Grey,
+}
+
+impl Palette {
+    /// Their names, for options.
+    pub const ALL: [(&'static str, Self); 2] = [("viridis", Self::Viridis), ("grey", Self::Grey)];
+
+    fn table(self) -> &'static [[u8; 3]] {
+        match self {
+            Self::Viridis => &VIRIDIS,
+            Self::Grey => &GREYS,
+        }
+    }
+}
+
 /// From blue by white to red at equal steps, between which colours are interpolated in sRGB; both ends are equally dark, and
 /// colour-blind readers tell them apart. Source: the diverging scheme RdBu of eleven classes, C. Brewer and M. Harrower,
 /// ColorBrewer 2.0 (Apache 2.0), from its last entry to its first.
@@ -72,6 +107,7 @@ pub struct Scale {
     low: f64,
     high: f64,
     kind: Kind,
+    palette: Palette,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,7 +120,12 @@ enum Kind {
 impl Scale {
     /// Proportional to the value, from zero.
     pub fn linear(high: f64) -> Self {
-        Self { low: 0.0, high: if high.is_finite() && high > 0.0 { high } else { 1.0 }, kind: Kind::Linear }
+        Self {
+            low: 0.0,
+            high: if high.is_finite() && high > 0.0 { high } else { 1.0 },
+            kind: Kind::Linear,
+            palette: Palette::Viridis,
+        }
     }
 
     /// Proportional to the value, on both sides of zero: white there, blue below and red above, equal values on either side
@@ -93,7 +134,7 @@ impl Scale {
         let end = |value: f64| if value.is_finite() { value } else { 0.0 };
         let (low, high) = (end(low).min(0.0), end(high).max(0.0));
         let high = if high > low { high } else { 1.0 };
-        Self { low, high, kind: Kind::Diverging }
+        Self { low, high, kind: Kind::Diverging, palette: Palette::Viridis }
     }
 
     /// Proportional to the logarithm, over the values that there are: from the greatest down to one that only a fiftieth
@@ -103,13 +144,18 @@ impl Scale {
         values.sort_by(f64::total_cmp);
         let high = values.last().copied().unwrap_or(1.0);
         let low = values.get(values.len() / 50).copied().unwrap_or(high);
-        Self { low: low.clamp(high / 1e3, high / 10.0), high, kind: Kind::Logarithmic }
+        Self { low: low.clamp(high / 1e3, high / 10.0), high, kind: Kind::Logarithmic, palette: Palette::Viridis }
     }
 
     /// Proportional to the logarithm between two positive values.
     pub fn between(low: f64, high: f64) -> Self {
         // Equal ends would leave no extent to divide by.
-        Self { low, high: high.max(low * 1.01), kind: Kind::Logarithmic }
+        Self { low, high: high.max(low * 1.01), kind: Kind::Logarithmic, palette: Palette::Viridis }
+    }
+
+    /// With other colours.
+    pub fn painted(self, palette: Palette) -> Self {
+        Self { palette, ..self }
     }
 
     /// The upper end; values above it are not told apart.
@@ -155,7 +201,9 @@ impl Scale {
     pub fn colour(&self, at: usize) -> String {
         match self.kind {
             Kind::Diverging => mixed(&BLUE_TO_RED, at.min(LEVELS - 2) as f64 / (LEVELS - 2) as f64),
-            Kind::Linear | Kind::Logarithmic => level(at),
+            Kind::Linear | Kind::Logarithmic => {
+                mixed(self.palette.table(), at.min(LEVELS - 1) as f64 / (LEVELS - 1) as f64)
+            }
         }
     }
 
@@ -178,7 +226,20 @@ impl Scale {
 
     /// Paints the bar, upright, with its ticks to the right. `beyond` says whether values lie above and below the scale;
     /// arrowheads in the end colours then show that the bar goes on.
-    pub fn bar(&self, svg: &mut Svg, [x, y]: [f64; 2], height: f64, label: &str, unit_size: f64, beyond: [bool; 2]) {
+    pub fn bar(&self, svg: &mut Svg, corner: [f64; 2], height: f64, label: &str, unit_size: f64, beyond: [bool; 2]) {
+        self.sized_bar(svg, corner, height, label, (unit_size, 1.0), beyond);
+    }
+
+    /// The same with letters and everything beside the bar `size` times as large.
+    pub fn sized_bar(
+        &self,
+        svg: &mut Svg,
+        [x, y]: [f64; 2],
+        height: f64,
+        label: &str,
+        (unit_size, size): (f64, f64),
+        beyond: [bool; 2],
+    ) {
         const WIDTH: f64 = 14.0;
         let step = height / LEVELS as f64;
         for k in 0..LEVELS {
@@ -203,9 +264,10 @@ impl Scale {
         for tick in self.ticks() {
             let at = bottom - self.position(tick) * height;
             svg.line([x + WIDTH, at], [x + WIDTH + 4.0, at], r##"stroke="#555""##);
-            svg.text([x + WIDTH + 7.0, at + 4.0], 11.0, Anchor::Start, "", &significant(tick / unit_size, 2));
+            let words = significant(tick / unit_size, 2);
+            svg.text([x + WIDTH + 7.0, at + 4.0 * size], 11.0 * size, Anchor::Start, "", &words);
         }
-        svg.text_upwards([x + WIDTH + 48.0, y + height / 2.0], 12.0, "", label);
+        svg.text_upwards([x + WIDTH + 48.0 * size, y + height / 2.0], 12.0 * size, "", label);
     }
 }
 

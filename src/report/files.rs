@@ -75,6 +75,7 @@ fn number_files(outcome: &Outcome) -> Result<Vec<(String, String)>, ReportError>
     Ok(vec![
         ("numbers.csv".to_owned(), numbers_csv(outcome)?),
         ("numbers.json".to_owned(), serde_json::to_string_pretty(&numbers(outcome))? + "\n"),
+        ("spheres.csv".to_owned(), spheres_csv(outcome)),
         ("manifest.json".to_owned(), serde_json::to_string_pretty(&outcome.manifest)? + "\n"),
         ("outcome.json".to_owned(), outcome_json(outcome)?),
     ])
@@ -156,6 +157,31 @@ pub fn numbers_csv(outcome: &Outcome) -> Result<String, ReportError> {
     }
     let bytes = writer.into_inner().map_err(|e| fail(&e))?;
     String::from_utf8(bytes).map_err(|e| fail(&e))
+}
+
+/// What every sphere of the simulated half felt in every arrangement, as CSV; SI. The numbers of maps and profiles.
+pub fn spheres_csv(outcome: &Outcome) -> String {
+    let mut text = String::from("arrangement,row,column,x,z,material,max_kinetic_J,max_net_force_N,dissipated_J\n");
+    for arrangement in &outcome.arrangements {
+        let record = &arrangement.record;
+        for (index, site) in outcome.sites.iter().enumerate() {
+            let value = |list: &[f64]| maps::at(list, index).map_or(String::new(), |value| value.to_string());
+            let place = arrangement.layout.get(index).copied().map_or(usize::MAX, usize::from);
+            let material = outcome.materials.get(place).map_or("", String::as_str);
+            text += &format!(
+                "{},{},{},{},{},{material},{},{},{}\n",
+                arrangement.name,
+                site.row,
+                site.column,
+                site.x,
+                site.z,
+                value(&record.max_kinetic),
+                value(&record.max_net_force),
+                value(&record.dissipated)
+            );
+        }
+    }
+    text
 }
 
 /// The scores without the lists per site, to be serialised.

@@ -60,8 +60,8 @@ impl Places {
         outside + self.taken.iter().map(|taken| taken.overlap(area)).sum::<f64>()
     }
 
-    /// A place for a text by the marker at a point: the nearest that covers nothing, or else the one that covers least.
-    pub fn near(&mut self, [x, y]: [f64; 2], text: &str, size: f64) -> Label {
+    /// A place for a text by the marker at a point: the nearest that covers nothing; none where there is none.
+    pub fn near(&mut self, [x, y]: [f64; 2], text: &str, size: f64) -> Option<Label> {
         let [width, height] = Self::size(text, size);
         // Around the marker, then further out; the side is tried before above and below.
         let rings = [11.0, 19.0, 28.0, 40.0, 54.0, 70.0];
@@ -74,20 +74,10 @@ impl Places {
                 },
             )
         });
-        let mut best: Option<(f64, f64, Area)> = None;
-        for (gap, area) in tries {
-            let covered = self.covered(&area);
-            if best.as_ref().is_none_or(|(least, ..)| covered < *least) {
-                best = Some((covered, gap, area));
-            }
-            if covered == 0.0 {
-                break;
-            }
-        }
-        let (gap, area) = best.map_or((0.0, Area::new([x, y], [width, height])), |(_, gap, area)| (gap, area));
+        let (gap, area) = tries.into_iter().find(|(_, area)| self.covered(area) == 0.0)?;
         self.taken.push(area);
         let nearest = [x.clamp(area.low[0], area.high[0]), y.clamp(area.low[1] + 2.0, area.high[1] - 2.0)];
-        Label { start: [area.low[0], area.high[1] - 0.25 * height], leader: (gap > 12.0).then_some(nearest) }
+        Some(Label { start: [area.low[0], area.high[1] - 0.25 * height], leader: (gap > 12.0).then_some(nearest) })
     }
 
     /// The left end of the baseline of a text centred on a point; none where it would cover anything.
@@ -114,7 +104,7 @@ mod tests {
             places.keep_clear(marker, 5.0);
         }
         for &marker in &markers {
-            places.near(marker, "440c+brass", 11.0);
+            places.near(marker, "440c+brass", 11.0).unwrap();
         }
         let labels = &places.taken[markers.len()..];
         for (k, label) in labels.iter().enumerate() {
@@ -122,6 +112,14 @@ mod tests {
             let others = places.taken.iter().enumerate().filter(|(other, _)| *other != k + markers.len());
             assert!(others.map(|(_, other)| other.overlap(label)).sum::<f64>() < 1e-9, "{k}");
         }
+        // A crowd has names where there is room, and none on another.
+        for _ in 0..200 {
+            places.near(markers[0], "440c+brass", 11.0);
+        }
+        let all = &places.taken;
+        let clear = |k: usize| (0..k).all(|other| all[k].overlap(&all[other]) < 1e-9);
+        assert!((markers.len()..all.len()).all(clear));
+        assert_eq!(places.near(markers[0], "440c+brass", 11.0), None);
         assert_eq!(places.centred(markers[0], "500", 10.0), None);
         assert!(places.centred([30.0, 30.0], "500", 10.0).is_some());
     }

@@ -107,15 +107,59 @@ pub fn kinetic(outcome: &Outcome) -> String {
     svg.finish()
 }
 
-/// The first arrangement's greatest kinetic energies, large, with both halves and the rays that proposed it.
+/// The first arrangement's greatest kinetic energies, both halves: as they are, with the rays that proposed it, and over the mean of their
+/// row, which takes the decay with depth away and tells the regions apart.
 pub fn kinetic_lens(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
-    let scale = kinetic_scale(outcome);
-    let values: Values = Box::new(|index| at(&lens.record.max_kinetic, index));
-    let panel =
-        Panel { heading: &lens.name, scale, label: "greatest kinetic energy (J)", unit: 1.0, arrangement: lens };
+    let list = &lens.record.max_kinetic[..];
+    let absolute = kinetic_scale(outcome);
+    let share = over_row_mean(outcome, list);
+    let (low, high) = (-1.0, 1.5);
+    let beyond = |limit: f64, above: bool| {
+        let mut shares = (0..list.len()).filter_map(&share);
+        shares.any(|value| if above { value > limit } else { value < limit })
+    };
     let title = format!("{}: greatest kinetic energy of every sphere and rays", outcome.manifest.name);
-    let above = above(&scale, [&lens.record.max_kinetic[..]]);
-    panels(outcome, &title, [560.0, 800.0], true, [(panel, values, [above, false])])
+    let first = Panel {
+        heading: &lens.name,
+        scale: absolute,
+        label: "greatest kinetic energy (J)",
+        unit: 1.0,
+        arrangement: lens,
+        with_rays: true,
+    };
+    let second = Panel {
+        heading: "over the mean of its row",
+        scale: Scale::diverging(low, high),
+        label: "over the mean of its row, less 1",
+        unit: 1.0,
+        arrangement: lens,
+        with_rays: false,
+    };
+    let ends = [above(&absolute, [list]), false];
+    let shares = [beyond(high, true), beyond(low, false)];
+    let shown: [(Panel, Values, [bool; 2]); 2] =
+        [(first, Box::new(|index| at(list, index)), ends), (second, Box::new(&share), shares)];
+    panels(outcome, &title, [420.0, 640.0], shown)
+}
+
+/// The value of a site over the mean of its row, less 1; none in a row that the wave has not reached.
+fn over_row_mean<'a>(outcome: &'a Outcome, list: &'a [f64]) -> impl Fn(usize) -> Option<f64> + 'a {
+    let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0) as usize;
+    let (mut sums, mut weights) = (vec![0.0; rows + 1], vec![0.0; rows + 1]);
+    for (index, site) in outcome.sites.iter().enumerate() {
+        // Spheres on a mirror line stand for half a one.
+        let slack = 1e-9 * outcome.diameter;
+        let on_line = site.x < slack || site.x > outcome.half_width - slack;
+        let weight = if on_line { 0.5 } else { 1.0 };
+        sums[site.row as usize] += weight * at(list, index).unwrap_or(0.0);
+        weights[site.row as usize] += weight;
+    }
+    let most = list.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+    move |index| {
+        let row = outcome.sites[index].row as usize;
+        let mean = sums[row] / weights[row];
+        at(list, index).filter(|_| mean > 1e-6 * most).map(|value| value / mean - 1.0)
+    }
 }
 
 /// Energy dissipated per sphere, in the lens and, where there is one, in the crystal without a lens; logarithmic.
@@ -127,10 +171,10 @@ pub fn dissipation(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let all = shown.iter().map(|a| {
         let list = &a.record.dissipated[..];
         let label = "dissipated energy per sphere (mJ)";
-        let panel = Panel { heading: a.name.as_str(), scale, label, unit: 1e-3, arrangement: a };
+        let panel = Panel { heading: a.name.as_str(), scale, label, unit: 1e-3, arrangement: a, with_rays: false };
         (panel, Box::new(move |index| at(list, index)) as Values, [false, below(&scale, list)])
     });
-    panels(outcome, &title, [392.0, 620.0], false, all)
+    panels(outcome, &title, [392.0, 620.0], all)
 }
 
 /// Greatest net force on every sphere of the lens: as it is (logarithmic), and over the greatest of its row, which takes
@@ -151,20 +195,27 @@ pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         at(list, index).filter(|_| greatest > 1e-6 * high).map(|force| force / greatest)
     };
     let title = format!("{}: greatest net force on every sphere", outcome.manifest.name);
-    let first =
-        Panel { heading: "as it is", scale: absolute, label: "greatest net force (kN)", unit: 1e3, arrangement: lens };
+    let first = Panel {
+        heading: "as it is",
+        scale: absolute,
+        label: "greatest net force (kN)",
+        unit: 1e3,
+        arrangement: lens,
+        with_rays: false,
+    };
     let second = Panel {
         heading: "over the greatest of its row",
         scale: Scale::linear(1.0),
         label: "share of the row's greatest net force",
         unit: 1.0,
         arrangement: lens,
+        with_rays: false,
     };
     let shown: [(Panel, Values, [bool; 2]); 2] = [
         (first, Box::new(|index| at(list, index)), [false, below(&absolute, list)]),
         (second, Box::new(share), [false, false]),
     ];
-    panels(outcome, &title, [392.0, 620.0], false, shown)
+    panels(outcome, &title, [392.0, 620.0], shown)
 }
 
 /// Whether a value in the lists lies above the scale.
@@ -186,6 +237,8 @@ struct Panel<'a> {
     /// What one unit of the label is in SI.
     unit: f64,
     arrangement: &'a ArrangementOutcome,
+    /// Whether the rays and faces that proposed it are drawn over it.
+    with_rays: bool,
 }
 
 /// Large maps of both halves side by side, each with its colour bar.
@@ -193,7 +246,6 @@ fn panels<'a>(
     outcome: &'a Outcome,
     title: &str,
     room: [f64; 2],
-    with_rays: bool,
     shown: impl IntoIterator<Item = (Panel<'a>, Values<'a>, [bool; 2])>,
 ) -> String {
     const TOP: f64 = 36.0;
@@ -210,7 +262,7 @@ fn panels<'a>(
         for line in SITES {
             crystal.boundaries(&mut svg, &panel.arrangement.layout, line);
         }
-        if let (true, Some(proposal)) = (with_rays, &outcome.proposal) {
+        if let (true, Some(proposal)) = (panel.with_rays, &outcome.proposal) {
             for line in RAYS {
                 crystal.rays(&mut svg, proposal, line);
             }

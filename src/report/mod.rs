@@ -11,13 +11,15 @@
 //! - `claims`: what was published of the thesis's lens, measured on that lens and on no other
 //! - `page`, `files`: what is written
 //! - `contact_curve`: a contact law as a picture
+//! - `look`: figures for papers; `pdf`: pictures as PDF
 //! - `spots`: where rays pass the focal row
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `transmission`: what small vibrations get through
 //! - `surface`: a design surface as a picture, `surface_page` as a page that answers the pointer; `labels`: places for its labels
-//! - `plain_page`: pictures below some words
 //! - `histogram`: how a number is distributed; `site_map`: a number for every site
+//! - `frame`: the frame of all other pages
 //! - `chart`: lines over a quantity; `bed`: an impact on a granular bed; `ensemble`: many of them; `inside`: a force network, and how grains moved
+//! - `study`: what a search came to
 //! - `trial`: one simulated rig, from the records in its folder
 
 mod bed;
@@ -33,12 +35,15 @@ mod files;
 mod histogram;
 mod inside;
 mod labels;
+mod look;
 mod maps;
 mod page;
-mod plain_page;
+mod pdf;
+mod frame;
 mod profiles;
 mod site_map;
 mod spots;
+mod study;
 mod summary;
 mod surface;
 mod surface_page;
@@ -51,18 +56,23 @@ mod verdict;
 
 pub(crate) use chart::{COLOURS, Chart, Line};
 pub(crate) use colour::material as material_colour;
+pub use frame::Provenance;
+pub(crate) use frame::{Figure, Frame};
 pub(crate) use histogram::{Bound, histogram};
-pub(crate) use plain_page::plain_page;
 pub(crate) use site_map::site_map;
 pub(crate) use svg::escape;
 
 pub use bed::{BedPictures, BedRecord, draw_bed};
 pub use claims::{Claim, claims};
-pub use contact_curve::contact_curve;
+pub use colour::Palette;
+pub use contact_curve::ContactCurve;
 pub use ensemble::draw_ensemble;
-pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, write, write_numbers};
+pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, spheres_csv, write, write_numbers};
 pub use inside::{draw_motion, draw_network};
+pub use look::Look;
+pub use pdf::{PdfError, pdf};
 pub use spots::spot_diagram;
+pub use study::{StudyPage, study_page};
 pub use surface::{surface, surface_csv};
 pub use surface_page::surface_page;
 pub use table::table;

@@ -35,6 +35,9 @@ const COLUMNS: [&Column; 12] = [
     &RESIDUAL,
 ];
 
+/// The figures that stand above the tables.
+const LEAD: [&str; 3] = ["kinetic-lens.svg", "layout.svg", "profiles.svg"];
+
 /// A label and what it labels.
 type Fact = (&'static str, String);
 
@@ -47,10 +50,20 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
     let random = outcome.arrangements.iter().filter(|a| a.seed.is_some());
     let single = random.map(|a| Line { name: &a.name, members: vec![a] });
     let manifest = &outcome.manifest;
-    let figures = pictures.iter().map(|(file, svg)| context! { file => *file, svg, caption => caption(outcome, file) });
+    // The telling ones first, then the others.
+    let (mut lead, mut further) = (Vec::new(), Vec::new());
+    for (file, svg) in pictures {
+        let numbers = if matches!(*file, "layout.svg" | "spots.svg") { None } else { Some("spheres.csv") };
+        let figure = context! { file => *file, svg, caption => caption(outcome, file), numbers };
+        match LEAD.iter().position(|name| name == file) {
+            Some(place) => lead.push((place, figure)),
+            None => further.push(figure),
+        }
+    }
     let claims = claims(outcome).into_iter().map(|c| {
         context! { claim => c.claim, source => c.source, measured => c.measured, holds => c.holds }
     });
+    lead.sort_by_key(|(place, _)| *place);
     // Text, ready to be read; the template escapes it.
     let content = context! {
         name => &manifest.name,
@@ -72,10 +85,13 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
         by_focus => all.iter().map(by_focus).collect::<Vec<_>>(),
         seeds => single.map(|line| compared(&line)).collect::<Vec<_>>(),
         claims => claims.collect::<Value>(),
-        figures => figures.collect::<Value>(),
+        look => crate::page::look(),
+        lead => lead.into_iter().map(|(_, figure)| figure).collect::<Vec<_>>(),
+        further,
         ledger => all.iter().map(ledger).collect::<Vec<_>>(),
         worst_residual => worst_residual(outcome).map_or(NONE.to_owned(), |r| significant(r, 2)),
         warnings => outcome.warnings.clone(),
+        command => manifest.command.clone().unwrap_or_else(|| format!("granulens run {}", manifest.design_file)),
         repeat => repeat(manifest),
     };
     let mut environment = Environment::new();
@@ -321,7 +337,7 @@ fn caption(outcome: &Outcome, file: &str) -> String {
         "layout.svg" => format!("The lens as it would be built, both halves, spheres in true proportion.{rays}"),
         "spots.svg" => "Spot diagram: where the rays pass the middle row of the focal region, or of each by the rays that are meant for it (across), by where they start (upwards); ticks below are the same places on one line. Rays of a perfect lens stand on one vertical line; a bend is spherical aberration, a jump a step between zones or parts. Rays know nothing of wavelength and decay.".to_owned(),
         "kinetic-lens.svg" => format!(
-            "Greatest kinetic energy of each sphere of the lens arrangement during the window, both halves{rays_shown}. {peaks} {beyond} {regions}"
+            "Greatest kinetic energy of each sphere of the first arrangement during the window, both halves. Left: as it is{rays_shown}. Right: over the mean of its row, less 1, which takes the decay with depth away: red where there is more than in a plane wave of the same energy, blue where there is less. {peaks} {beyond} {regions}"
         ),
         "kinetic.svg" => format!(
             "The same for the lens and one arrangement of each kind it is compared with (of random ones the first seed), the simulated half only (axis at the left), all on one colour scale. {beyond} {regions}"
@@ -361,7 +377,9 @@ fn repeat(manifest: &Manifest) -> Vec<Fact> {
         1 => format!("{first}"),
         _ => format!("{first} to {} ({count} of each random kind)", first.saturating_add(count - 1)),
     };
+    let digest = crate::output::digest(manifest.design.as_bytes());
     vec![
+        pair("Design file", format!("{}, CRC-32 {digest}", manifest.design_file)),
         pair("granulens", format!("{}, commit {}", manifest.method.version, manifest.method.commit)),
         pair("Step", format!("{}: {}", Dimension::Time.show(manifest.method.step_s), manifest.method.step_reason)),
         pair(
@@ -370,7 +388,7 @@ fn repeat(manifest: &Manifest) -> Vec<Fact> {
         ),
         pair("Integrator", &manifest.method.integrator),
         pair("Contact law", &manifest.method.law),
-        pair("Fitted constants", &manifest.method.constants),
+        pair("Fitted constants", manifest.method.constants.as_deref().unwrap_or("none")),
         pair("Random seeds", seeds),
         pair("Begun", date(manifest.started_unix_s)),
         pair(

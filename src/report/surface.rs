@@ -3,10 +3,11 @@
 
 use std::fmt::Write as _;
 
-use super::colour::{Scale, level};
+use super::colour::Scale;
 use super::crystal::halo;
 use super::digits::{short, significant};
 use super::labels::{Area, Places};
+use super::look::Look;
 use super::svg::{Anchor, Shapes, Svg};
 use crate::wave::{Axis, DISSIPATED_AT, Kind, Node, Point, Setting, Surface, Value, contour};
 
@@ -23,14 +24,32 @@ const LABEL: f64 = 11.5;
 struct Frame {
     ends: [[f64; 2]; 2],
     linear: [bool; 2],
+    /// Width and height of the plot, and its upper left corner (px).
+    plot: [f64; 2],
+    corner: [f64; 2],
+    /// Letters over those on a screen.
+    letters: f64,
+    for_paper: bool,
 }
 
 impl Frame {
-    fn new(surface: &Surface) -> Self {
+    fn new(surface: &Surface, look: &Look) -> Self {
+        let letters = look.letters();
+        let corner = match look.is_for_paper() {
+            false => CORNER,
+            // Without titles.
+            true => [CORNER[0] * letters, 8.0],
+        };
+        let width = look.pixels(CORNER[0] + PLOT[0] + RIGHT) - corner[0] - RIGHT * letters;
+        let plot = [width, width * PLOT[1] / PLOT[0]];
         let ends = |nodes: &[Node]| [nodes.first(), nodes.last()].map(|node| node.map_or(1.0, |n| n.place));
         Self {
             ends: [ends(&surface.nodes[0]), ends(&surface.nodes[1])],
             linear: surface.axes.map(|axis| axis == Axis::Dimension),
+            plot,
+            corner,
+            letters,
+            for_paper: look.is_for_paper(),
         }
     }
 
@@ -40,7 +59,13 @@ impl Frame {
     }
 
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [CORNER[0] + self.share(0, x) * PLOT[0], CORNER[1] + (1.0 - self.share(1, y)) * PLOT[1]]
+        let ([left, top], [width, height]) = (self.corner, self.plot);
+        [left + self.share(0, x) * width, top + (1.0 - self.share(1, y)) * height]
+    }
+
+    /// Radius of a round marker (px).
+    fn marker(&self) -> f64 {
+        MARKER * self.letters.clamp(0.6, 1.2)
     }
 
     fn holds(&self, place: [f64; 2]) -> bool {
@@ -60,6 +85,19 @@ pub(super) fn caption(axis: Axis, diameter: f64) -> (String, f64) {
         Axis::Radius => ("radius of the spheres (mm)".to_owned(), 1e-3),
         Axis::Amplitude => ("contact force (in F_p, onset of full plasticity)".to_owned(), 1.0),
         Axis::Dimension => ("dimension: 1 chain, 2 hexagonal sheet, 3 close packing".to_owned(), 1.0),
+    }
+}
+
+/// What stands along an axis, in as few words as a column of a paper has room for.
+fn short_caption(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Stiffness => "stiffness (MN/m)",
+        Axis::Density => "density (kg/m³)",
+        Axis::YieldStress => "yield stress (MPa)",
+        Axis::Modulus => "modulus (GPa)",
+        Axis::Radius => "radius (mm)",
+        Axis::Amplitude => "contact force over F_p",
+        Axis::Dimension => "dimension",
     }
 }
 
@@ -131,17 +169,19 @@ fn fixed(surface: &Surface) -> String {
     words.join(", ")
 }
 
-/// The picture.
-pub fn surface(surface: &Surface, points: &[Point]) -> String {
-    let frame = Frame::new(surface);
-    let mut svg = Svg::new(
-        CORNER[0] + PLOT[0] + RIGHT,
-        CORNER[1] + PLOT[1] + FOOT,
-        &format!("Design surface: {}", surface.setting.value.name().replace('-', " ")),
-    );
+/// The picture, as on a screen or in a paper.
+pub fn surface(surface: &Surface, points: &[Point], look: &Look) -> String {
+    let frame = Frame::new(surface, look);
+    let k = frame.letters;
+    let foot = if frame.for_paper { 62.0 } else { FOOT };
+    let size = [frame.corner[0] + frame.plot[0] + RIGHT * k, frame.corner[1] + frame.plot[1] + foot * k];
+    let mut svg =
+        Svg::new(size[0], size[1], &format!("Design surface: {}", surface.setting.value.name().replace('-', " ")));
     let (title, bar, unit) = shown(&surface.setting);
-    svg.text([CORNER[0], 24.0], 16.0, Anchor::Start, r#"font-weight="bold""#, &title);
-    svg.text([CORNER[0], 45.0], 12.0, Anchor::Start, r##"fill="#555""##, &fixed(surface));
+    if !frame.for_paper {
+        svg.text([CORNER[0], 24.0], 16.0, Anchor::Start, r#"font-weight="bold""#, &title);
+        svg.text([CORNER[0], 45.0], 12.0, Anchor::Start, r##"fill="#555""##, &fixed(surface));
+    }
     // Along a radius, an amplitude or a dimension media differ in nothing: on the line that is left there is room for materials only,
     // on the point that is left for none.
     let room = |kind| match surface
@@ -159,11 +199,11 @@ pub fn surface(surface: &Surface, points: &[Point]) -> String {
     drawn.sort_by_key(|point| [Kind::Engineered, Kind::Dimer, Kind::Uniform].iter().position(|k| *k == point.kind));
     if let Some([low, high]) = surface.range() {
         let (low, high) = drawn.iter().fold((low, high), |(l, h), point| (l.min(point.value), h.max(point.value)));
-        let scale = Scale::between(low / unit, high / unit);
+        let scale = Scale::between(low / unit, high / unit).painted(look.palette);
         fill(&mut svg, surface, &frame, &scale, unit);
-        let mut places = Places::new(Area::new(CORNER, PLOT));
+        let mut places = Places::new(Area::new(frame.corner, frame.plot));
         for point in &drawn {
-            places.keep_clear(frame.at(point.place), MARKER + 2.0);
+            places.keep_clear(frame.at(point.place), frame.marker() + 2.0);
         }
         let levels: Vec<f64> = levels(low / unit, high / unit).into_iter().map(|level| level * unit).collect();
         let lines: Vec<(f64, Vec<Vec<[f64; 2]>>)> = levels
@@ -178,15 +218,16 @@ pub fn surface(surface: &Surface, points: &[Point]) -> String {
             svg.polyline(line, r##"stroke="#fff" stroke-width="2.6" stroke-opacity="0.75""##);
             svg.polyline(line, r##"stroke="#111" stroke-width="1""##);
         }
-        media(&mut svg, surface, &drawn, &frame, &scale, &mut places);
+        media(&mut svg, surface, &drawn, (&frame, look), &scale, &mut places);
         for (level, lines) in &lines {
-            name_line(&mut svg, *level / unit, lines, &mut places);
+            name_line(&mut svg, *level / unit, lines, k, &mut places);
         }
-        scale.bar(&mut svg, [CORNER[0] + PLOT[0] + 22.0, CORNER[1]], PLOT[1], bar, 1.0, [false; 2]);
+        let corner = [frame.corner[0] + frame.plot[0] + 12.0 + 10.0 * k, frame.corner[1]];
+        scale.sized_bar(&mut svg, corner, frame.plot[1], bar, (1.0, k), [false; 2]);
     }
     axes(&mut svg, surface, &frame);
-    legend(&mut svg, points.len() - drawn.len());
-    svg.finish()
+    legend(&mut svg, &frame, &drawn, points.len() - drawn.len());
+    look.sized(svg.finish(), size)
 }
 
 /// Round levels, some ten of them, twenty over many decades.
@@ -232,9 +273,9 @@ fn fill(svg: &mut Svg, surface: &Surface, frame: &Frame, scale: &Scale, unit: f6
             }
         }
     }
-    svg.clipped(CORNER, PLOT, |svg| {
+    svg.clipped(frame.corner, frame.plot, |svg| {
         for (k, shapes) in shapes.iter().enumerate() {
-            svg.path(shapes.data(), &format!(r#"fill="{}""#, level(k)));
+            svg.path(shapes.data(), &format!(r#"fill="{}""#, scale.colour(k)));
         }
     });
 }
@@ -242,27 +283,37 @@ fn fill(svg: &mut Svg, surface: &Surface, frame: &Frame, scale: &Scale, unit: f6
 const MARKER: f64 = 5.0;
 
 /// One marker, filled with the colour of its own speed.
-fn mark(svg: &mut Svg, kind: Kind, [x, y]: [f64; 2], fill: &str) {
-    const R: f64 = MARKER;
-    for (stroke, width) in [("#fff", 4.5), ("#000", 1.8)] {
+fn mark(svg: &mut Svg, kind: Kind, [x, y]: [f64; 2], r: f64, fill: &str) {
+    for (stroke, width) in [("#fff", 0.9 * r), ("#000", 0.36 * r)] {
         let style = format!(r#"fill="{fill}" stroke="{stroke}" stroke-width="{width}""#);
         match kind {
-            Kind::Uniform => svg.circle([x, y], R, &style),
+            Kind::Uniform => svg.circle([x, y], r, &style),
             Kind::Dimer => {
-                svg.polygon(&[[x, y - 1.6 * R], [x + 1.6 * R, y], [x, y + 1.6 * R], [x - 1.6 * R, y]], &style);
+                svg.polygon(&[[x, y - 1.6 * r], [x + 1.6 * r, y], [x, y + 1.6 * r], [x - 1.6 * r, y]], &style);
             }
-            Kind::Engineered => svg.rectangle([x - 1.3 * R, y - 1.3 * R], [2.6 * R, 2.6 * R], &style),
+            Kind::Engineered => svg.rectangle([x - 1.3 * r, y - 1.3 * r], [2.6 * r, 2.6 * r], &style),
         }
     }
 }
 
-fn media(svg: &mut Svg, surface: &Surface, points: &[&Point], frame: &Frame, scale: &Scale, places: &mut Places) {
+fn media(
+    svg: &mut Svg,
+    surface: &Surface,
+    points: &[&Point],
+    (frame, look): (&Frame, &Look),
+    scale: &Scale,
+    places: &mut Places,
+) {
     let (_, _, unit) = shown(&surface.setting);
+    let size = LABEL * frame.letters;
+    let wanted = |point: &Point| look.labelled.as_ref().is_none_or(|names| names.contains(&point.label));
+    // Of a crowd those are named for which there is room; all stand in the table beside the picture.
     let named: Vec<_> = points
         .iter()
-        .map(|point| {
+        .filter(|point| wanted(point))
+        .filter_map(|point| {
             let text = format!("{}: {}", point.label, named(&surface.setting, point.value));
-            (frame.at(point.place), places.near(frame.at(point.place), &text, LABEL), text)
+            Some((frame.at(point.place), places.near(frame.at(point.place), &text, size)?, text))
         })
         .collect();
     for (from, label, _) in &named {
@@ -271,57 +322,62 @@ fn media(svg: &mut Svg, surface: &Surface, points: &[&Point], frame: &Frame, sca
             svg.line(*from, to, r##"stroke="#000" stroke-width="0.9""##);
         }
     }
-    for (point, (at, ..)) in points.iter().zip(&named) {
-        mark(svg, point.kind, *at, &level(scale.level(point.value / unit)));
+    for point in points {
+        mark(svg, point.kind, frame.at(point.place), frame.marker(), &scale.colour(scale.level(point.value / unit)));
     }
     for (_, label, text) in &named {
-        halo(svg, label.start, LABEL, Anchor::Start, text);
+        halo(svg, label.start, size, Anchor::Start, text);
     }
 }
 
-/// Names a contour on its lines, where nothing else stands.
-fn name_line(svg: &mut Svg, level: f64, lines: &[Vec<[f64; 2]>], places: &mut Places) {
+/// Names a contour once, on its longest line that has room for it.
+fn name_line(svg: &mut Svg, level: f64, lines: &[Vec<[f64; 2]>], letters: f64, places: &mut Places) {
     const STYLE: &str = r##"fill="#111" stroke="#fff" stroke-width="3" stroke-linejoin="round" paint-order="stroke""##;
     let text = significant(level, 3).trim_end_matches(".0").to_owned();
+    let size = 10.5 * letters;
+    let mut lines: Vec<&Vec<[f64; 2]>> = lines.iter().collect();
+    lines.sort_by_key(|line| std::cmp::Reverse(line.len()));
     for line in lines {
         let middles: Vec<[f64; 2]> =
             line.windows(2).map(|w| [0.5 * (w[0][0] + w[1][0]), 0.5 * (w[0][1] + w[1][1])]).collect();
         // From a fifth of the line on, so that names do not line up across the middle, where the markers are.
         let tries = (0..middles.len()).map(|k| middles[(middles.len() / 5 + k) % middles.len()]);
-        if let Some(start) = tries.into_iter().find_map(|middle| places.centred(middle, &text, 10.5)) {
-            svg.text(start, 10.5, Anchor::Start, STYLE, &text);
+        if let Some(start) = tries.into_iter().find_map(|middle| places.centred(middle, &text, size)) {
+            svg.text(start, size, Anchor::Start, STYLE, &text);
+            return;
         }
     }
 }
 
 fn axes(svg: &mut Svg, surface: &Surface, frame: &Frame) {
-    let [left, top] = CORNER;
-    let (right, bottom) = (left + PLOT[0], top + PLOT[1]);
-    svg.rectangle(CORNER, PLOT, r##"fill="none" stroke="#333" stroke-width="1""##);
+    let ([left, top], k) = (frame.corner, frame.letters);
+    let (right, bottom) = (left + frame.plot[0], top + frame.plot[1]);
+    svg.rectangle(frame.corner, frame.plot, r##"fill="none" stroke="#333" stroke-width="1""##);
     for axis in 0..2 {
         let (name, unit) = caption(surface.axes[axis], surface.setting.diameter);
+        let name = if frame.for_paper { short_caption(surface.axes[axis]).to_owned() } else { name };
         for (tick, named) in ticks(surface.axes[axis], frame.ends[axis].map(|end| end / unit)) {
             let share = frame.share(axis, tick * unit);
             let long = if named { 6.0 } else { 3.0 };
             let text = significant(tick, 2);
             if axis == 0 {
-                let x = left + share * PLOT[0];
+                let x = left + share * frame.plot[0];
                 svg.line([x, bottom], [x, bottom + long], r##"stroke="#333""##);
                 if named {
-                    svg.text([x, bottom + 19.0], 11.5, Anchor::Middle, "", &text);
+                    svg.text([x, bottom + 5.0 + 14.0 * k], 11.5 * k, Anchor::Middle, "", &text);
                 }
             } else {
-                let y = bottom - share * PLOT[1];
+                let y = bottom - share * frame.plot[1];
                 svg.line([left - long, y], [left, y], r##"stroke="#333""##);
                 if named {
-                    svg.text([left - 9.0, y + 4.0], 11.5, Anchor::End, "", &text);
+                    svg.text([left - 9.0, y + 4.0 * k], 11.5 * k, Anchor::End, "", &text);
                 }
             }
         }
         if axis == 0 {
-            svg.text([0.5 * (left + right), bottom + 40.0], 13.0, Anchor::Middle, "", &name);
+            svg.text([0.5 * (left + right), bottom + 5.0 + 35.0 * k], 13.0 * k, Anchor::Middle, "", &name);
         } else {
-            svg.text_upwards([left - 56.0, 0.5 * (top + bottom)], 13.0, "", &name);
+            svg.text_upwards([left - 9.0 - 47.0 * k, 0.5 * (top + bottom)], 13.0 * k, "", &name);
         }
     }
 }
@@ -350,23 +406,40 @@ fn ticks(axis: Axis, [from, to]: [f64; 2]) -> Vec<(f64, bool)> {
     all
 }
 
-fn legend(svg: &mut Svg, beyond: usize) {
-    let y = CORNER[1] + PLOT[1] + 66.0;
-    let mut x = CORNER[0] + 6.0;
+/// What the markers that are drawn mean.
+fn legend(svg: &mut Svg, frame: &Frame, drawn: &[&Point], beyond: usize) {
+    let k = frame.letters;
+    let below = if frame.for_paper { 5.0 + 52.0 * k } else { 66.0 };
+    let y = frame.corner[1] + frame.plot[1] + below;
+    let mut x = if frame.for_paper { 10.0 } else { frame.corner[0] + 6.0 };
+    let is_drawn = |kind: Kind| drawn.iter().any(|point| point.kind == kind);
     for (kind, words, width) in [
         (Kind::Uniform, "one material", 104.0),
         (Kind::Dimer, "dimer of two", 104.0),
         (Kind::Engineered, "engineered", 96.0),
     ] {
-        mark(svg, kind, [x, y - 4.0], "#ddd");
-        svg.text([x + 12.0, y], 12.0, Anchor::Start, "", words);
-        x += width;
+        if is_drawn(kind) {
+            mark(svg, kind, [x, y - 4.0 * k], frame.marker(), "#ddd");
+            svg.text([x + 12.0 * k, y], 12.0 * k, Anchor::Start, "", words);
+            x += width * k;
+        }
     }
-    let unseen = if beyond > 0 { format!("; {beyond} more in the table only") } else { String::new() };
-    svg.text([x, y], 12.0, Anchor::Start, r##"fill="#555""##, &format!("dimers: contacts all mixed{unseen}"));
-    let words =
-        "A marker's colour and number are the medium's own value, at its own values of what is not on the axes.";
-    svg.text([CORNER[0], y + 21.0], 12.0, Anchor::Start, r##"fill="#555""##, words);
+    if frame.for_paper {
+        return;
+    }
+    let mut notes = Vec::new();
+    if is_drawn(Kind::Dimer) {
+        notes.push("dimers: contacts all mixed".to_owned());
+    }
+    if beyond > 0 {
+        notes.push(format!("{beyond} more in the table only"));
+    }
+    svg.text([x, y], 12.0, Anchor::Start, r##"fill="#555""##, &notes.join("; "));
+    if !drawn.is_empty() {
+        let words =
+            "A marker's colour and number are the medium's own value, at its own values of what is not on the axes.";
+        svg.text([CORNER[0], y + 21.0], 12.0, Anchor::Start, r##"fill="#555""##, words);
+    }
 }
 
 /// The numbers behind the picture: every node of the grid and every medium, in SI.

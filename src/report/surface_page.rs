@@ -3,6 +3,7 @@
 use serde_json::json;
 
 use super::files::ReportError;
+use super::look::Look;
 use super::surface::{CORNER, PLOT, caption, shown, surface};
 use crate::wave::{Axis, Node, Point, Surface};
 
@@ -36,7 +37,7 @@ pub fn surface_page(grid: &Surface, points: &[Point]) -> Result<String, ReportEr
     environment.set_auto_escape_callback(|_| minijinja::AutoEscape::Html);
     let content = minijinja::context! {
         title,
-        picture => minijinja::Value::from_safe_string(surface(grid, points)),
+        picture => minijinja::Value::from_safe_string(surface(grid, points, &Look::default())),
         data => minijinja::Value::from_safe_string(data),
     };
     Ok(environment.render_named_str("surface_page.html", include_str!("surface_page.html"), content)?)

@@ -86,6 +86,45 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
+/// Symbols whose last letter is an index; names of a user's are never among them.
+const INDEXED: [&str; 4] = ["F_p", "τ_c", "δ_p", "F_y"];
+
+/// Escaped text as a picture shows it: indices of known symbols below the line, micro by its own sign.
+fn typeset(text: &str, size: f64) -> String {
+    let mut set = String::with_capacity(text.len());
+    let mut rest = text;
+    let mut before = ' ';
+    while let Some(c) = rest.chars().next() {
+        let is_open = !before.is_alphanumeric() && before != '_';
+        let ends = |word: &str| !rest[word.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_');
+        let symbol = INDEXED.into_iter().find(|symbol| is_open && rest.starts_with(symbol) && ends(symbol));
+        let micro = ["us", "um", "uJ"].into_iter().find(|unit| {
+            let behind_number = set.strip_suffix(' ').is_some_and(|set| set.ends_with(|c: char| c.is_ascii_digit()));
+            (before == '(' || behind_number) && rest.starts_with(unit) && ends(unit)
+        });
+        if let Some((letter, index)) = symbol.and_then(|symbol| symbol.split_once('_')) {
+            let (small, down) = (Px(0.72 * size), Px(0.22 * size));
+            // What follows stands on the line again, be it a space of no width.
+            let _ = write!(
+                set,
+                "{letter}<tspan font-size=\"{small}\" dy=\"{down}\">{index}</tspan><tspan dy=\"-{down}\">\u{200b}</tspan>"
+            );
+            before = 'x';
+            rest = &rest[letter.len() + 1 + index.len()..];
+        } else if let Some(unit) = micro {
+            set.push('µ');
+            set.push_str(&unit[1..]);
+            before = 'x';
+            rest = &rest[unit.len()..];
+        } else {
+            set.push(c);
+            before = c;
+            rest = &rest[c.len_utf8()..];
+        }
+    }
+    set
+}
+
 /// Where a text is anchored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
@@ -153,7 +192,8 @@ impl Svg {
 
     /// A line of text of the given size, escaped; the point lies on its baseline.
     pub fn text(&mut self, [x, y]: [f64; 2], size: f64, anchor: Anchor, attributes: &str, text: &str) {
-        let (x, y, size, text) = (Px(x), Px(y), Px(size), escape(text));
+        let text = typeset(&escape(text), size);
+        let (x, y, size) = (Px(x), Px(y), Px(size));
         let anchor = match anchor {
             Anchor::Start => "",
             Anchor::Middle => r#" text-anchor="middle""#,
@@ -220,8 +260,25 @@ impl Shapes {
     /// A closed shape: where it starts, then steps from corner to corner.
     pub fn closed(&mut self, start: [f64; 2], steps: &[[f64; 2]]) {
         onto(&mut self.d, 'M', start);
-        for step in steps {
-            onto(&mut self.d, 'l', *step);
+        for &[x, y] in steps {
+            // A letter for steps along an axis, and no blank before a sign.
+            let (mut across, mut down) = (String::new(), String::new());
+            Px(x).onto(&mut across);
+            Px(y).onto(&mut down);
+            match (across.as_str(), down.as_str()) {
+                ("0", _) => self.d.push('v'),
+                (_, "0") => self.d.push('h'),
+                _ => self.d.push('l'),
+            }
+            if across != "0" {
+                self.d.push_str(&across);
+            }
+            if across != "0" && down != "0" && !down.starts_with('-') {
+                self.d.push(' ');
+            }
+            if down != "0" || across == "0" {
+                self.d.push_str(&down);
+            }
         }
         self.d.push('z');
     }
@@ -253,6 +310,13 @@ mod tests {
             ["-12.5", "-0.05", "3.1", "8", "100000000000000000"]
         );
         assert_eq!(shown(f64::NAN), "0");
+    }
+
+    #[test]
+    fn symbols_have_indices_and_names_keep_theirs() {
+        assert_eq!(typeset("in 20 us, time (us), my_F_p and status", 10.0), "in 20 µs, time (µs), my_F_p and status");
+        let set = typeset("F_p (N)", 10.0);
+        assert!(set.starts_with("F<tspan font-size=\"7.2\" dy=\"2.2\">p</tspan>") && set.ends_with(" (N)"), "{set}");
     }
 
     #[test]

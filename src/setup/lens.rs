@@ -84,7 +84,13 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
     if first_seed.is_some() {
         warnings.push(NO_CHANCE.to_owned());
     }
-    let plan = RunPlan { step: plan.step, step_reason: plan.step_reason, window: plan.window, warnings };
+    let plan = RunPlan {
+        step: plan.step,
+        step_reason: plan.step_reason,
+        window: plan.window,
+        window_reason: plan.window_reason,
+        warnings,
+    };
     let record = record::default::<2>(plan.steps(), sites.len(), 0);
     Ok(Setup::Two(Bench {
         name: design.name.clone(),

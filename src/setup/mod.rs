@@ -9,12 +9,13 @@
 //! - `listed`: layouts of lenses as patterns
 //! - `acts`: what holds and what strikes; `intruder`: rigid bodies before the crystal; `pulse`: quantities over time; `laws`: contact laws and friction
 //! - `preload`: what is squeezed to rest first
-//! - `plan`: step and window, `step`: the step that a rig needs; `record`: what is written and drawn
+//! - `plan`: step and window, `step`: the step that a rig needs, `handed`: the force in its contacts; `record`: what is written and drawn
 //! - `lens`: a lens design as a rig
 
 mod acts;
 mod crystal;
 mod file;
+mod handed;
 mod intruder;
 mod laws;
 mod lens;
@@ -35,11 +36,14 @@ pub use place::spin_about_y;
 pub use plan::RunPlan;
 pub use preload::Preload;
 pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region};
+pub use step::dividing_step;
 
+use crate::dem::Integrator;
 use crate::dem::rig::{Body, Law, LawBook, PairRule, Rig};
 use crate::design::Design;
 use crate::document::{self, DocumentError};
 use crate::layout::Layout;
+use crate::outcome::{COMMIT, Method, VERSION};
 
 /// A rig in one, two or three dimensions.
 #[derive(Clone, Debug)]
@@ -134,6 +138,21 @@ impl<const D: usize> Bench<D> {
         match &self.rig.laws {
             LawBook::Materials { law: Law::Named(_), constants, .. } => Some(constants.to_string()),
             _ => None,
+        }
+    }
+
+    /// With what, and how, it is run: rigs are advanced with velocity Verlet.
+    pub fn method(&self) -> Method {
+        Method {
+            version: VERSION.to_owned(),
+            commit: COMMIT.to_owned(),
+            law: self.law_name(),
+            constants: self.constants_name(),
+            integrator: Integrator::Verlet.to_string(),
+            step_s: self.plan.step,
+            step_reason: self.plan.step_reason.clone(),
+            window_s: self.plan.window,
+            window_reason: self.plan.window_reason.clone(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The section [run]: step, window, and why.
 
 use super::file::RunFile;
-use super::step::{needed, resolution};
+use super::step::{dividing_step, needed, resolution};
 use crate::dem::rig::Rig;
 use crate::design::Accuracy;
 use crate::document::{DocumentError, Scope};
@@ -16,6 +16,8 @@ pub struct RunPlan {
     pub step_reason: String,
     /// How long the run lasts (s).
     pub window: f64,
+    /// Why this window.
+    pub window_reason: String,
     /// What the user should know about these choices.
     pub warnings: Vec<String>,
 }
@@ -98,12 +100,13 @@ pub(super) fn plan<const D: usize>(
         }
         None => {
             rig.resolution = Some(resolution(accuracy));
-            // Steps that fill the window.
-            (length / (length / needed.step.min(length)).ceil(), needed.reason)
+            let most = needed.step.min(length);
+            // Steps that fill the pulses, or else the window.
+            (dividing_step(rig, most).unwrap_or_else(|| length / (length / most).ceil()), needed.reason)
         }
     };
     if length / step > MOST_STEPS {
         return Err(window.fail("would take more than 1e12 steps", "Check its unit, and that of run.step."));
     }
-    Ok(RunPlan { step, step_reason, window: length, warnings })
+    Ok(RunPlan { step, step_reason, window: length, window_reason: "given".to_owned(), warnings })
 }

@@ -27,7 +27,12 @@ pub(super) fn is_rig(path: &Path, text: &str) -> bool {
     opening.is_ok_and(|opening| opening.kind.is_some())
 }
 
+/// Everything that is wrong is told at once.
 pub(super) fn setup(path: &Path, text: &str, first_seed: Option<u64>) -> Result<Setup, DocumentError> {
+    document::all(Source { path, text, examples: EXAMPLES }, |text| check(path, text, first_seed))
+}
+
+fn check(path: &Path, text: &str, first_seed: Option<u64>) -> Result<Setup, DocumentError> {
     let source = Source { path, text, examples: EXAMPLES };
     document::expect(source, document::Kind::Rig)?;
     let root = document::parse(source)?;

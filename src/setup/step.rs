@@ -5,7 +5,7 @@
 //! over a divisor, as for lenses); in a blow it is the contact of two bodies that meet at the greatest speed. Speeds are bounded from
 //! above: given ones, those of prescribed motion, of bars, of a fall, and of what a force drives across a gap. Bounds cost
 //! little, since K grows with the speed to the power 2/5 at most. What they miss is seen in the run, which is then begun again
-//! with half the step (`trial`).
+//! with half the step (`trial`). A crystal under a pulse has the step that a lens design of the same crystal has with Verlet.
 
 use crate::contact::{AnyLaw, Dashpot, History, LawKind, NormalLaw, Pair};
 use crate::dem::Integrator;
@@ -13,12 +13,11 @@ use crate::dem::rig::{
     Body, Curve, Face, Flat, FlatContact, Law, LawBook, Load, LoadKind, Loss, Rig, Simulation, Spring,
 };
 use crate::design::Accuracy;
-use crate::evaluate::{Stiffest, divisor, overshoot};
+use crate::evaluate::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 use crate::material::Material;
 use crate::units::Dimension::{Speed, Stiffness, Time};
 
-/// An automatic step cuts the shortest pulse into at least so many.
-const IN_PULSE: f64 = 20.0;
+use super::handed::handed_on;
 
 /// Greatest ω h of a blow. Verlet's peak force then errs by −0.083 (ω h)² to +0.042 (ω h)² under Hertz's law (the peak lies up to half
 /// a step beside a state; the rest is the scheme's), its duration by less.
@@ -164,6 +163,17 @@ pub(super) fn needed<const D: usize>(rig: &Rig<D>, crystal: usize, window: f64, 
     needed
 }
 
+/// The greatest step up to `step` (s) of which every square pulse of a rig is a whole number; none where there is no such pulse, nor
+/// such a step down to a thousandth of the shortest one over that.
+pub fn dividing_step<const D: usize>(rig: &Rig<D>, step: f64) -> Option<f64> {
+    let square = |load: &Load<D>| match load.curve {
+        Curve::Square { duration, .. } => Some(duration),
+        _ => None,
+    };
+    let pulses: Vec<f64> = rig.loads.iter().filter_map(square).collect();
+    dividing(step, &pulses)
+}
+
 /// The kinds of bodies of a rig, and the laws between them.
 struct Laws<'a, const D: usize> {
     rig: &'a Rig<D>,
@@ -260,10 +270,11 @@ fn along<const D: usize>(vector: &[f64; D], direction: &[f64; D]) -> f64 {
     (0..D).map(|k| vector[k] * direction[k]).sum()
 }
 
-/// The greatest force (N) that anything is pressed with from outside: loads, bars, the weight of a column of spheres, and what is
+/// The greatest force (N) that contacts are pressed with from outside: by loads, bars, the weight of a column of spheres, and what is
 /// squeezed from the start.
 fn greatest_force<const D: usize>(rig: &Rig<D>) -> f64 {
-    let loads = rig.loads.iter().filter(|load| load.kind == LoadKind::Force).map(|load| load.curve.peak());
+    let loads = rig.loads.iter().filter(|load| load.kind == LoadKind::Force);
+    let loads = loads.map(|load| load.curve.peak() * handed_on(rig, load));
     let bars = rig.bars.iter().filter_map(|bar| Some(2.0 * bar.incident.as_ref()?.peak()));
     let given = loads.chain(bars).fold(0.0, f64::max);
     let gravity = size(&rig.gravity);

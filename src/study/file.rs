@@ -125,18 +125,33 @@ impl Study {
     /// Reads and checks a study file, the design it names, and the layout it starts from. `seed` takes the place of the file's.
     ///
     /// # Errors
-    /// The first thing that is wrong with one of them.
+    /// What is wrong with one of them, the first thing and, of the study file, the others.
     pub fn read(path: &Path, seed: Option<u64>) -> Result<Self, StudyError> {
         let text = document::text(path)?;
-        document::expect(document::Source { path, text: &text, examples: &[] }, document::Kind::Study)?;
-        let source = Source { path, text: &text };
-        let FormatOnly { format } = toml::from_str(&text).map_err(|error| source.toml(&error))?;
+        let source = Source { path, text: &text }.document();
+        document::expect(source, document::Kind::Study)?;
+        Self::check(path, &text, seed).map_err(|error| match error {
+            StudyError::File(first) if first.file == path => {
+                let others = document::others(source, &first, &|text| match Self::check(path, text, seed) {
+                    Err(StudyError::File(next)) if next.file == path => Some(*next),
+                    // What is wrong with other files is no fault of this one.
+                    _ => None,
+                });
+                first.with_others(others).into()
+            }
+            error => error,
+        })
+    }
+
+    fn check(path: &Path, text: &str, seed: Option<u64>) -> Result<Self, StudyError> {
+        let source = Source { path, text };
+        let FormatOnly { format } = toml::from_str(text).map_err(|error| source.toml(&error))?;
         if format != 1 {
             return Err(
                 source.fail("format", format!("format = {format} must be 1; a later format needs a later version."))
             );
         }
-        let file: StudyFile = toml::from_str(&text).map_err(|error| source.toml(&error))?;
+        let file: StudyFile = toml::from_str(text).map_err(|error| source.toml(&error))?;
         let beside = |named: &Path| path.parent().unwrap_or(Path::new("")).join(named);
         let mut design = Design::read(beside(&file.design))?;
 
@@ -376,7 +391,8 @@ fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec
         let name = file.method.as_deref().unwrap_or(Method::GeneticLocal.name());
         let method = name.parse().map_err(|error: MethodError| source.fail("method", format!("{error}.")))?;
         let Some(budget) = file.budget else {
-            return Err(source.at(None, "budget is missing: how many evaluations the study may do.".to_owned()));
+            let message = "budget is missing: how many evaluations the study may do.".to_owned();
+            return Err(source.missing("budget", message));
         };
         if !(1..=MOST_EVALUATIONS).contains(&budget) {
             let message = format!("budget = {budget} must be 1 to {MOST_EVALUATIONS} evaluations.");

@@ -51,26 +51,16 @@ pub use tolerance::{Loses, Quantiles};
 use std::path::PathBuf;
 
 use crate::dem::BatchError;
-use crate::design::DesignError;
+use crate::document::DocumentError;
 use crate::evaluate::{EvaluatorError, PlanError};
 use crate::layout::LayoutFileError;
 
 /// Why a study cannot be run or read.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// Something is wrong with the study file.
-    #[error("{}:{} {message}", path.display(), line.map_or(String::new(), |line| format!("{line}:")))]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: Option<u64>,
-        /// What, and the way out.
-        message: String,
-    },
-    /// Something is wrong with the design file that it names.
+    /// Something is wrong with the study file, or with the design file that it names.
     #[error(transparent)]
-    Design(Box<DesignError>),
+    File(Box<DocumentError>),
     /// Something is wrong with the layout file that it starts from.
     #[error(transparent)]
     Layout(Box<LayoutFileError>),
@@ -87,9 +77,9 @@ pub enum StudyError {
     Evaluator(#[from] EvaluatorError),
 }
 
-impl From<DesignError> for StudyError {
-    fn from(error: DesignError) -> Self {
-        Self::Design(Box::new(error))
+impl From<DocumentError> for StudyError {
+    fn from(error: DocumentError) -> Self {
+        Self::File(Box::new(error))
     }
 }
 

@@ -5,11 +5,21 @@ use std::fmt::Write as _;
 use super::criterion::Criterion;
 use super::samples::Samples;
 use super::told::Told;
-use crate::report::{Bound, escape, histogram, plain_page};
+use crate::report::{Bound, Figure, Frame, Provenance, escape, histogram};
 use crate::score::Measure;
 
+/// The file beside the page that holds its numbers.
+const NUMBERS: &str = "tolerance.json";
+
 /// The page; `maps` are further pictures.
-pub fn page(told: &Told, criterion: &Criterion, samples: &Samples, measures: &[Measure], maps: &[String]) -> String {
+pub fn page(
+    told: &Told,
+    provenance: Provenance,
+    criterion: &Criterion,
+    samples: &Samples,
+    measures: &[Measure],
+    maps: &[String],
+) -> String {
     let mut pictures = Vec::new();
     let count = told.samples as usize;
     for &measure in measures {
@@ -43,7 +53,24 @@ pub fn page(told: &Told, criterion: &Criterion, samples: &Samples, measures: &[M
         let _ = write!(html, "<li>{}</li>", escape(line));
     });
     let _ = write!(html, "</ul>\n<pre>{}</pre>\n", escape_lines(&told.words()));
-    plain_page(&format!("{}: before it is built", told.design), &html, pictures.iter().map(String::as_str))
+    let figures = pictures.iter().enumerate().map(|(k, svg)| Figure {
+        file: NUMBERS,
+        svg,
+        caption: match measures.get(k) {
+            Some(measure) => format!("How {} is distributed over the pieces; lines are what is asked.", measure.name()),
+            None => "What one wrong sphere costs, by where it is.".to_owned(),
+        },
+        numbers: None,
+    });
+    let frame = Frame {
+        title: &format!("{}: before it is built", told.design),
+        kind: "A layout as a workshop makes it, simulated by granulens. Numbers are in the files beside this page.",
+        verdict: html,
+        figures: figures.collect(),
+        sections: Vec::new(),
+        provenance,
+    };
+    frame.html()
 }
 
 /// Line by line: line ends are kept.

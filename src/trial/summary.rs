@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::tables::threshold_name;
 use super::{Ending, SUMMARY, TrialError, events, series};
-use crate::dem::Integrator;
 use crate::dem::rig::{EnergyLedger, Gain, Simulation};
 use crate::evaluate::gain_words;
+use crate::outcome::Method;
 use crate::setup::{Bench, Intruder};
 
 /// The format of `trial.json`.
@@ -22,20 +22,12 @@ pub struct Summary {
     pub format: u32,
     /// Name of the rig.
     pub name: String,
-    /// Version of the program.
-    pub version: String,
-    /// The commit that it was built from.
+    /// The file, as it was named.
     #[serde(default)]
-    pub commit: String,
-    /// Contact law; `several` where pairs have laws of their own.
-    #[serde(default)]
-    pub law: String,
-    /// Set of fitted constants, where the law has one.
-    #[serde(default)]
-    pub constants: Option<String>,
-    /// The integrator: rigs are advanced with velocity Verlet.
-    #[serde(default)]
-    pub integrator: String,
+    pub file: String,
+    /// With what, and how.
+    #[serde(flatten)]
+    pub method: Method,
     /// 1, 2 or 3
     pub dimension: usize,
     /// Number of spheres.
@@ -47,12 +39,6 @@ pub struct Summary {
     /// Seeds of what was drawn by chance, in the order of the rig file; with `--seed` they are not those that it names.
     #[serde(default)]
     pub seeds: Vec<u64>,
-    /// The step (s).
-    pub step_s: f64,
-    /// Why this step.
-    pub step_reason: String,
-    /// The window (s).
-    pub window_s: f64,
     /// Steps between two samples.
     pub every: u64,
     /// Time reached (s).
@@ -124,19 +110,13 @@ impl Summary {
         Self {
             format: FORMAT,
             name: bench.name.clone(),
-            version: crate::outcome::VERSION.to_owned(),
-            commit: crate::outcome::COMMIT.to_owned(),
-            law: bench.law_name(),
-            constants: bench.constants_name(),
-            integrator: Integrator::Verlet.to_string(),
+            file: bench.path.display().to_string(),
+            method: bench.method(),
             dimension: D,
             spheres: bench.sites.len(),
             layers: bench.layers,
             diameter_m: bench.diameter,
             seeds: bench.seeds.clone(),
-            step_s: bench.plan.step,
-            step_reason: bench.plan.step_reason.clone(),
-            window_s: bench.plan.window,
             every: bench.record.every,
             time_s: 0.0,
             steps: 0,

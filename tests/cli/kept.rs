@@ -93,7 +93,7 @@ fn an_edited_folder_is_replaced_by_force_only() {
     }
 }
 
-const RIG: &str = "format = 1\nkind = \"rig\"\nname = \"chain\"\n[crystal]\npacking = \"chain\"\ndiameter = \"8 mm\"\nlayers = 5\n\
+pub const RIG: &str = "format = 1\nkind = \"rig\"\nname = \"chain\"\n[crystal]\npacking = \"chain\"\ndiameter = \"8 mm\"\nlayers = 5\n\
                    material = \"440c\"\n[[moving]]\nlayers = 1\nvelocity = \"2 m/s\"\n[run]\nwindow = \"20 us\"\n";
 
 /// Data that do not reach standard output, or a file, are no success.
@@ -150,6 +150,10 @@ fn devices_pipes_and_links_are_written_through() {
     desk.run(&["design", "small.toml", "--quiet", "--out", "link.csv"]).ok();
     assert!(std::fs::symlink_metadata(desk.path("link.csv")).unwrap().is_symlink());
     assert_eq!(desk.read("real.csv"), layout);
+    desk.write("real.csv", "old\n");
+    desk.run(&["design", "small.toml", "--quiet", "--out", "link.csv"]).ok();
+    assert!(std::fs::symlink_metadata(desk.path("link.csv")).unwrap().is_symlink());
+    assert_eq!(desk.read("real.csv"), layout, "who names a link means what it leads to");
     std::fs::create_dir(desk.path("far")).unwrap();
     std::os::unix::fs::symlink("far", desk.path("near")).unwrap();
     desk.run(&["run", "small.toml", "--quiet", "--out", "near"]).ok();

@@ -1,5 +1,10 @@
 //! Layout files: what is written can be read and edited, and what is wrong is said with its line.
 
+use std::sync::atomic::AtomicBool;
+
+use granulens::evaluate::{Overrides, Plan, Subject};
+use granulens::score::Measure;
+
 use super::Desk;
 
 const HEADER: &str = "row,column,x,z,diameter,material\n";
@@ -49,15 +54,75 @@ fn the_whole_piece_has_both_halves() {
             assert_eq!(half[key], whole[key], "{name}: {key}");
         }
     }
-    // One sphere left of the axis is another: no half says what that does.
-    desk.write("lopsided.csv", text.replacen("stainless-440c", "brass-260", 1));
-    let refused = desk.run(&["check", "lopsided.csv", "--design", "small.toml"]);
-    assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("not each other's images"), "{}", refused.stderr);
     let short: String = text.lines().filter(|line| !line.starts_with("5,2,")).map(|line| format!("{line}\n")).collect();
     desk.write("short.csv", short);
     let refused = desk.run(&["check", "short.csv", "--design", "small.toml"]);
     assert!(refused.code == 2 && refused.stderr.contains("row 5, the sphere at x = -"), "{}", refused.stderr);
+}
+
+/// A piece with one sphere left of the axis that its image is not: simulated whole. Its mirror image does the same; the half does not.
+#[test]
+fn a_lopsided_piece_is_simulated_whole() {
+    let desk = Desk::new();
+    desk.run(&["design", "small.toml", "--full", "--out", "full.csv"]).ok();
+    let text = desk.read("full.csv");
+    let lopsided = text.replacen("stainless-440c", "brass-260", 1);
+    desk.write("lopsided.csv", &lopsided);
+    // Columns count from the left: 9 and 10 by turns.
+    let mirrored = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let Ok(row) = cells[0].parse::<u32>() else { return format!("{line}\n") };
+        let (column, x): (u32, f64) = (cells[1].parse().unwrap(), cells[2].parse().unwrap());
+        (cells[1], cells[2]) = ((10 + u32::from(row % 2 == 0) - column).to_string(), (-x).to_string());
+        cells.join(",") + "\n"
+    };
+    desk.write("mirrored.csv", lopsided.lines().map(mirrored).collect::<String>());
+    let check = |name: &str| {
+        let ran = desk
+            .run(&["check", name, "--design", "small.toml", "--spheres", "felt.csv", "--out", "felt.json", "--force"])
+            .ok();
+        assert_eq!(ran.stderr.contains("simulated whole"), name != "full.csv", "{name}: {}", ran.stderr);
+        (desk.json("felt.json"), desk.read("felt.csv"))
+    };
+    let [(even, half), (one, felt), (other, _)] = ["full.csv", "lopsided.csv", "mirrored.csv"].map(check);
+    assert_eq!((half.lines().count(), felt.lines().count()), (1 + 60, 1 + 114));
+    for key in ["focal_mean_J", "protected_mean_J", "contrast", "focal_gain", "dissipated_J", "work_in_J"] {
+        let of = |json: &serde_json::Value| json[key].as_f64().unwrap();
+        assert!((of(&one) / of(&other) - 1.0).abs() < 1e-9, "{key}: {} {}", of(&one), of(&other));
+        assert_ne!(of(&one), of(&even), "{key}");
+        assert!((of(&one) / of(&even) - 1.0).abs() < 0.2, "{key}: one sphere of row 1 does not change everything");
+    }
+    let brass = lopsided.lines().filter(|line| line.ends_with("brass-260")).count();
+    assert_eq!(one["piece"]["counts"][1], brass);
+    assert!(one["half"].is_null());
+    let refused = desk.run(&["compare", "small.toml", "lopsided.csv"]);
+    assert!(refused.code == 2 && refused.stderr.contains("not each other's images"), "{}", refused.stderr);
+}
+
+/// Halves that are alike, simulated whole, are worth what the half is worth, to the growth of rounding.
+#[test]
+fn two_halves_that_are_alike_are_the_half() {
+    let desk = Desk::with_layout();
+    let design = granulens::design::Design::read(desk.path("small.toml")).unwrap();
+    let layout = granulens::layout::read(&desk.path("small.csv"), design.lattice, &[], &[]).unwrap();
+    let plan = Plan::new(&design, Overrides::default(), &layout.palette).unwrap();
+    let evaluate =
+        |left| Subject { layout: &layout, left }.evaluate(&design, &plan, &AtomicBool::new(false)).unwrap().scores;
+    let (half, whole) = (evaluate(None), evaluate(Some(&layout.materials[..])));
+    for measure in [
+        Measure::FocalMean,
+        Measure::ProtectedMean,
+        Measure::WorkIn,
+        Measure::Kinetic,
+        Measure::Dissipated,
+        Measure::FarMomentum,
+        Measure::FocalForce,
+        Measure::ProtectedArrival,
+        Measure::PieceMass,
+    ] {
+        let [half, whole] = [&half, &whole].map(|scores| scores.get(measure).unwrap());
+        assert!((whole / half - 1.0).abs() < 1e-9, "{}: {whole} {half}", measure.name());
+    }
 }
 
 /// A spreadsheet that shows few digits: positions to a thousandth of a diameter are the sites', which is said.

@@ -8,13 +8,16 @@
 //! - `simulate`: rigs; `modes`: small vibrations; `impact`: granular beds
 //! - `network`: network and motion, of files of any program
 //! - `tolerance`: pieces as made, and the gate
-//! - `cost`: what --dry-run says; `truth`: the same numbers from every command
+//! - `cost`: what --dry-run says; `documents`: what README and docs promise; `truth`: the same numbers from every command
+//! - `figures`: figures for papers, and pages
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption; `kept`: nothing of a user's is lost
 
 mod build;
 mod check;
 mod cost;
+mod documents;
+mod figures;
 mod folders;
 mod impact;
 mod jobs;

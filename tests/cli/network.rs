@@ -3,7 +3,7 @@
 use super::Desk;
 
 /// Two squares side by side; the diagonal 1-5 cuts the right one. Forces 8 to 1, mean 4.5.
-const SQUARES: &str = "i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N
+pub const SQUARES: &str = "i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N
 0,1,0,0,1,0,8,0
 1,2,1,0,2,0,7,0
 3,4,0,1,1,1,6,0

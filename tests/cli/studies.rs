@@ -127,3 +127,84 @@ fn baselines_are_always_there() {
     assert!(of("random-rows")["contrast"]["half_width"].as_f64().is_some_and(|half| half > 0.0));
     assert!(of("random-behind")["seeds"].as_u64().is_some_and(|seeds| seeds > 1));
 }
+
+/// What of a folder a refused run must leave as it is.
+fn kept(desk: &Desk, folder: &str) -> [String; 3] {
+    ["study.json", "best.csv", "settings.json"].map(|name| desk.read(&format!("{folder}/{name}")))
+}
+
+/// A folder holds one study: another seed, other settings or another problem are refused with words, and nothing of it is mixed.
+#[test]
+fn seeds_settings_and_problems_are_kept_apart() {
+    let desk = desk();
+    desk.run(&["study", "run", "study.toml", "--out", "s"]).ok();
+    let before = kept(&desk, "s");
+    desk.write("settings.toml", STUDY.replace("\"local\"", "\"genetic\""));
+    desk.write("problem.toml", STUDY.replace("rows = [3, 5]", "rows = [3, 6]"));
+    let others: [(&[&str], &str); 3] = [
+        (&["study.toml", "--seed", "2"], "holds the study with seed 1, and this is seed 2"),
+        (&["settings.toml"], "holds a study with other settings"),
+        (&["problem.toml"], "holds a study of another problem"),
+    ];
+    for (call, words) in others {
+        // What a journal holds is shown for whatever study, and said to be another one's.
+        for (job, code) in [("run", 2), ("show", 0)] {
+            let ran = desk.run(&[&["study", job], call, &["--out", "s"]].concat());
+            assert!(ran.code == code && ran.stderr.contains(words), "{job} {call:?}: {}", ran.stderr);
+            assert_eq!(kept(&desk, "s"), before, "{job} {call:?}");
+        }
+    }
+    // Without --out each seed has a folder of its own.
+    desk.run(&["study", "run", "study.toml"]).ok();
+    desk.run(&["study", "run", "study.toml", "--seed", "2"]).ok();
+    let [one, two] = ["study", "study-seed-2"].map(|name| kept(&desk, &format!("reports/{name}")));
+    assert_eq!(one[0], before[0]);
+    assert_ne!(one[0], two[0]);
+    let shown = desk.run(&["study", "show", "study.toml", "--seed", "2", "--json"]).ok().json();
+    let written: serde_json::Value = serde_json::from_str(&two[0]).unwrap();
+    assert_eq!(shown["best"]["contrast"], written["best"]["contrast"]);
+    // By force the results are replaced; the journal keeps what it knows.
+    let journal = desk.read("s/journal.jsonl");
+    desk.run(&["study", "run", "study.toml", "--seed", "2", "--out", "s", "--force"]).ok();
+    assert!(desk.read("s/journal.jsonl").starts_with(&journal));
+    let [forced, own]: [serde_json::Value; 2] =
+        [desk.read("s/study.json"), two[0].clone()].map(|text| serde_json::from_str(&text).unwrap());
+    assert_eq!((&forced["seed"], &forced["best"]["contrast"]), (&own["seed"], &own["best"]["contrast"]));
+}
+
+/// Studies that ask different things are set side by side, said to be different, and not averaged.
+#[test]
+fn studies_of_different_problems_are_not_averaged() {
+    let desk = desk();
+    desk.write("other.toml", STUDY.replace("contrast = { maximise", "focal_gain = { maximise"));
+    desk.run(&["study", "run", "study.toml", "--out", "a"]).ok();
+    desk.run(&["study", "run", "other.toml", "--out", "b"]).ok();
+    let compared = desk.run(&["study", "compare", "a", "b", "--json"]).ok().json();
+    assert_eq!(compared["same_problem"], false);
+    for name in ["contrast", "focal_gain", "protection"] {
+        assert!(compared[name].is_null(), "{name}: {compared}");
+    }
+    for study in compared["studies"].as_array().unwrap() {
+        assert!(study["contrast"].is_f64() && study["sites_different_from_first"].is_null(), "{study}");
+        assert!(study["evaluations_to_5_percent"].is_null(), "{study}");
+    }
+    let table = desk.run(&["study", "compare", "a", "b"]).ok().stdout;
+    assert!(table.contains("these are different problems") && !table.contains("mean "), "{table}");
+}
+
+/// Run again, a finished study says that nothing was to be done, and ends with the code of its first run.
+#[test]
+fn what_is_finished_says_so_and_ends_as_it_did() {
+    let desk = desk();
+    desk.write("missed.toml", STUDY.replace("maximise = 1 }", "maximise = 1, min = 90 }"));
+    for (study, code) in [("study.toml", 0), ("missed.toml", 3)] {
+        let call = ["study", "run", study, "--out", &format!("of-{study}")];
+        let first = desk.run(&call);
+        assert!(first.code == code && first.stderr.contains(" simulated in "), "{study}: {}", first.stderr);
+        let again = desk.run(&call);
+        assert_eq!((again.code, &again.stdout), (code, &first.stdout), "{study}");
+        assert!(again.stderr.contains("nothing was to be done"), "{study}: {}", again.stderr);
+        let json = desk.run(&[&call[..], &["--json"]].concat());
+        assert_eq!(json.json()["run"]["nothing_to_do"], true);
+    }
+}

@@ -7,7 +7,8 @@ use std::process::Command;
 use granulens::contact::LawKind;
 use granulens::dem::Mirror;
 use granulens::dem::rig::{Cluster, Rig, Simulation};
-use granulens::export::{DeckError, deck, dividing_step, dump_frame};
+use granulens::export::{DeckError, deck, dump_frame};
+use granulens::setup::dividing_step;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 

@@ -272,14 +272,14 @@ fn published_blows_come_out_with_the_chosen_step() {
         }
         // An event is seen at the end of its step.
         let found = opened[0] - closed[0];
-        assert!((found - lasts).abs() < ran.summary.step_s + class * lasts, "{name}: {found}");
+        assert!((found - lasts).abs() < ran.summary.method.step_s + class * lasts, "{name}: {found}");
     }
     let push = case("03-own-guard/push");
     assert_eq!(push.ending, Ending::Complete);
     // 10 N take the ball across 1 mm in √(2 s m/F).
     let exact = (2.0 * 1e-3 * find("440c", &[]).unwrap().sphere_mass(0.01) / 10.0).sqrt();
     let touch = events(&push, "closes", 4)[0][0];
-    assert!((touch - exact).abs() < 1.01 * push.summary.step_s, "{touch} {exact}");
+    assert!((touch - exact).abs() < 1.01 * push.summary.method.step_s, "{touch} {exact}");
 }
 
 /// A ball falls 0.3 m freely: it touches at √(2·0.4/9.81) = 0.28557 s with 2.8014 m/s, and leaves as fast; one rolls down an incline of 30
@@ -291,7 +291,7 @@ fn a_fall_is_foreseen() {
         assert_eq!(ran.ending, Ending::Complete, "{name}");
         let touch = events(&ran, "closes", 6)[0];
         let exact = (2.0 * 0.4 / 9.81_f64).sqrt();
-        assert!((touch[0] - exact).abs() < ran.summary.step_s + 1e-6, "{name}: {}", touch[0]);
+        assert!((touch[0] - exact).abs() < ran.summary.method.step_s + 1e-6, "{name}: {}", touch[0]);
         let leaves = ran.series("spheres.csv");
         // At the end of the window it is on its way up and down again: energy tells the speed with which it left.
         let (height, speed) = (leaves.column("uz_m"), leaves.column("vz_m_s"));
@@ -387,10 +387,10 @@ fn what_was_not_foreseen_is_run_again_with_half_the_step() {
     let ran = Ran::of(&chain(&text("")));
     assert_eq!(ran.ending, Ending::Complete);
     let bench = chain(&text(""));
-    let times = bench.plan.step / ran.summary.step_s;
+    let times = bench.plan.step / ran.summary.method.step_s;
     assert!(times >= 2.0 && times.log2().fract() == 0.0, "{times}");
-    assert!(ran.summary.step_reason.contains("begun again"), "{}", ran.summary.step_reason);
-    let given = Ran::of(&chain(&text(&format!("step = \"{:?} s\"\n", ran.summary.step_s))));
+    assert!(ran.summary.method.step_reason.contains("begun again"), "{}", ran.summary.method.step_reason);
+    let given = Ran::of(&chain(&text(&format!("step = \"{:?} s\"\n", ran.summary.method.step_s))));
     assert_eq!(given.ending, Ending::Complete);
     let read = |ran: &Ran, name: &str| std::fs::read_to_string(ran.folder.path().join(name)).unwrap();
     for file in ["energies.csv", "flats.csv", "spheres.csv"] {
@@ -410,7 +410,7 @@ fn what_was_not_foreseen_is_run_again_with_half_the_step() {
     assert!(matches!(ending, Ending::Interrupted { .. }), "{ending:?}");
     let (summary, ending) =
         trial::run(&bench, folder.path(), keeping(true), &AtomicBool::new(false), |_, _| {}).unwrap();
-    assert_eq!((ending, summary.step_s), (Ending::Complete, ran.summary.step_s));
+    assert_eq!((ending, summary.method.step_s), (Ending::Complete, ran.summary.method.step_s));
     for file in ["energies.csv", "flats.csv", "spheres.csv"] {
         assert!(read(&ran, file) == std::fs::read_to_string(folder.path().join(file)).unwrap(), "{file}");
     }

@@ -15,6 +15,7 @@ use super::super::console::{Count, emit, emit_json, interrupt, note, pretty};
 use super::super::failure::Failure;
 use super::super::folder::write_file;
 use super::beds::{load, place, pour};
+use super::method::BedMethod;
 
 /// A bed of the ensemble at rest, with its seed.
 struct Sample {
@@ -61,8 +62,11 @@ pub fn run(common: &Common, path: &Path, file: &BedFile, ensemble: &Ensemble, fr
         return Err(Failure::input(format!("{}: impacts that were kept have vanished", folder.display())));
     }
     let cells = summarise(ensemble, &outcomes);
-    let numbers =
-        json!({ "format": granulens::outcome::FORMAT, "name": file.name, "cells": cells, "impacts": outcomes });
+    let mut numbers = json!(BedMethod::of(&file.impact));
+    numbers["format"] = json!(granulens::outcome::FORMAT);
+    numbers["name"] = json!(file.name);
+    numbers["cells"] = json!(cells);
+    numbers["impacts"] = json!(outcomes);
     write_file(common, &folder.join("ensemble.json"), &pretty(&numbers))?;
     write_file(common, &folder.join("ensemble.csv"), &table(&cells))?;
     write_file(common, &folder.join("impacts.csv"), &rows(&outcomes))?;

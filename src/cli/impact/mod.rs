@@ -3,10 +3,12 @@
 //! - `beds`: beds at rest, kept and used again
 //! - `ensemble`: many impacts, and what they come to on average
 //! - `cost`: how long they would take
+//! - `method`: with what, and how
 
 mod beds;
 mod cost;
 mod ensemble;
+mod method;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -14,7 +16,7 @@ use std::time::Instant;
 use granulens::bed::{Bed, BedFile, Course, Ensemble, Origin, Rubbing, listen, measure, stop_words, strike};
 use granulens::dem::rig::RigStop;
 use granulens::output::Folder;
-use granulens::report::{BedPictures, BedRecord, draw_bed};
+use granulens::report::{BedPictures, BedRecord, Provenance, draw_bed};
 use serde::Serialize;
 
 use super::Common;
@@ -22,6 +24,7 @@ use super::console::{Steps, emit, emit_json, interrupt, note, pretty};
 use super::failure::Failure;
 use super::folder::begin;
 use beds::{load, place, pour};
+use method::BedMethod;
 
 /// Strike a granular bed with an intruder: depth, forces, energies
 ///
@@ -53,6 +56,8 @@ pub struct Impact {
 struct Numbers<'a> {
     format: u32,
     name: &'a str,
+    #[serde(flatten)]
+    method: BedMethod,
     seed: Option<u64>,
     speed: f64,
     grains: usize,
@@ -89,6 +94,7 @@ impl Impact {
         if let (Some(seed), Origin::Pile(pile)) = (common.seed, &mut file.origin) {
             pile.seed = seed;
         }
+        note(common, &BedMethod::of(&file.impact).words());
         if common.dry_run {
             return cost::of(common, &file, self.ensemble(&file).as_ref(), self.fresh);
         }
@@ -180,12 +186,29 @@ fn write(file: &BedFile, record: &BedRecord<'_>, numbers: &Numbers, folder: Fold
         save("sound.csv", &pairs("time_tau_c,force_change", &sound.bottom))?;
     }
     save("grains.csv", &grains(record))?;
-    let BedPictures { pictures, page } = draw_bed(&file.name, record, &words(numbers));
+    let BedPictures { pictures, page } = draw_bed(&file.name, record, &words(numbers), provenance(file));
     for (name, svg) in &pictures {
         save(name, svg)?;
     }
     save("impact.html", &page)?;
     Ok(folder.finish()?)
+}
+
+/// What repeats an impact.
+fn provenance(file: &BedFile) -> Provenance {
+    let path = file.path.display().to_string();
+    let impact = &file.impact;
+    let (mut command, mut seeds) =
+        (format!("granulens impact {path} --speed {}", impact.intruder.speed), "none".to_owned());
+    if let Origin::Pile(pile) = &file.origin {
+        command += &format!(" --seed {}", pile.seed);
+        seeds = pile.seed.to_string();
+    }
+    let method = BedMethod::of(impact);
+    Provenance::new(command, path, file.text.clone())
+        .with("granulens", method.build())
+        .with("Method", method.words())
+        .with("Random seed", seeds)
 }
 
 /// Two columns below their heads.
@@ -217,6 +240,7 @@ fn numbers<'a>(
     Numbers {
         format: granulens::outcome::FORMAT,
         name: &file.name,
+        method: BedMethod::of(&file.impact),
         seed: match &file.origin {
             Origin::Pile(pile) => Some(pile.seed),
             Origin::File(_) => None,

@@ -97,7 +97,7 @@ impl Row {
     }
 }
 
-fn read(folder: &Path) -> Result<Report, Failure> {
+pub fn read(folder: &Path) -> Result<Report, Failure> {
     let path = folder.join("study.json");
     let text = input::text(&path).map_err(|error| {
         let message = format!("{}: {error}", path.display());

@@ -3,9 +3,11 @@
 //! - `run`: run a study or go on with it; `settings`: which study a folder holds; `events`: progress, as a bar or as lines of JSON
 //! - `show`: what a journal holds; `export`: the best layout, and the journal as a table (`table`)
 //! - `compare`: several studies side by side
+//! - `draw`: a study as a page
 //! - `words`: what a study has come to, in words
 
 mod compare;
+mod draw;
 mod events;
 mod export;
 mod run;
@@ -18,6 +20,8 @@ use std::path::{Path, PathBuf};
 
 use granulens::layout;
 use granulens::study::{Entry, Study as Studied};
+
+pub use draw::draw;
 
 use super::failure::Failure;
 use super::{Band, Common};

@@ -84,7 +84,7 @@ fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
     }
     let folder = folder(common, &study);
     settings::claim(common, &folder, &study)?;
-    for name in ["study.json", "best.csv", "nearest.csv"] {
+    for name in ["study.json", "best.csv", "nearest.csv", "report.html"] {
         probe(common, Some(&folder.join(name)))?;
     }
     let begun = Instant::now();
@@ -108,6 +108,7 @@ fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
         state,
     };
     write_file(common, &folder.join("study.json"), &pretty(&report))?;
+    write_file(common, &folder.join("report.html"), &super::draw::page(&study, &report))?;
     let state = report.state;
     // What misses a limit never goes by the name of best.
     for (name, found) in [("best.csv", &state.best), ("nearest.csv", &state.nearest)] {

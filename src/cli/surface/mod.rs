@@ -2,19 +2,19 @@
 
 mod tables;
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
-use granulens::design::Design;
-use granulens::material::{Material, MaterialError, find, library};
-use granulens::report;
+use granulens::design::Shelf;
+use granulens::material::{Material, MaterialError, library};
+use granulens::report::{self, Look};
 use granulens::units::Dimension as Unit;
 use granulens::wave::{self, Axis, Kind, Medium, Point, Setting, Surface as Grid, Value};
 
 use super::console::{emit_json, note};
 use super::failure::Failure;
 use super::folder::{probe_all, write_file};
+use super::picture::{KINDS, Paper, ends_in, write_picture};
 use super::{Common, Crystal};
 use tables::{grid_json, list};
 
@@ -81,7 +81,7 @@ pub struct Surface {
     /// List every two materials side by side: speed ratio, critical angle, impedance ratio, F_p
     #[arg(long, conflicts_with_all = ["find_speed", "find_ratio"])]
     ratios: bool,
-    /// Design file whose own materials, [materials.NAME], and prices, [prices], are taken too
+    /// File with own materials, [materials.NAME], and prices, [prices], alone or in a design, which are taken too
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
     /// In what order what is found is listed: by weight, or by the price of a sphere, which needs prices
@@ -97,6 +97,17 @@ pub struct Surface {
     /// Pairs of dimers too
     #[arg(long)]
     dimers: bool,
+    /// Draw and list no dimers
+    #[arg(long, conflicts_with = "dimers")]
+    no_dimers: bool,
+    /// Draw and list these media alone, such as 440c,brass,440c+brass
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Name these media alone on the picture; the others are markers
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    label: Vec<String>,
+    #[command(flatten)]
+    paper: Paper,
     /// How far off a speed or ratio may be
     #[arg(long, value_name = "PERCENT", default_value = "2 %", allow_hyphen_values = true)]
     tolerance: String,
@@ -138,35 +149,20 @@ fn positive(option: &str, value: f64) -> Result<f64, Failure> {
     }
 }
 
-/// Materials of the user's own, and what materials cost.
-struct Shelf {
-    own: Vec<Material>,
-    /// Of one sphere, by the material's name.
-    prices: BTreeMap<String, f64>,
+/// The mean price of a medium's spheres; none of engineered ones, which nobody sells, and where a price is missing.
+fn price(shelf: &Shelf, medium: &Medium) -> Option<f64> {
+    let [a, b] = medium.materials.each_ref().map(|material| shelf.prices.get(&material.name));
+    if medium.kind == Kind::Engineered { None } else { Some(0.5 * (a? + b?)) }
 }
 
-impl Shelf {
-    fn read(path: Option<&std::path::Path>) -> Result<Self, Failure> {
-        let Some(path) = path else { return Ok(Self { own: Vec::new(), prices: BTreeMap::new() }) };
-        let design = Design::read(path)?;
-        Ok(Self { own: design.own_materials, prices: design.prices })
-    }
-
-    /// The mean price of its spheres; none of engineered ones, which nobody sells, and where a price is missing.
-    fn price(&self, medium: &Medium) -> Option<f64> {
-        let [a, b] = medium.materials.each_ref().map(|material| self.prices.get(&material.name));
-        if medium.kind == Kind::Engineered { None } else { Some(0.5 * (a? + b?)) }
-    }
-
-    /// What has no price comes last, as it stood.
-    fn cheapest_first<T>(&self, list: &mut [T], price: impl Fn(&T) -> Option<f64>) {
-        list.sort_by(|a, b| price(a).unwrap_or(f64::INFINITY).total_cmp(&price(b).unwrap_or(f64::INFINITY)));
-    }
+/// What has no price comes last, as it stood.
+fn cheapest_first<T>(list: &mut [T], price: impl Fn(&T) -> Option<f64>) {
+    list.sort_by(|a, b| price(a).unwrap_or(f64::INFINITY).total_cmp(&price(b).unwrap_or(f64::INFINITY)));
 }
 
 impl Surface {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let shelf = Shelf::read(self.materials.as_deref())?;
+        let shelf = self.materials.as_ref().map(Shelf::read).transpose()?.unwrap_or_default();
         let setting = self.setting(&shelf)?;
         let media = self.media(&shelf)?;
         if self.sort == "price" && shelf.prices.is_empty() {
@@ -184,7 +180,7 @@ impl Surface {
             let found = wave::find_speed(&media, speed, tolerance, setting.dimension, setting.constants);
             let mut found: Vec<Medium> = found.into_iter().map(|k| media[k].clone()).collect();
             if self.sort == "price" {
-                shelf.cheapest_first(&mut found, |medium| shelf.price(medium));
+                cheapest_first(&mut found, |medium| price(&shelf, medium));
             }
             if found.is_empty() {
                 note(common, &format!("no medium gives {wanted} within {}; widen --tolerance", self.tolerance));
@@ -196,21 +192,20 @@ impl Surface {
             note(common, "draw the surface with --out FILE.svg");
             return Ok(());
         };
-        let ends_in = |wanted: &str| out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted));
-        if !(ends_in("svg") || ends_in("html")) {
+        if !(ends_in(out, "html") || KINDS.iter().any(|kind| ends_in(out, kind))) {
             return Err(Failure::input_with_help(
-                format!("--out {}: the surface is drawn as SVG or as a page", out.display()),
-                "Let the name end in .svg or .html; the numbers go to a .csv beside it.",
+                format!("--out {}: the surface is drawn as SVG, as PDF or as a page", out.display()),
+                "Let the name end in .svg, .pdf or .html; the numbers go to a .csv beside it.",
             ));
         }
+        let look = Look { labelled: self.labelled(&media)?, ..self.paper.look() };
         let table = out.with_extension("csv");
         probe_all(common, &[Some(out), Some(&table)])?;
         let (grid, points) = self.grid(&media, &setting)?;
-        let drawn = match ends_in("html") {
-            true => report::surface_page(&grid, &points)?,
-            false => report::surface(&grid, &points),
-        };
-        write_file(common, out, &drawn)?;
+        match ends_in(out, "html") {
+            true => write_file(common, out, &report::surface_page(&grid, &points)?)?,
+            false => write_picture(common, out, &report::surface(&grid, &points, &look))?,
+        }
         write_file(common, &table, &report::surface_csv(&grid, &points))?;
         if common.json {
             emit_json(&grid_json(&grid, &points));
@@ -241,7 +236,7 @@ impl Surface {
 
     /// The variables that are not shown.
     fn setting(&self, shelf: &Shelf) -> Result<Setting, Failure> {
-        let mut material = find(&self.material, &shelf.own)?;
+        let mut material = shelf.find(&self.material)?;
         let axes = self.axes();
         let given = |option: &str, axis: Axis, text: &Option<String>| {
             if text.is_some() && axes.contains(&axis) {
@@ -283,7 +278,7 @@ impl Surface {
         let against = self.against.as_deref().unwrap_or(&self.material);
         Ok(Setting {
             value,
-            against: Some(Medium::uniform(&find(against, &shelf.own)?)),
+            against: Some(Medium::uniform(&shelf.find(against)?)),
             material,
             stiffness,
             dimension: self.crystal.dimension(),
@@ -300,6 +295,13 @@ impl Surface {
         if self.coated.is_empty() && self.hollow.is_empty() {
             media.extend(Medium::published_engineered(&materials));
         }
+        if self.no_dimers {
+            media.retain(|medium| medium.kind != Kind::Dimer);
+        }
+        let only = self.names("only", &self.only, &media)?;
+        if !only.is_empty() {
+            media.retain(|medium| only.contains(&medium.label));
+        }
         for text in &self.coated {
             let parts: Vec<&str> = text.split(':').map(str::trim).collect();
             let [shell, density, core] = parts[..] else {
@@ -307,11 +309,12 @@ impl Surface {
                     "--coated \"{text}\": expected SHELL:FACTOR:CORE, such as al:5:wc"
                 )));
             };
-            let (shell, core): (Material, Material) = (find(shell, &shelf.own)?, find(core, &shelf.own)?);
+            let (shell, core): (Material, Material) = (shelf.find(shell)?, shelf.find(core)?);
             let density = match density.parse::<f64>() {
                 Ok(factor) => factor * shell.density,
                 Err(_) => {
-                    find(density, &shelf.own)
+                    shelf
+                        .find(density)
                         .map_err(|_| {
                             Failure::input(format!(
                                 "--coated \"{text}\": \"{density}\" is neither a factor nor a material"
@@ -327,10 +330,36 @@ impl Surface {
             let fail = || Failure::input(format!("--hollow \"{text}\": expected NAME:FACTOR, such as wc:0.2"));
             let (name, factor) = text.split_once(':').ok_or_else(fail)?;
             let factor: f64 = factor.trim().parse().map_err(|_| fail())?;
-            let medium = Medium::hollow(&find(name.trim(), &shelf.own)?, factor);
+            let medium = Medium::hollow(&shelf.find(name.trim())?, factor);
             media.push(medium.map_err(|error| Failure::input(format!("--hollow \"{text}\": {error}")))?);
         }
         Ok(media)
+    }
+
+    /// The media whose names are written; all where none are asked for.
+    fn labelled(&self, media: &[Medium]) -> Result<Option<Vec<String>>, Failure> {
+        let names = self.names("label", &self.label, media)?;
+        Ok(Some(names).filter(|names| !names.is_empty()))
+    }
+
+    /// Names of media as labels have them: `440c`, `440c+brass` in either order, or a material by any of its names.
+    fn names(&self, option: &str, given: &[String], media: &[Medium]) -> Result<Vec<String>, Failure> {
+        let shelf = self.materials.as_ref().map(Shelf::read).transpose()?.unwrap_or_default();
+        let known = |name: &String| {
+            let turned = name.split_once('+').map(|(a, b)| format!("{b}+{a}"));
+            let alone = shelf.find(name).ok().map(|material| Medium::uniform(&material).label);
+            let found = media.iter().find(|medium| {
+                [Some(name), turned.as_ref(), alone.as_ref()].into_iter().flatten().any(|name| *name == medium.label)
+            });
+            found.map(|medium| medium.label.clone()).ok_or_else(|| {
+                let known: Vec<&str> = media.iter().map(|medium| medium.label.as_str()).collect();
+                Failure::input_with_help(
+                    format!("--{option} {name}: no medium of this name is there"),
+                    format!("There are {}.", known.join(", ")),
+                )
+            })
+        };
+        given.iter().map(known).collect()
     }
 
     fn grid(&self, media: &[Medium], setting: &Setting) -> Result<(Grid, Vec<Point>), Failure> {
@@ -390,11 +419,11 @@ impl Surface {
             }
         }
         if self.sort == "price" {
-            let price = |pair: &wave::Interface| {
-                let [a, b] = pair.media.map(|k| shelf.price(&chosen[k]));
+            let of_pair = |pair: &wave::Interface| {
+                let [a, b] = pair.media.map(|k| price(shelf, &chosen[k]));
                 Some(0.5 * (a? + b?))
             };
-            shelf.cheapest_first(&mut pairs, price);
+            cheapest_first(&mut pairs, of_pair);
         }
         tables::pairs(common, &chosen, &pairs, setting)
     }

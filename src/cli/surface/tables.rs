@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use granulens::design::Shelf;
 use granulens::wave::{DISSIPATED_AT, Interface, Medium, Point, Setting, Surface as Grid, dissipation};
 use serde_json::{Value, json};
 
@@ -9,7 +10,7 @@ use super::super::Common;
 use super::super::console::{emit, emit_json};
 use super::super::failure::Failure;
 use super::super::folder::write_json;
-use super::Shelf;
+use super::price;
 
 /// Lists pairs: speeds, their ratio, critical angle, impedance ratio, F_p.
 pub fn pairs(common: &Common, media: &[Medium], pairs: &[Interface], setting: &Setting) -> Result<(), Failure> {
@@ -86,7 +87,7 @@ pub fn list(common: &Common, media: &[Medium], setting: &Setting, shelf: &Shelf)
                 "density_kg_m3": medium.density(), "stiffness_N_m": bound.stiffness, "speed_m_s": bound.speed,
                 "impedance_kg_m2_s": medium.impedance(bound), "fully_plastic_force_N": bound.plastic_force,
                 "shell_over_radius": medium.shell, "core_force_N": core(medium),
-                "dissipation_J": lost(medium), "price_of_a_sphere": shelf.price(medium),
+                "dissipation_J": lost(medium), "price_of_a_sphere": price(shelf, medium),
             })
         })
         .collect();

@@ -9,10 +9,10 @@ mod spectrum;
 use std::path::Path;
 
 use super::chart::{COLOURS, Chart, Line};
-use super::plain_page::plain_page;
+use super::frame::{self, Figure, Frame, Provenance};
 use super::svg::escape;
-use crate::trial::{SUMMARY, Series, Summary};
-use crate::units::Dimension::{Length, Speed};
+use crate::trial::{RIG, SUMMARY, Series, Summary};
+use crate::units::Dimension::{Force, Length, Speed, Time};
 
 /// Points of a line, at most.
 const POINTS: usize = 2000;
@@ -113,7 +113,9 @@ pub fn draw_trial(folder: &Path) -> Result<Vec<String>, TrialReportError> {
         write(folder, name, svg)?;
     }
     if !pictures.is_empty() {
-        write(folder, "report.html", &page(&summary, &pictures))?;
+        // The file as it was run; of old folders it may be missing.
+        let text = std::fs::read_to_string(folder.join(RIG)).unwrap_or_default();
+        write(folder, "report.html", &page(&summary, &pictures, text))?;
     }
     Ok(pictures.into_iter().map(|(name, _)| name).collect())
 }
@@ -251,19 +253,82 @@ fn threshold(column: &str) -> String {
     }
 }
 
-/// All pictures on one page that needs no network.
-fn page(summary: &Summary, pictures: &[(String, String)]) -> String {
-    let stop = summary.stop.as_ref().map_or(String::new(), |stop| format!("<p><b>Stopped:</b> {}</p>\n", escape(stop)));
-    let warned: String =
-        summary.warnings.iter().map(|warning| format!("<p>Warning: {}</p>\n", escape(warning))).collect();
+/// All pictures on one page that needs no network; `text` is the rig file's.
+fn page(summary: &Summary, pictures: &[(String, String)], text: String) -> String {
+    let stop = summary
+        .stop
+        .as_ref()
+        .map_or(String::new(), |stop| format!("<p class=\"failure\"><b>Stopped:</b> {}</p>\n", escape(stop)));
+    let warned: String = summary
+        .warnings
+        .iter()
+        .map(|warning| format!("<p class=\"warning\"><b>Note.</b> {}</p>\n", escape(warning)))
+        .collect();
     let residual =
         summary.residual.map_or(String::new(), |residual| format!(" The energy ledger closes to {residual:.1e}."));
-    let above = format!(
+    let verdict = format!(
         "<p>{} spheres in {} layers; {} of {} simulated.{residual}</p>\n{stop}{warned}",
         summary.spheres,
         summary.layers,
-        crate::units::Dimension::Time.show(summary.time_s),
-        crate::units::Dimension::Time.show(summary.window_s),
+        Time.show(summary.time_s),
+        Time.show(summary.method.window_s),
     );
-    plain_page(&summary.name, &above, pictures.iter().map(|(_, svg)| svg.as_str()))
+    let figures = pictures.iter().map(|(file, svg)| {
+        let (caption, numbers) = caption(file);
+        Figure { file, svg, caption: caption.to_owned(), numbers: Some(numbers.to_owned()) }
+    });
+    let ledger = &summary.energies;
+    let energies = [
+        ("put in", ledger.work_in),
+        ("kinetic", ledger.kinetic),
+        ("stored in contacts", ledger.stored),
+        ("stored in tangential springs", ledger.tangential_stored),
+        ("potential", ledger.potential),
+        ("dissipated in contacts", ledger.dissipated),
+        ("friction", ledger.friction),
+        ("into bars, drag", ledger.absorbed),
+        ("left over", ledger.left()),
+    ];
+    let shown = energies.iter().filter(|(name, value)| *value != 0.0 || ["put in", "left over"].contains(name));
+    let energies: Vec<_> = shown.map(|(name, value)| vec![(*name).to_owned(), format!("{value:.4e}")]).collect();
+    let mut sections = vec![("Where the energy went", frame::table(&["energy", "J"], &energies))];
+    let bodies = summary.flats.iter().chain(&summary.intruders).filter(|body| body.peak_force_n > 0.0);
+    let bodies: Vec<_> = bodies
+        .map(|body| {
+            let peak = [Force.show(body.peak_force_n), Time.show(body.peak_time_s)];
+            let [force, time] = peak;
+            vec![body.name.clone(), force, time, format!("{:.4}", body.velocity_m_s)]
+        })
+        .collect();
+    if !bodies.is_empty() {
+        let headings = ["body", "greatest force", "at", "velocity at the end (m/s)"];
+        sections.push(("What pressed on bodies", frame::table(&headings, &bodies)));
+    }
+    let file = if summary.file.is_empty() { "rig.toml" } else { &summary.file };
+    let seeds: Vec<String> = summary.seeds.iter().map(u64::to_string).collect();
+    // The first takes the place of the file's.
+    let seed = summary.seeds.first().map_or(String::new(), |seed| format!(" --seed {seed}"));
+    let provenance = Provenance::new(format!("granulens simulate {file}{seed}"), file.to_owned(), text)
+        .by(&summary.method)
+        .with("Random seeds", if seeds.is_empty() { "none".to_owned() } else { seeds.join(", ") });
+    let page = Frame {
+        title: &summary.name,
+        kind: "One rig, simulated by granulens. Numbers are in trial.json and the tables beside this page.",
+        verdict,
+        figures: figures.collect(),
+        sections,
+        provenance,
+    };
+    page.html()
+}
+
+/// What a picture shows, and the table that holds its numbers.
+fn caption(file: &str) -> (&'static str, &'static str) {
+    match file {
+        "x-t.svg" => ("Mean velocity of each layer along the wave, over time.", "layers.csv"),
+        "velocities.svg" => ("Velocities of some of the recorded spheres.", "spheres.csv"),
+        "flats.svg" => ("Forces on flats and intruders over time.", "flats.csv"),
+        "energies.svg" => ("Where the energy is and went, over time.", "energies.csv"),
+        _ => ("When the wave came to each sphere; white where it did not.", "spheres-final.csv"),
+    }
 }
