@@ -9,7 +9,7 @@ use granulens::outcome::Outcome;
 use granulens::report;
 use granulens::target::Focus;
 
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 12] = [
     "dissipation.svg",
     "forces.svg",
     "kinetic-lens.svg",
@@ -21,6 +21,7 @@ const NAMES: [&str; 11] = [
     "outcome.json",
     "profiles.svg",
     "report.html",
+    "spheres.csv",
 ];
 
 fn files(outcome: &Outcome) -> BTreeMap<String, String> {
