@@ -275,19 +275,11 @@ fn judge(
         arrangements.iter().map(own).collect()
     } else {
         let layouts: Vec<&Layout> = layouts.iter().collect();
-        let mut runs = match under_forces(design, plan, &layouts, &forces, interrupt) {
+        let kinds: Vec<&str> = arrangements.iter().map(|arrangement| arrangement.kind.as_str()).collect();
+        match related(design, plan, (&kinds, &layouts), &forces, interrupt) {
             Err(EvaluatorError::Interrupted) => return Ok((Vec::new(), Vec::new())),
             runs => runs?,
-        };
-        let place = |kind: &str| arrangements.iter().position(|arrangement| arrangement.kind == kind);
-        let [host, lens] = ["all-host", "all-lens"].map(place);
-        for force in 0..forces.len() {
-            let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
-            let host = of(host).map(|run| run.scores.focal_mean);
-            let lens = of(lens).map(|run| run.scores.protected_mean);
-            runs.iter_mut().for_each(|runs| runs[force].scores.relate(host, lens));
         }
-        runs
     };
     let scores: Vec<Option<Vec<Scores>>> = runs
         .into_iter()
@@ -298,14 +290,51 @@ fn judge(
             arrangement.over_forces = scores.as_ref().map(|scores| over_forces(scores).1);
         }
     }
-    let others: Vec<Judged> = arrangements
-        .iter()
-        .zip(&scores)
-        .skip(1)
-        .filter_map(|(arrangement, scores)| Some(Judged { kind: &arrangement.kind, runs: scores.as_ref()? }))
-        .collect();
-    let found = scores[0].as_ref().map_or_else(Vec::new, |subject| verdict(subject, &others));
-    Ok((forces, found))
+    let kinds: Vec<&str> = arrangements.iter().map(|arrangement| arrangement.kind.as_str()).collect();
+    Ok((forces, of_first(&kinds, &scores)))
+}
+
+/// Arrangements of some kinds under several forces: for each its runs, related to the uniform ones among them.
+fn related(
+    design: &Design,
+    plan: &Plan,
+    (kinds, layouts): (&[&str], &[&Layout]),
+    forces: &[f64],
+    interrupt: &AtomicBool,
+) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
+    let mut runs = under_forces(design, plan, layouts, forces, interrupt)?;
+    let [host, lens] = ["all-host", "all-lens"].map(|kind| kinds.iter().position(|known| *known == kind));
+    for force in 0..forces.len() {
+        let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
+        let host = of(host).map(|run| run.scores.focal_mean);
+        let lens = of(lens).map(|run| run.scores.protected_mean);
+        runs.iter_mut().for_each(|runs| runs[force].scores.relate(host, lens));
+    }
+    Ok(runs)
+}
+
+/// The first of some arrangements against the others; those without scores were stopped by a guard.
+fn of_first(kinds: &[&str], scores: &[Option<Vec<Scores>>]) -> Vec<Verdict> {
+    let judged = kinds.iter().zip(scores).skip(1);
+    let others: Vec<Judged> =
+        judged.filter_map(|(kind, scores)| Some(Judged { kind, runs: scores.as_ref()? })).collect();
+    scores[0].as_ref().map_or_else(Vec::new, |subject| verdict(subject, &others))
+}
+
+/// The verdict of [`compare`] alone, without records: all arrangements under all forces side by side.
+///
+/// # Errors
+/// See [`EvaluatorError`].
+pub fn judged(comparison: &Comparison<'_>, interrupt: &AtomicBool) -> Result<Vec<Verdict>, EvaluatorError> {
+    let Comparison { design, plan, forces, subject, name, .. } = comparison;
+    let baselines = comparison.baselines();
+    let (kinds, layouts): (Vec<&str>, Vec<&Layout>) = std::iter::once((name.as_str(), subject))
+        .chain(baselines.iter().map(|(baseline, layout)| (baseline.kind(), layout)))
+        .unzip();
+    let runs = related(design, plan, (&kinds, &layouts), &forces.about(design.impact.force), interrupt)?;
+    let finished =
+        |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
+    Ok(of_first(&kinds, &runs.into_iter().map(finished).collect::<Vec<_>>()))
 }
 
 /// What ray tracing proposed, as it is stored.

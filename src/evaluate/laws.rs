@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{EvaluatorError, Forces, Overrides, Plan, PlanError, beside_uniform};
@@ -91,8 +92,9 @@ pub fn over_laws(
                 .map_err(|error| OverLawsError::Plan { law: design.law, error })
         })
         .collect::<Result<Vec<_>, _>>()?;
+    // Laws side by side, since a law's own runs are few.
     let each = designs
-        .iter()
+        .par_iter()
         .zip(&plans)
         .map(|(design, plan)| {
             let beside = beside_uniform(design, layout, plan, Forces::ONE, interrupt)?;

@@ -32,7 +32,7 @@ mod whole;
 pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError, common_plan};
 pub use beside::{Beside, beside_uniform, unnamed};
 pub use blow::{Blow, Case, Flaw};
-pub use compare::{Comparison, Progress, compare, proposal, stops};
+pub use compare::{Comparison, Progress, compare, judged, proposal, stops};
 pub use decay::{calibrate, decay};
 pub use forces::{Forces, ForcesError};
 pub use glance::Glance;

@@ -1,9 +1,10 @@
 //! What the wave does in the layout, and what the models leave open.
 
 use super::{GateError, Line, Look, Word, given};
-use crate::evaluate::{Comparison, EvaluatorError, Forces, compare, design_laws, over_laws, validity};
-use crate::layout::Layout;
-use crate::outcome::{Outcome, Word as Judged};
+use crate::dem::Stop;
+use crate::evaluate::{Comparison, EvaluatorError, Forces, design_laws, evaluate, judged, over_laws, validity};
+use crate::layout::{Baseline, Layout};
+use crate::outcome::{Verdict, Word as Judged};
 use crate::score::Measure;
 use crate::units::Dimension::{Angle, Force};
 use crate::wave::{self, Dimension};
@@ -19,16 +20,13 @@ pub(super) fn lines(look: &Look) -> Result<Vec<Line>, GateError> {
     let comparison = Comparison::of_layout(look.design, "layout".to_owned(), look.layout.clone(), overrides)
         .map_err(EvaluatorError::from)?
         .over(Forces::USUAL);
-    let outcome = compare(&comparison, look.interrupt, &())?;
-    if outcome.forces.is_empty() {
-        return Err(EvaluatorError::Interrupted.into());
-    }
+    let judgement = judged(&comparison, look.interrupt)?;
     let mut lines = strength(look);
     lines.push(overlaps(look));
     lines.push(interfaces(look));
-    lines.extend(verdict(&outcome));
-    lines.push(laws(look, &outcome)?);
-    lines.extend(behind(&outcome));
+    lines.extend(verdict(&judgement));
+    lines.push(laws(look, &judgement)?);
+    lines.extend(behind(look)?);
     Ok(lines)
 }
 
@@ -108,10 +106,10 @@ fn interfaces(look: &Look) -> Line {
 }
 
 /// Better than what it has to beat.
-fn verdict(outcome: &Outcome) -> Vec<Line> {
+fn verdict(judgement: &[Verdict]) -> Vec<Line> {
     let measures = [Measure::Contrast, Measure::FocalGain, Measure::Protection];
     let line = |measure: Measure| {
-        let own: Vec<_> = outcome.verdict.iter().filter(|verdict| verdict.measure == measure.name()).collect();
+        let own: Vec<_> = judgement.iter().filter(|verdict| verdict.measure == measure.name()).collect();
         let hardest = own.iter().copied().reduce(|a, b| if measure.best(a.best, b.best) == b.best { b } else { a })?;
         let word = if hardest.word == Judged::Better { Word::Pass } else { Word::Warn };
         let said = match hardest.word {
@@ -132,11 +130,10 @@ fn verdict(outcome: &Outcome) -> Vec<Line> {
 }
 
 /// What other contact laws make of it.
-fn laws(look: &Look, outcome: &Outcome) -> Result<Line, GateError> {
+fn laws(look: &Look, judgement: &[Verdict]) -> Result<Line, GateError> {
     let overrides = crate::evaluate::Overrides { window: Some(look.plan.window), ..Default::default() };
     let over = over_laws(look.design, look.layout, &design_laws(look.design), overrides, look.interrupt)?;
-    let best = outcome
-        .verdict
+    let best = judgement
         .iter()
         .filter(|verdict| verdict.measure == Measure::Contrast.name())
         .map(|verdict| verdict.best)
@@ -160,11 +157,15 @@ fn laws(look: &Look, outcome: &Outcome) -> Result<Line, GateError> {
 }
 
 /// What stands behind the piece.
-fn behind(outcome: &Outcome) -> Vec<Line> {
-    let of = |kind: &str| outcome.arrangements.iter().find(|a| a.kind == kind && a.stop.is_none()).map(|a| &a.scores);
-    let (Some(own), Some(host)) = (outcome.arrangements.first().map(|a| &a.scores), of("all-host")) else {
-        return Vec::new();
-    };
+fn behind(look: &Look) -> Result<Vec<Line>, GateError> {
+    let host = Baseline::AllHost.layout(look.layout, [1, 1], 0);
+    let host = evaluate(look.design, &host, look.plan, look.interrupt).map_err(EvaluatorError::from)?;
+    match host.record.stop {
+        None => {}
+        Some(Stop::Interrupted { .. }) => return Err(EvaluatorError::Interrupted.into()),
+        Some(_) => return Ok(Vec::new()),
+    }
+    let (own, host) = (&look.beside.evaluation.scores, &host.scores);
     let line = |check: &str, measure: Measure, show: &dyn Fn(f64) -> String, why: &str| {
         let (own, host) = (own.get(measure)?, host.get(measure)?);
         // The whole piece is two halves.
@@ -181,5 +182,5 @@ fn behind(outcome: &Outcome) -> Vec<Line> {
         &|momentum| format!("{momentum:.3} N s"),
         "It is what moves the support, whatever is lost on the way.",
     );
-    [force, impulse].into_iter().flatten().collect()
+    Ok([force, impulse].into_iter().flatten().collect())
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Tolerances, WorkshopError};
 use crate::design::{Design, Threshold};
-use crate::evaluate::{Comparison, EvaluatorError, Forces, Overrides, compare};
+use crate::evaluate::{Comparison, EvaluatorError, Forces, Overrides, judged};
 use crate::layout::Layout;
 use crate::score::{Measure, Needs, Scores};
 
@@ -41,11 +41,8 @@ pub fn best_baseline(
     interrupt: &AtomicBool,
 ) -> Result<Option<Beaten>, EvaluatorError> {
     let comparison = Comparison::of_layout(design, "layout".to_owned(), layout.clone(), overrides)?.over(Forces::USUAL);
-    let outcome = compare(&comparison, interrupt, &())?;
-    if outcome.forces.is_empty() {
-        return Err(EvaluatorError::Interrupted);
-    }
-    let rivals = outcome.verdict.into_iter().filter(|verdict| verdict.measure == Measure::Contrast.name());
+    let verdict = judged(&comparison, interrupt)?;
+    let rivals = verdict.into_iter().filter(|verdict| verdict.measure == Measure::Contrast.name());
     let best = rivals.reduce(|a, b| if b.best > a.best { b } else { a });
     Ok(best.map(|verdict| Beaten { arrangement: verdict.arrangement, contrast: verdict.best }))
 }

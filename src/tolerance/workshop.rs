@@ -121,7 +121,8 @@ impl<'a> Workshop<'a> {
         finished: &(dyn Fn(u64) + Sync),
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let mut runs = Vec::with_capacity(pieces.len());
-        for block in pieces.chunks((BLOCK / factors.len()).max(1)) {
+        // Each force has uniform crystals of its own, which many pieces are to share.
+        for block in pieces.chunks(if factors.len() > 1 { BLOCK / 2 } else { BLOCK }) {
             runs.extend(self.block(block, factors, interrupt)?);
             finished(block.len() as u64);
         }

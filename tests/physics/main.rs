@@ -1,5 +1,6 @@
 //! How well arrivals behind lenses and angles behind wedges are predicted, at the plain bound and in a wave that decays.
 
+mod disorder;
 #[path = "../../crates/core/tests/physics/reference.rs"]
 #[expect(dead_code, reason = "shared with the core's tests, which use all of it")]
 mod reference;
