@@ -328,7 +328,7 @@ window = "-100 us"
     fn all_faults_of_a_rig_are_told() {
         let text = "format = 1\nkind = \"rig\"\nname = \"r\"\n[crystal]\npacking = \"hexagonal\"\ndiameter = \"8\"\nlayers = 5\n\
                     material = \"440c\"\nx = [\"0 D\", \"3 D\"]\n[[pattern]]\nkind = \"uniform\"\nmaterials = [\"brass\"]\nlayers = 1\n\
-                    [[pattern]]\nkind = \"striped\"\nmaterials = [\"brass\"]\n[[load]]\nkind = \"force\"\nlayers = 1\n\
+                    [[pattern]]\nkind = \"unifrom\"\nmaterials = [\"brass\"]\n[[load]]\nkind = \"force\"\nlayers = 1\n\
                     pulse = \"square\"\npeak = 5\nduration = \"20 us\"\n[run]\nwindow = \"20 us\"\naccuracy = \"7 %\"\n";
         let found = faults(Setup::parse("r.toml", text));
         let lines: Vec<&str> = found.iter().map(|fault| fault.split(' ').next().unwrap()).collect();
