@@ -6,10 +6,9 @@ use std::process::ExitCode;
 use granulens::design::{Design, DesignError};
 use granulens::evaluate::{EvaluatorError, Overrides, PlanError};
 use granulens::layout::LayoutFileError;
-use granulens::lens::LensError;
 use granulens::output::OutputError;
 use granulens::setup::SetupError;
-use granulens::study::StudyError;
+use granulens::study::{ClaimError, StudyError};
 use serde_json::{Map, Value, json};
 
 use super::console::say;
@@ -31,6 +30,8 @@ pub enum Failure {
         /// Other lines.
         failed: Vec<String>,
     },
+    /// Others have to evaluate first what a study asks for: 4.
+    Asked(String),
     /// Ctrl-C: 130.
     Interrupted(String),
 }
@@ -86,33 +87,6 @@ impl Failure {
         Self::Input(Box::new(Input { file: Some(file), line, message, ..Input::default() }))
     }
 
-    /// A lens that cannot be, of a design.
-    pub fn of_lens(design: &Design, error: &LensError) -> Self {
-        let (key, help) = match error {
-            LensError::Rows { .. } => ("lens.rows", "Leave it out to have the rows up to the focal region."),
-            LensError::FocusRows { .. } => ("target.focus.rows", "Choose rows of the crystal."),
-            LensError::FocusWidth(_) => ("target.focus.x", "Give the nearer distance from the axis first."),
-            LensError::Split { .. } => ("lens.family", "Choose another family, or leave one focal region."),
-            LensError::PartsAxis(_) => ("lens.axis", "Leave it out: each part stands before its own region."),
-            LensError::OffAxis => ("lens.axis", "Leave it out, and aim at a region on the axis."),
-            LensError::Axis { .. } => ("lens.axis", "Leave it out to have it placed before the focal region."),
-            LensError::Span { .. } => ("lens.rows", "Widen them, or ask for fewer stages."),
-            LensError::MaxAngle(_) => ("lens.max_interface_angle", "Leave it out for 60 degrees."),
-            LensError::ApexRow { .. } => ("lens.apex_row", "Leave it out to have it solved."),
-            LensError::BackRow { .. } => ("lens.back_row", "Leave it out to have it solved."),
-            LensError::RadiusSign(_) | LensError::Radius { .. } => ("lens.radius", "Leave it out to have it solved."),
-            LensError::Unreachable(_) => ("lens", "Change what binds, or move or widen target.focus."),
-        };
-        let words = error.to_string();
-        let words = words.trim_end_matches('.');
-        // Most begin with the key's own name and its value.
-        let message = match key.rsplit_once('.') {
-            Some((section, name)) if words.starts_with(&format!("{name} = ")) => format!("{section}.{words}."),
-            _ => format!("{key}: {words}."),
-        };
-        design.blame(key, message, help.to_owned()).into()
-    }
-
     /// A step or window that cannot be: of the command line where it was given there, or of the design.
     pub fn of_plan(design: &Design, overrides: &Overrides, error: &PlanError) -> Self {
         let (name, given) = match error {
@@ -124,7 +98,7 @@ impl Failure {
             let (message, help) = (format!("--{error}"), Some(error.help()));
             return Self::Input(Box::new(Input { key, message, help, ..Input::default() }));
         }
-        design.blame(&format!("run.{name}"), format!("run.{error}."), error.help()).into()
+        design.blame_plan(error).into()
     }
 
     /// Prints itself on stderr and gives the exit code.
@@ -135,6 +109,7 @@ impl Failure {
             Self::Input(_) => ("input", 2),
             Self::Threshold(_) => ("threshold", 3),
             Self::Gate { .. } => ("gate", 3),
+            Self::Asked(_) => ("asked", 4),
             Self::Interrupted(_) => ("interrupted", 130),
         };
         if json {
@@ -158,7 +133,7 @@ impl Failure {
                 Self::Gate { missed, failed } => {
                     error.insert("message".to_owned(), json!([missed, failed].concat().join("; ")));
                 }
-                Self::Interrupted(message) => {
+                Self::Asked(message) | Self::Interrupted(message) => {
                     error.insert("message".to_owned(), json!(message));
                 }
             }
@@ -181,6 +156,7 @@ impl Failure {
                     missed.iter().for_each(|line| say(&format!("threshold not met: {line}")));
                     failed.iter().for_each(|line| say(&format!("gate: {line}")));
                 }
+                Self::Asked(message) => say(&format!("asked: {message}")),
                 Self::Interrupted(message) => say(&format!("interrupted: {message}")),
             }
         }
@@ -250,10 +226,20 @@ impl From<StudyError> for Failure {
             StudyError::Layout(error) => (*error).into(),
             StudyError::File(error) => (*error).into(),
             StudyError::Journal { path, message } => Self::of_file(&path, None, &message),
+            StudyError::Engine(message) => Self::input(message),
             StudyError::Evaluator(EvaluatorError::Plan(error)) => {
                 Self::input_with_help(format!("the study's {error}."), error.help())
             }
             StudyError::Evaluator(error) => error.into(),
+        }
+    }
+}
+
+impl From<ClaimError> for Failure {
+    fn from(error: ClaimError) -> Self {
+        match error {
+            ClaimError::Output(error) => error.into(),
+            error => Self::input_with_help(error.to_string(), error.help()),
         }
     }
 }
@@ -278,7 +264,7 @@ impl From<SetupError> for Failure {
     fn from(error: SetupError) -> Self {
         match error {
             SetupError::File(error) => error.into(),
-            SetupError::Lens { design, error } => Self::of_lens(&design, &error),
+            SetupError::Lens { design, error } => design.blame_lens(&error).into(),
             SetupError::Plan { design, error } => Self::of_plan(&design, &Overrides::default(), &error),
         }
     }

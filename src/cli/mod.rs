@@ -14,6 +14,7 @@ mod contact;
 mod cost;
 mod design;
 mod diff;
+mod evaluate;
 mod export;
 mod failure;
 mod folder;
@@ -67,6 +68,7 @@ const EXIT_CODES: &str = "Exit codes:
   1    a guard stopped a run, or a row of reproduce deviates
   2    usage or input
   3    the gate fails or a threshold of the design file is not met (check --strict), or no layout keeps a study's limits
+  4    a study asks for evaluations that are not there yet (study ask, study merge, evaluate)
   130  interrupted; what was finished is kept";
 
 /// Options of every subcommand.
@@ -116,6 +118,7 @@ enum Command {
     Speed(speed::Speed),
     Surface(Box<surface::Surface>),
     Study(study::Study),
+    Evaluate(evaluate::Evaluate),
     Reproduce(reproduce::Reproduce),
     Export(Box<export::Export>),
     Impact(impact::Impact),
@@ -130,6 +133,7 @@ impl Command {
         match self {
             Self::Study(study) => study.simulates(),
             Self::Report(report) => report.simulates(),
+            Self::Evaluate(_) => true,
             Self::Run(_) | Self::Simulate(_) | Self::Check(_) | Self::Compare(_) => true,
             Self::Reproduce(_) | Self::Export(_) | Self::Impact(_) => true,
             Self::Diff(_) | Self::Build(_) | Self::Measured(_) | Self::Tolerance(_) => true,
@@ -183,6 +187,7 @@ pub fn main() -> ExitCode {
         Command::Speed(command) => command.run(common),
         Command::Surface(command) => command.run(common),
         Command::Study(command) => command.run(common),
+        Command::Evaluate(command) => command.run(common),
         Command::Reproduce(command) => command.run(common),
         Command::Export(command) => command.run(common),
         Command::Impact(command) => command.run(common),
@@ -306,10 +311,5 @@ fn length(text: &str) -> Result<f64, String> {
 
 /// The design's lens, proposed.
 fn propose(design: &Design) -> Result<granulens::lens::Lens, Failure> {
-    let request = design.lens.as_ref().ok_or_else(|| {
-        let help = "Describe one, or compare a layout of your own: granulens compare DESIGN.toml LAYOUT.csv.";
-        design.blame("lens", "[lens] is missing: nothing is asked for.".to_owned(), help.to_owned())
-    })?;
-    granulens::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants)
-        .map_err(|error| Failure::of_lens(design, &error))
+    Ok(design.propose()?)
 }

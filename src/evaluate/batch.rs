@@ -1,5 +1,6 @@
 //! Many layouts of one design at once: as many in the lanes of a core as these hold, and groups of these in parallel.
 
+use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
@@ -74,7 +75,7 @@ impl From<EvaluateError> for EvaluatorError {
 /// Turns layouts of one design into scores, relative to the crystal of host and that of lens material alone under the same
 /// impact.
 pub struct Evaluator<'a> {
-    design: &'a Design,
+    design: Cow<'a, Design>,
     plan: Plan,
     /// What is simulated under each different blow.
     fields: Vec<Field>,
@@ -194,7 +195,7 @@ impl<'a> Evaluator<'a> {
         let plan = common_plan(design, &blows.iter().map(|(blow, _)| *blow).collect::<Vec<_>>(), overrides, &palette)?;
         let fields = blows.iter().map(|(blow, whole)| Field::new(design, &plan, blow, *whole)).collect::<Vec<_>>();
         Ok(Self {
-            design,
+            design: Cow::Borrowed(design),
             plan,
             uniform: vec![[0.0; 2]; fields.len()],
             fields,
@@ -205,6 +206,12 @@ impl<'a> Evaluator<'a> {
             rivals: None,
             no_protection: None,
         })
+    }
+
+    /// With a design of its own, so that it may outlive the one that it was made of.
+    #[must_use]
+    pub fn into_owned(self) -> Evaluator<'static> {
+        Evaluator { design: Cow::Owned(self.design.into_owned()), ..self }
     }
 
     /// With as much recorded of every layout as is said.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::journal::{sealed, unsealed};
 use crate::evaluate::Evaluated;
 use crate::score::{Measure, Scores, Spreads, over_forces};
 
@@ -140,6 +141,16 @@ impl Entry {
         let stop = impacts.iter().copied().flatten().find_map(|run| run.stop.as_ref()).map(ToString::to_string);
         let several = impacts.iter().any(|runs| runs.len() > 1);
         Self { key, layout, impacts: scores, over_forces: if several { spreads } else { Vec::new() }, stop }
+    }
+
+    /// As a line of a journal, with its checksum and its end.
+    pub fn to_line(&self) -> String {
+        sealed(self)
+    }
+
+    /// From a line of a journal; none if its checksum does not fit.
+    pub fn from_line(line: &str) -> Option<Self> {
+        unsealed(line.trim_end().as_bytes())
     }
 
     /// The letters of `count` free sites; none if the entry belongs to something else.

@@ -71,6 +71,11 @@ impl Key {
         format!("{:032x}", self.0)
     }
 
+    /// What [`text`](Self::text) gave.
+    pub(super) fn from_text(text: &str) -> Option<Self> {
+        u128::from_str_radix(text, 16).ok().map(Self)
+    }
+
     /// The entries of a journal that belong to the study as it is now, by choice.
     pub fn own<'a>(self, study: &Study, entries: &'a [Entry]) -> Vec<(Choice, &'a Entry)> {
         let letters = study.letters.len() as u8;

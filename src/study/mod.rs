@@ -11,10 +11,16 @@
 //! - `set`: impacts, and crystals that are not built as drawn; `tolerance`: what a layout loses then; `prices`: what spheres cost
 //! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
 //! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with
+//! - `engine`: who evaluates; `asked`: what is asked of others, and how shards share it; `shard`: one shard, and how they are folded
+//! - `settings`: which study a folder holds; `report`: what it came to, as files; `bundle`: a study with all its files
+//! - `why`: which settings the evaluations of a journal belong to
 //! - `run`: ask, evaluate, write down, tell; `cost`: how long that will take
 
+mod asked;
 mod baselines;
+mod bundle;
 mod cost;
+mod engine;
 mod entry;
 mod family;
 mod file;
@@ -23,30 +29,41 @@ mod key;
 mod objective;
 mod over;
 mod prices;
+mod report;
 mod run;
 mod rung;
 mod set;
+mod settings;
+mod shard;
 mod source;
 mod stage;
 mod start;
 mod state;
 mod tolerance;
+mod why;
 
+pub use asked::{Asking, Question, Shard, ShardError, asked_in};
 pub use baselines::{BaselineScores, Spread};
+pub use bundle::bundle;
 pub use cost::{StageCost, costs};
-pub use entry::Entry;
+pub use engine::{Engine, Local};
+pub use entry::{Entry, pack, unpack};
 pub use file::Study;
-pub use journal::{Journal, Loaded};
+pub use journal::{Journal, Ledger, Line, Loaded};
 pub use key::Key;
 pub use objective::{Aim, Objective, Wish};
 pub use over::{Over, summary};
-pub use run::{Watch, run};
+pub use report::Report;
+pub use run::{Watch, run, run_with};
 pub use rung::{Judged, Rung};
 pub use set::Tolerance;
+pub use settings::{ClaimError, claim, differs};
+pub use shard::{FoundShard, Merged, ShardDone, evaluate_shard, merge};
 pub use stage::{Stage, Work};
 pub use start::Start;
 pub use state::{Ended, Found, Front, GlanceState, Improvement, RungState, StageState, State, front_of};
 pub use tolerance::{Loses, Quantiles};
+pub use why::{Circumstances, Difference, Why, why};
 
 use std::path::PathBuf;
 
@@ -72,6 +89,9 @@ pub enum StudyError {
         /// Why, and the way out.
         message: String,
     },
+    /// Those who evaluate for it cannot.
+    #[error("{0}")]
+    Engine(String),
     /// The design cannot be evaluated.
     #[error(transparent)]
     Evaluator(#[from] EvaluatorError),

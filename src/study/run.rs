@@ -5,16 +5,14 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::entry::pack;
+use super::engine::{Engine, Local};
 use super::family::RayNotes;
 use super::rung::{Judged, Rung, order};
 use super::stage::{Stage, Work};
 use super::state::{self, Ended, Found, RungState, StageState, State};
 use super::tolerance::{self, Loses};
-use super::{Entry, Improvement, Journal, Key, Study, StudyError, baselines};
-use crate::dem::Stop;
-use crate::evaluate::{Evaluated, Evaluator};
-use crate::score::Measure;
+use super::why::Circumstances;
+use super::{Entry, Improvement, Journal, Study, StudyError, baselines};
 use crate::search::{Choice, Dice, Loss, Method, Painter, Proof, Rounds, Search as _};
 
 /// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
@@ -40,41 +38,55 @@ impl Watch for () {
 /// # Errors
 /// See [`StudyError`].
 pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut impl Watch) -> Result<State, StudyError> {
+    go(study, journal, None, interrupt, watch)
+}
+
+/// As [`run`], where others evaluate what is asked for; uniform crystals, baselines and tolerances are simulated here. What they give is
+/// checked and journalled here, so that a run that ends anywhere goes on to the same bits, with whatever engine.
+///
+/// # Errors
+/// As there, and those of the engine.
+pub fn run_with(
+    study: &Study,
+    journal: &Path,
+    engine: &mut dyn Engine,
+    interrupt: &AtomicBool,
+    watch: &mut impl Watch,
+) -> Result<State, StudyError> {
+    go(study, journal, Some(engine), interrupt, watch)
+}
+
+fn go(
+    study: &Study,
+    journal: &Path,
+    engine: Option<&mut dyn Engine>,
+    interrupt: &AtomicBool,
+    watch: &mut impl Watch,
+) -> Result<State, StudyError> {
     let deadline = study.time.map(|time| Instant::now() + Duration::from_secs_f64(time.min(1e9)));
     // Errors of the study are found before anything is written.
-    let evaluators = (0..study.rungs.len())
-        .map(|rung| {
-            let overrides = study.overrides(rung);
-            let evaluator = Evaluator::new(&study.design, &study.cases(), study.palette.clone(), overrides, interrupt)?;
-            let evaluator = evaluator.recording(study.detail());
-            if !study.has_rivals() {
-                return Ok(evaluator);
-            }
-            let rivals: Vec<Vec<u8>> = baselines::layouts(study).into_iter().map(|(_, layout)| layout).collect();
-            Ok(evaluator.against(&rivals, interrupt)?)
-        })
-        .collect::<Result<Vec<_>, StudyError>>()?;
-    let missing = evaluators.iter().find_map(Evaluator::no_protection);
-    if let Some(missing) =
-        missing.filter(|_| study.objective.wishes.iter().any(|wish| wish.measure == Measure::Protection))
-    {
-        return Err(missing.clone().into());
-    }
-    let keys: Vec<Key> = evaluators.iter().map(|evaluator| Key::new(study, evaluator.plan())).collect();
+    let local = Local::new(study, interrupt)?;
+    let journal_path = journal;
     let (journal, loaded) = Journal::open(journal)?;
     loaded.warnings.iter().for_each(|warning| watch.warning(warning));
-    if let Some(missing) = missing {
+    for (rung, evaluator) in local.evaluators.iter().enumerate() {
+        let plan = evaluator.plan();
+        Circumstances::note(study, plan, local.keys[rung], journal_path)?.iter().for_each(|told| watch.warning(told));
+    }
+    if let Some(missing) = local.no_protection() {
         watch.warning(&format!("there is no Q under every impact: {missing}"));
     }
     let cache: Vec<HashMap<Choice, &Entry>> =
-        keys.iter().map(|key| key.own(study, &loaded.entries).into_iter().collect()).collect();
+        local.keys.iter().map(|key| key.own(study, &loaded.entries).into_iter().collect()).collect();
     let used: HashSet<&str> = cache.iter().flat_map(HashMap::values).map(|entry| entry.key.as_str()).collect();
     let others = loaded.entries.iter().filter(|entry| !used.contains(entry.key.as_str())).count();
     if others > 0 {
-        watch.warning(&format!("{others} evaluations of the journal belong to other settings and are not used"));
+        watch.warning(&format!(
+            "{others} evaluations of the journal belong to other settings and are not used; study show --why says which"
+        ));
     }
     let rungs = vec![Rung::default(); study.rungs.len()];
-    let steps = evaluators.iter().map(|evaluator| evaluator.plan().step).collect();
+    let steps = local.evaluators.iter().map(|evaluator| evaluator.plan().step).collect();
     let state = State {
         evaluations: 0,
         stopped: 0,
@@ -92,29 +104,17 @@ pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut im
     };
     let first = study.first();
     let rays = RayNotes::default();
-    let run = Run {
-        study,
-        evaluators,
-        keys,
-        steps,
-        journal,
-        cache,
-        rungs,
-        first,
-        interrupt,
-        deadline,
-        state,
-        rays,
-        top: None,
-    };
+    let run =
+        Run { study, local, engine, steps, journal, cache, rungs, first, interrupt, deadline, state, rays, top: None };
     run.go(watch)
 }
 
 /// A study that is under way.
-struct Run<'a> {
+struct Run<'a, 'e> {
     study: &'a Study,
-    evaluators: Vec<Evaluator<'a>>,
-    keys: Vec<Key>,
+    local: Local,
+    /// Who evaluates, where others do.
+    engine: Option<&'e mut dyn Engine>,
     /// Step of each rung (s).
     steps: Vec<f64>,
     journal: Journal,
@@ -139,9 +139,28 @@ enum Batch {
     Spent,
     /// Before its end, on request.
     Interrupted,
+    /// Before its end, since the others have not answered yet.
+    Asked,
 }
 
-impl Run<'_> {
+/// What others say, if it is what was asked for.
+fn answers(
+    study: &Study,
+    local: &Local,
+    rung: usize,
+    asked: &[&Choice],
+    answers: Vec<Entry>,
+) -> Result<Vec<Entry>, StudyError> {
+    let other = answers.len() > asked.len()
+        || asked.iter().zip(&answers).any(|(choice, entry)| entry.key != local.key(study, rung, choice));
+    if other {
+        let message = "the engine answered other layouts than it was asked for, or under other settings: its granulens or its files differ from these";
+        return Err(StudyError::Engine(message.to_owned()));
+    }
+    Ok(answers)
+}
+
+impl Run<'_, '_> {
     fn go(mut self, watch: &mut impl Watch) -> Result<State, StudyError> {
         let mut dice = Dice::new(self.study.seed);
         for k in 0..self.study.stages.len() {
@@ -149,7 +168,7 @@ impl Run<'_> {
             let seed = if k == 0 { self.study.seed } else { dice.bits() };
             let ended = self.stage(k, seed, watch)?;
             self.state.ended = ended;
-            if matches!(ended, Ended::Interrupted | Ended::Time) {
+            if ended.goes_on() {
                 break;
             }
         }
@@ -164,8 +183,8 @@ impl Run<'_> {
             .collect();
         let start = self.rungs[finest].get(&self.first[0]).or_else(|| self.rungs[0].get(&self.first[0]));
         self.state.front = state::front_of(self.study, &self.rungs[finest], start);
-        if !matches!(self.state.ended, Ended::Interrupted | Ended::Time) {
-            let baselines = baselines::evaluate(self.study, &self.evaluators[finest], self.interrupt)?;
+        if !self.state.ended.goes_on() {
+            let baselines = baselines::evaluate(self.study, &self.local.evaluators[finest], self.interrupt)?;
             if self.interrupt.load(Ordering::Relaxed) {
                 self.state.ended = Ended::Interrupted;
             } else {
@@ -264,6 +283,7 @@ impl Run<'_> {
                 Batch::Whole(_) if self.state.stages[k].evaluations < stage.evaluations => {}
                 Batch::Whole(_) | Batch::Spent => break Ended::Budget,
                 Batch::Interrupted => break Ended::Interrupted,
+                Batch::Asked => break Ended::Asked,
             }
         };
         self.show_stage(k);
@@ -286,17 +306,12 @@ impl Run<'_> {
 
         let unknown: Vec<&Choice> =
             fresh.iter().copied().filter(|choice| !self.cache[rung].contains_key(*choice)).collect();
-        let layouts: Vec<Vec<u8>> = unknown.iter().map(|choice| self.study.layout(choice).materials).collect();
-        let runs = self.evaluators[rung].scores(&layouts, self.interrupt)?;
-        // Only what comes before the first interrupted one is kept, so that the journal's order is that of the search.
-        let is_interrupted =
-            |runs: &Vec<Evaluated>| runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. })));
-        let whole = runs.iter().position(is_interrupted).unwrap_or(runs.len());
-        let letters = self.study.letters.len() as u8;
-        let entry = |((runs, layout), choice): ((&Vec<Evaluated>, &Vec<u8>), &&Choice)| {
-            Entry::new(self.keys[rung].of(layout), pack(choice, letters), &self.study.by_impact(runs))
+        let new = match &mut self.engine {
+            _ if unknown.is_empty() => Vec::new(),
+            None => self.local.entries(self.study, rung, &unknown, self.interrupt)?,
+            Some(engine) => answers(self.study, &self.local, rung, &unknown, engine.entries(rung, &unknown)?)?,
         };
-        let new: Vec<Entry> = runs[..whole].iter().zip(&layouts).zip(&unknown).map(entry).collect();
+        let whole = new.len() == unknown.len();
         self.journal.append(&new)?;
         let simulated = new.len();
         let mut new = new.into_iter();
@@ -310,8 +325,9 @@ impl Run<'_> {
             };
             self.judge(k, choice, entry);
         }
-        if whole < runs.len() {
-            return Ok((Batch::Interrupted, simulated));
+        if !whole {
+            let asked = self.engine.is_some() && !self.interrupt.load(Ordering::Relaxed);
+            return Ok((if asked { Batch::Asked } else { Batch::Interrupted }, simulated));
         }
         let losses =
             asked.iter().map(|choice| self.rungs[rung].get(choice).map(|judged| judged.loss.clone())).collect();

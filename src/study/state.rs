@@ -55,6 +55,15 @@ pub enum Ended {
     Time,
     /// On request; run again to go on.
     Interrupted,
+    /// Others have not evaluated yet what it asks for; run again to go on.
+    Asked,
+}
+
+impl Ended {
+    /// Whether to run again is to go on.
+    pub fn goes_on(self) -> bool {
+        matches!(self, Self::Time | Self::Interrupted | Self::Asked)
+    }
 }
 
 /// How far a stage is.

@@ -10,6 +10,7 @@
 //! - `tolerance`: pieces as made, and the gate
 //! - `cost`: what --dry-run says; `documents`: what README and docs promise; `truth`: the same numbers from every command
 //! - `figures`: figures for papers, and pages
+//! - `shards`: studies evaluated apart and folded, by hand and as job arrays
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption; `kept`: nothing of a user's is lost
 
@@ -28,6 +29,7 @@ mod measured;
 mod modes;
 mod network;
 mod refusals;
+mod shards;
 mod simulate;
 mod studies;
 mod surface;

@@ -8,6 +8,7 @@
 //! - `journal`: torn, damaged, foreign, of other settings
 //! - `files`: what a wrong study file hears, and the repository's own
 //! - `set`: impacts at an angle and off the axis, crystals that are not built as drawn, measures beyond energies
+//! - `shards`: parts of the work evaluated apart and folded, engines other than this process, and which settings differ
 //! - `rays`: what is said of them as a guess
 //! - `stored`: the layouts in `studies/`, against what is said about them
 
@@ -19,6 +20,7 @@ mod optimum;
 mod rays;
 mod resume;
 mod set;
+mod shards;
 mod stages;
 mod stored;
 

@@ -4,10 +4,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use granulens::input;
-use granulens::study::Spread;
+use granulens::study::{Report, Spread};
 use serde_json::json;
 
-use super::run::Report;
 use crate::cli::Common;
 use crate::cli::console::{emit, emit_json};
 use crate::cli::failure::Failure;

@@ -5,7 +5,6 @@ use std::path::Path;
 use granulens::report::{self, Provenance, StudyPage};
 use granulens::study::Study as Studied;
 
-use super::run::Report;
 use super::words::words;
 use crate::cli::Common;
 use crate::cli::console::note;

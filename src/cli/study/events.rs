@@ -14,7 +14,8 @@ use crate::cli::console::{emit, say};
 pub struct Meter {
     bar: ProgressBar,
     silent: bool,
-    events: bool,
+    /// Whether every batch is told as a line of JSON.
+    pub events: bool,
     budget: u64,
     begun: Instant,
     /// Evaluations that came from the journal.

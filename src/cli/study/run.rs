@@ -1,19 +1,17 @@
 //! `granulens study run`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use granulens::evaluate::method;
-use granulens::outcome::{FORMAT, Method};
-use granulens::study::{Ended, State, StudyError, costs, run};
+use granulens::outcome::FORMAT;
+use granulens::study::{Ended, Report, State, Study, asked_in, claim, costs, run};
 use granulens::units::Dimension::Time;
-use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::events::Meter;
 use super::words::words;
-use super::{best_layout, folder, read, settings};
-use crate::cli::console::{emit, emit_json, interrupt, note, pretty};
+use super::{folder, read};
+use crate::cli::console::{emit, emit_json, interrupt, note};
 use crate::cli::cost::{Part, tell};
 use crate::cli::failure::Failure;
 use crate::cli::folder::{probe, write_file};
@@ -30,92 +28,63 @@ pub struct Run {
     forces: Band,
 }
 
-/// What `study.json` holds.
-#[derive(Serialize, Deserialize)]
-pub struct Report {
-    /// Format number of every JSON file of results.
-    pub format: u32,
-    /// With what, and how: step and window are those of the last stage.
-    #[serde(flatten)]
-    pub method: Option<Method>,
-    /// What Q and the baselines refer to.
-    #[serde(default)]
-    pub reference: Option<String>,
-    /// Forces about that of each impact, and how far the outermost lie from it.
-    #[serde(default)]
-    pub forces: usize,
-    /// As a part of it.
-    #[serde(default)]
-    pub band: f64,
-    /// The study file, as it was named.
-    pub study: String,
-    /// Seed of everything random.
-    pub seed: u64,
-    /// How many sites could change.
-    pub sites: usize,
-    /// The materials that could be chosen.
-    pub materials: Vec<String>,
-    /// What was asked, hashed: studies that are alike in it can be compared.
-    #[serde(default)]
-    pub problem: Option<String>,
-    /// What it came to.
-    #[serde(flatten)]
-    pub state: State,
-}
-
 impl Run {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        go(&self, common)
+        let (path, events) = (self.study.as_path(), self.events);
+        let study = read(path, &self.forces, common)?;
+        if common.dry_run {
+            return cost(&study, common);
+        }
+        let folder = begin(common, &study)?;
+        let begun = Instant::now();
+        let mut meter = Meter::new(common, study.budget(), events);
+        let state = run(&study, &folder.join("journal.jsonl"), interrupt(), &mut meter)?;
+        finish(Ran { study: &study, folder: &folder, state, meter, seconds: begun.elapsed().as_secs_f64() }, common)
     }
 }
 
-fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
-    let (path, events) = (asked.study.as_path(), asked.events);
-    let study = read(path, &asked.forces, common)?;
-    if common.dry_run {
-        let parts: Vec<Part> = costs(&study, interrupt())?
+/// What the study will cost.
+fn cost(study: &Study, common: &Common) -> Result<(), Failure> {
+    {
+        let parts: Vec<Part> = costs(study, interrupt())?
             .iter()
             .map(|stage| {
                 let what = format!("evaluations of {}, step {}", stage.method, Time.show(stage.step));
                 Part::new(what, stage.evaluations, Some(stage.core_seconds))
             })
             .collect();
-        return tell(common, &parts);
+        tell(common, &parts)
     }
-    let folder = folder(common, &study);
-    settings::claim(common, &folder, &study)?;
+}
+
+/// Takes a folder for the study, and finds out whether what a run writes can be written there.
+pub fn begin(common: &Common, study: &Study) -> Result<PathBuf, Failure> {
+    let folder = folder(common, study);
+    claim(&folder, study, common.force)?;
     for name in ["study.json", "best.csv", "nearest.csv", "report.html"] {
         probe(common, Some(&folder.join(name)))?;
     }
-    let begun = Instant::now();
-    let mut meter = Meter::new(common, study.budget(), events);
-    let state = run(&study, &folder.join("journal.jsonl"), interrupt(), &mut meter)?;
+    Ok(folder)
+}
+
+/// A run that has come to an end of some kind.
+pub struct Ran<'a> {
+    pub study: &'a Study,
+    pub folder: &'a Path,
+    pub state: State,
+    pub meter: Meter,
+    pub seconds: f64,
+}
+
+/// Writes down what a run came to, and tells it.
+pub fn finish(ran: Ran<'_>, common: &Common) -> Result<(), Failure> {
+    let Ran { study, folder, state, meter, seconds } = ran;
     meter.finish();
-    let seconds = begun.elapsed().as_secs_f64();
-    let simulated = meter.simulated;
-    let last = study.stages.last().map_or(0, |stage| stage.rung);
-    let report = Report {
-        format: FORMAT,
-        method: Some(method(&study.design, &study.plan(last).map_err(StudyError::from)?)),
-        reference: study.design.reference().map(|material| material.name.clone()),
-        forces: study.forces.count(),
-        band: study.forces.band(),
-        study: path.display().to_string(),
-        seed: study.seed,
-        sites: study.free.len(),
-        problem: Some(study.problem()),
-        materials: study.letters.iter().map(|&place| study.palette[usize::from(place)].name.clone()).collect(),
-        state,
-    };
-    write_file(common, &folder.join("study.json"), &pretty(&report))?;
-    write_file(common, &folder.join("report.html"), &super::draw::page(&study, &report))?;
+    let (simulated, events) = (meter.simulated, meter.events);
+    let report = Report::of(study, state)?;
+    report.write(study, folder, common.force)?;
+    write_file(common, &folder.join("report.html"), &super::draw::page(study, &report))?;
     let state = report.state;
-    // What misses a limit never goes by the name of best.
-    for (name, found) in [("best.csv", &state.best), ("nearest.csv", &state.nearest)] {
-        if let Some(found) = found {
-            write_file(common, &folder.join(name), &best_layout(&study, &found.entry)?)?;
-        }
-    }
     let known = simulated == 0 && matches!(state.ended, Ended::Budget | Ended::NothingNew);
     let speed = json!({ "simulated": simulated, "nothing_to_do": known, "seconds": seconds, "threads": rayon::current_num_threads() });
     if events {
@@ -131,6 +100,12 @@ fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
         note(common, &format!("{done}; written to {}", folder.display()));
     }
     match (state.ended, state.found()) {
+        (Ended::Asked, _) => Err(Failure::Asked(format!(
+            "{} of {} evaluations are done; what is asked for next stands in {}, for granulens evaluate",
+            state.evaluations,
+            study.budget(),
+            asked_in(folder).display()
+        ))),
         (Ended::Interrupted, _) => Err(Failure::Interrupted(format!(
             "{} of {} evaluations are done and kept; the same command goes on",
             state.evaluations,

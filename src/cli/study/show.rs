@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use granulens::search::Proof;
-use granulens::study::{Found, Journal, Key, Rung, Study as Studied, StudyError};
+use granulens::study::{Found, Journal, Key, Rung, Study as Studied, StudyError, differs, why};
 use granulens::units::Dimension::Time;
 use serde_json::json;
 
-use super::settings::differs;
+use super::why::words;
 use super::words::of;
 use super::{folder, read};
 use crate::cli::console::{emit, emit_json, note};
@@ -29,6 +29,9 @@ pub struct Known {
 pub struct Show {
     /// Study file
     study: PathBuf,
+    /// Say of every evaluation of the journal under which settings it was made, whether it is used, and which setting differs where not
+    #[arg(long)]
+    why: bool,
     #[command(flatten)]
     forces: Band,
 }
@@ -77,10 +80,14 @@ impl Show {
 fn show(asked: &Show, common: &Common) -> Result<(), Failure> {
     let Known { study, rungs, best, others, warnings } = find(&asked.study, &asked.forces, common)?;
     let evaluations: usize = rungs.iter().map(|(_, rung)| rung.all().len()).sum();
+    let why = match asked.why {
+        true => Some(why(&study, &folder(common, &study).join("journal.jsonl"))?),
+        false => None,
+    };
     if common.json {
         emit_json(&json!({
             "format": granulens::outcome::FORMAT, "evaluations": evaluations, "budget": study.budget(),
-            "of_other_settings": others, "warnings": warnings, "best": best,
+            "of_other_settings": others, "warnings": warnings, "best": best, "why": why,
         }));
         return Ok(());
     }
@@ -97,6 +104,7 @@ fn show(asked: &Show, common: &Common) -> Result<(), Failure> {
         let limits = if best.within_limits { "within the limits" } else { "MISSES A LIMIT" };
         let _ = writeln!(text, "best   {}  evaluation {}, {limits}", of(&best), best.evaluation);
     }
+    why.iter().flatten().for_each(|why| text.push_str(&words(why)));
     emit(&text);
     Ok(())
 }

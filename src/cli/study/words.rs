@@ -14,6 +14,7 @@ pub fn words(state: &State) -> String {
         Ended::NothingNew => "nothing new within reach\n",
         Ended::Time => "the time is over\n",
         Ended::Interrupted => "interrupted\n",
+        Ended::Asked => "more are asked for\n",
     });
     if state.stages.len() > 1 {
         for stage in &state.stages {

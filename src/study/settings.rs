@@ -1,16 +1,13 @@
 //! Which study a folder holds: seeds, settings and problems are kept apart.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use granulens::outcome::FORMAT;
-use granulens::output;
-use granulens::study::Study;
 use serde::{Deserialize, Serialize};
 
-use crate::cli::Common;
-use crate::cli::console::pretty;
-use crate::cli::failure::Failure;
-use crate::cli::folder::write_file;
+use super::Study;
+use super::report::pretty;
+use crate::outcome::FORMAT;
+use crate::output::{self, OutputError};
 
 /// The file beside the journal.
 const FILE: &str = "settings.json";
@@ -62,15 +59,44 @@ pub fn differs(folder: &Path, study: &Study) -> Option<String> {
     }
 }
 
+/// A folder that holds something else.
+#[derive(Debug, thiserror::Error)]
+pub enum ClaimError {
+    /// Another study.
+    #[error("{}: {difference}; it is left alone", folder.display())]
+    Other {
+        /// The folder.
+        folder: PathBuf,
+        /// In what the studies differ.
+        difference: String,
+    },
+    /// No study, or it cannot be written to.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+impl ClaimError {
+    /// What to try.
+    pub fn help(&self) -> &str {
+        match self {
+            Self::Other { .. } => {
+                "Name another folder with --out, or replace its results with --force; its journal stays."
+            }
+            Self::Output(error) => error.help(),
+        }
+    }
+}
+
 /// Takes a folder for a study: one that is new, or holds this study, or another one that is replaced by force. Its journal stays
 /// in any case, and what it knows of this problem is not evaluated again.
-pub fn claim(common: &Common, folder: &Path, study: &Study) -> Result<(), Failure> {
-    output::check_known(folder, &["journal.jsonl", FILE])?;
-    if let Some(difference) = differs(folder, study).filter(|_| !common.force) {
-        return Err(Failure::input_with_help(
-            format!("{}: {difference}; it is left alone", folder.display()),
-            "Name another folder with --out, or replace its results with --force; its journal stays.",
-        ));
+///
+/// # Errors
+/// See [`ClaimError`].
+pub fn claim(folder: &Path, study: &Study, force: bool) -> Result<(), ClaimError> {
+    output::check_known(folder, &["journal.jsonl", "asked.jsonl", FILE])?;
+    if let Some(difference) = differs(folder, study).filter(|_| !force) {
+        return Err(ClaimError::Other { folder: folder.to_owned(), difference });
     }
-    write_file(common, &folder.join(FILE), &pretty(&Settings::of(study)))
+    output::write(&folder.join(FILE), pretty(&Settings::of(study)).as_bytes(), force)?;
+    Ok(())
 }
