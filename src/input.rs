@@ -60,6 +60,11 @@ pub fn remember(path: &Path) {
     }
 }
 
+/// Begins a command anew: what was read before is no longer what it was given. For programs that outlive one command.
+pub fn forget() {
+    READ.lock().unwrap_or_else(PoisonError::into_inner).clear();
+}
+
 /// A file in `place` that was read, or `place` itself.
 pub(crate) fn read_in(place: &Path) -> Option<PathBuf> {
     let place = place.canonicalize().ok()?;

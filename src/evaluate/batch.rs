@@ -1,7 +1,7 @@
 //! Many layouts of one design at once: as many in the lanes of a core as these hold, and groups of these in parallel.
 
 use std::borrow::Cow;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
@@ -316,6 +316,11 @@ impl<'a> Evaluator<'a> {
         interrupt: &AtomicBool,
     ) -> Result<Vec<Evaluated>, EvaluatorError> {
         let Some(&(first, _)) = group.first() else { return Ok(Vec::new()) };
+        if interrupt.load(Ordering::Relaxed) {
+            // Groups that have not begun do not begin: to prepare each of many takes longer than anybody waits.
+            let none = Evaluated { scores: Scores::default(), stop: Some(Stop::Interrupted { time_s: 0.0 }) };
+            return Ok(vec![none; group.len()]);
+        }
         let field = &self.fields[self.cases[first].0];
         let diameter = self.design.lattice.diameter();
         let sample = |&(case, layout): &(usize, usize)| {

@@ -105,14 +105,16 @@ impl Places {
              set -uo pipefail\n\
              granulens=${{GRANULENS:-{program}}}\n\
              answers() {{ cat '{folder}'/shards/*.jsonl 2>/dev/null | wc -l; }}\n\
+             idle=0\n\
              while true; do\n  \
                \"$granulens\" study ask '{study}' --out '{folder}'{options}\n  \
                code=$?\n  \
                [ \"$code\" -eq 4 ] || exit \"$code\"\n  \
                before=$(answers)\n  \
                sbatch --wait '{folder}/array.sh' || printf 'drive: a task did not come to its end\\n' >&2\n  \
-               if [ \"$(answers)\" -eq \"$before\" ]; then\n    \
-                 printf 'drive: no task evaluated anything; what they said is in %s\\n' '{folder}/slurm' >&2\n    \
+               if [ \"$(answers)\" -gt \"$before\" ]; then idle=0; else idle=$((idle + 1)); fi\n  \
+               if [ \"$idle\" -eq 3 ]; then\n    \
+                 printf 'drive: three rounds in a row brought nothing; what the tasks said is in %s\\n' '{folder}/slurm' >&2\n    \
                  exit 1\n  \
                fi\n\
              done\n"
