@@ -1,0 +1,283 @@
+//! Anything a lab can build, strike and measure: histories in memory, or records on disk as `granulens simulate` writes them.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use granulens::dem::rig::{EnergyLedger, RigStop, Simulation};
+use granulens::setup::{Bench, Setup};
+use granulens::trial::{self, Ending, Keeping};
+use granulens::{input, output, report};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::design::Layout;
+use crate::failure::{Failure, Result};
+use crate::running::run;
+use crate::values::{Table, Time, nested, points, shaped, vector};
+
+/// A rig, from a file with kind = "rig" or from a lens design, whose proposed lens is then set up under its impact.
+#[pyclass(frozen, module = "granulens")]
+pub struct Rig {
+    setup: Setup,
+}
+
+/// Runs a piece of code with the bench of whatever dimension.
+macro_rules! with_bench {
+    ($setup:expr, $bench:ident => $code:expr) => {
+        match $setup {
+            Setup::One($bench) => $code,
+            Setup::Two($bench) => $code,
+            Setup::Three($bench) => $code,
+        }
+    };
+}
+
+#[pymethods]
+impl Rig {
+    #[new]
+    #[pyo3(signature = (path, *, seed = None))]
+    fn new(path: PathBuf, seed: Option<u64>) -> Result<Self> {
+        Ok(Self { setup: Setup::read_seeded(path, seed)? })
+    }
+
+    /// A layout of a design under the design's impact, as a rig.
+    #[staticmethod]
+    fn of_layout(layout: &Bound<'_, Layout>) -> Result<Self> {
+        let Layout { inner, design } = layout.get();
+        Ok(Self { setup: Setup::of_layout(design, inner)? })
+    }
+
+    /// Checks the text of a rig file; path is what messages call it.
+    #[staticmethod]
+    #[pyo3(signature = (text, path = PathBuf::from("rig.toml")))]
+    fn parse(text: &str, path: PathBuf) -> Result<Self> {
+        Ok(Self { setup: Setup::parse(path, text)? })
+    }
+
+    /// Name, fit for files and folders.
+    #[getter]
+    fn name(&self) -> &str {
+        with_bench!(&self.setup, bench => &bench.name)
+    }
+    /// Number of dimensions, 1 to 3.
+    #[getter]
+    fn dimension(&self) -> usize {
+        match self.setup {
+            Setup::One(_) => 1,
+            Setup::Two(_) => 2,
+            Setup::Three(_) => 3,
+        }
+    }
+    /// Number of spheres.
+    #[getter]
+    fn spheres(&self) -> usize {
+        with_bench!(&self.setup, bench => bench.rig.sample.spheres.len())
+    }
+    /// The step that is chosen (s).
+    #[getter]
+    fn step_s(&self) -> f64 {
+        with_bench!(&self.setup, bench => bench.plan.step)
+    }
+    /// How long the run lasts (s).
+    #[getter]
+    fn window_s(&self) -> f64 {
+        with_bench!(&self.setup, bench => bench.plan.window)
+    }
+    /// What the user should know about these choices.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        with_bench!(&self.setup, bench => bench.plan.warnings.clone())
+    }
+
+    /// The spheres at rest, as a table.
+    ///
+    /// Columns, shape (spheres,): layer, column (int64; 0 for those of intruders); radius_m, mass_kg (float64); material (str);
+    /// position_m (float64), shape (spheres, dimension).
+    fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        with_bench!(&self.setup, bench => table(py, bench))
+    }
+
+    /// Runs it in memory and keeps every sphere's motion over time.
+    ///
+    /// Parameters
+    /// ----------
+    /// every : float or str, optional
+    ///     Time between frames (s, or text with a unit); a hundredth of the window where left out.
+    /// threads : int, optional
+    ///     All cores where left out; results do not depend on it.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     time_s, shape (T,); displacement_m, velocity_m_s, net_force_N, shape (T, spheres, dimension); energies, a dict of arrays of
+    ///     shape (T,) in J; max_speed_m_s, max_force_N, shape (spheres,); step_s; stop : str or None
+    #[pyo3(signature = (*, every = None, threads = None))]
+    fn histories<'py>(
+        &self,
+        py: Python<'py>,
+        every: Option<Time>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let every = every.map(|time| time.seconds("every")).transpose()?;
+        with_bench!(&self.setup, bench => histories(py, bench, every, threads))
+    }
+
+    /// Runs it into a folder of records, as granulens simulate does; gives what trial.json holds.
+    ///
+    /// A run that was left is taken up with resume; a folder that holds something else is left alone without force.
+    #[pyo3(signature = (folder, *, resume = false, force = false, threads = None))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        folder: PathBuf,
+        resume: bool,
+        force: bool,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        with_bench!(&self.setup, bench => to_folder(py, bench, folder, resume, force, threads))
+    }
+
+    fn __repr__(&self) -> String {
+        with_bench!(&self.setup, bench => format!("<Rig {}: {} spheres, {} layers>", bench.name, bench.rig.sample.spheres.len(), bench.layers))
+    }
+}
+
+fn table<'py, const D: usize>(py: Python<'py>, bench: &Bench<D>) -> PyResult<Bound<'py, PyDict>> {
+    let sample = &bench.rig.sample;
+    let site = |k: usize, of: fn(&granulens::setup::SphereSite) -> u32| bench.sites.get(k).map_or(0, of);
+    let count = sample.spheres.len();
+    Table::new(py)
+        .with("layer", vector(py, (0..count).map(|k| i64::from(site(k, |s| s.layer))).collect()))?
+        .with("column", vector(py, (0..count).map(|k| i64::from(site(k, |s| s.column))).collect()))?
+        .with("radius_m", vector(py, sample.spheres.iter().map(|s| s.radius).collect()))?
+        .with("mass_kg", vector(py, bench.rig.mass.clone()))?
+        .with(
+            "material",
+            sample.spheres.iter().map(|s| sample.materials[s.material].name.as_str()).collect::<Vec<_>>(),
+        )?
+        .with("position_m", points(py, sample.spheres.iter().map(|s| s.centre).collect())?)
+        .map(|table| table.0)
+}
+
+/// What is kept of a run.
+struct Kept {
+    times: Vec<f64>,
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    force: Vec<f64>,
+    energies: Vec<EnergyLedger>,
+    speed: Vec<f64>,
+    greatest: Vec<f64>,
+    stop: Option<RigStop>,
+}
+
+fn follow<const D: usize>(bench: &Bench<D>, every: u64, interrupt: &AtomicBool) -> Result<Kept> {
+    let words = |error: &granulens::dem::rig::RigError| {
+        Failure::input(format!("{}: {}", bench.path.display(), error.words(&|body| bench.name_of(body))))
+    };
+    let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step).map_err(|error| words(&error))?;
+    let count = bench.rig.sample.spheres.len();
+    let mut kept = Kept {
+        times: Vec::new(),
+        displacement: Vec::new(),
+        velocity: Vec::new(),
+        force: Vec::new(),
+        energies: Vec::new(),
+        speed: Vec::new(),
+        greatest: Vec::new(),
+        stop: None,
+    };
+    let mut left = bench.plan.steps();
+    loop {
+        let view = simulation.view();
+        kept.times.push(view.time());
+        for sphere in 0..count {
+            kept.displacement.extend(view.displacement(sphere));
+            kept.velocity.extend(view.velocity(sphere));
+            kept.force.extend(view.whole_force(sphere));
+        }
+        kept.energies.push(simulation.ledger());
+        if left == 0 {
+            break;
+        }
+        let some = every.min(left);
+        left -= some;
+        if let Err(stop) = simulation.advance(some, interrupt) {
+            kept.stop = Some(stop);
+            break;
+        }
+        if interrupt.load(Ordering::Relaxed) {
+            break;
+        }
+    }
+    (kept.speed, kept.greatest) = (simulation.greatest_speed(), simulation.greatest_force());
+    Ok(kept)
+}
+
+fn histories<'py, const D: usize>(
+    py: Python<'py>,
+    bench: &Bench<D>,
+    every: Option<f64>,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let every = every.unwrap_or(bench.plan.window / 100.0);
+    let steps = ((every / bench.plan.step).round() as u64).max(1);
+    let frames = bench.plan.steps() / steps + 2;
+    let count = bench.rig.sample.spheres.len();
+    let bytes = frames as f64 * (count * D * 3 * 8) as f64;
+    if bytes > 4e9 {
+        let message = format!("{frames} frames of {count} spheres take {:.1} GB", 1e-9 * bytes);
+        return Err(Failure::with_help(message, "Take them less often, or write them with run(folder).").into());
+    }
+    let kept = run(py, threads, |interrupt| follow(bench, steps, interrupt))??;
+    let shape = [kept.times.len(), count, D];
+    let energy = |of: fn(&EnergyLedger) -> f64| vector(py, kept.energies.iter().map(of).collect());
+    let energies = Table::new(py)
+        .with("work_in_J", energy(|e| e.work_in))?
+        .with("kinetic_J", energy(|e| e.kinetic))?
+        .with("stored_J", energy(|e| e.stored))?
+        .with("tangential_stored_J", energy(|e| e.tangential_stored))?
+        .with("potential_J", energy(|e| e.potential))?
+        .with("dissipated_J", energy(|e| e.dissipated))?
+        .with("friction_J", energy(|e| e.friction))?
+        .with("absorbed_J", energy(|e| e.absorbed))?;
+    Table::new(py)
+        .with("energies", energies.0)?
+        .with("time_s", vector(py, kept.times))?
+        .with("displacement_m", shaped(py, kept.displacement, shape)?)?
+        .with("velocity_m_s", shaped(py, kept.velocity, shape)?)?
+        .with("net_force_N", shaped(py, kept.force, shape)?)?
+        .with("max_speed_m_s", vector(py, kept.speed))?
+        .with("max_force_N", vector(py, kept.greatest))?
+        .with("step_s", bench.plan.step)?
+        .with("stop", kept.stop.map(|stop| stop.words("s", &|body| bench.name_of(body))))
+        .map(|table| table.0)
+}
+
+fn to_folder<'py, const D: usize>(
+    py: Python<'py>,
+    bench: &Bench<D>,
+    folder: PathBuf,
+    resume: bool,
+    force: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    // Each call is a command of its own.
+    input::forget();
+    input::remember(&bench.path);
+    let summary = run(py, threads, |interrupt| -> Result<_> {
+        if !resume {
+            output::check_folder(&folder, force)?;
+        }
+        let keeping = Keeping { resume, every: Duration::from_secs(60) };
+        let (summary, ending) = trial::run(bench, &folder, keeping, interrupt, |_, _| ())?;
+        if let Ending::Interrupted { .. } = ending {
+            return Err(Failure::interrupted("interrupted; go on with resume=True"));
+        }
+        report::draw_trial(&folder)?;
+        output::seal_folder(&folder)?;
+        Ok(summary)
+    })??;
+    nested(py, &summary)
+}
