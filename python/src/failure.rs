@@ -171,11 +171,8 @@ impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         let words = error.to_string();
         match error {
-            StudyError::Design(error) => (*error).into(),
+            StudyError::File(error) => (*error).into(),
             StudyError::Layout(error) => (*error).into(),
-            StudyError::File { path, line, .. } => {
-                Self { message: words, file: Some(path.display().to_string()), line, ..Self::default() }
-            }
             StudyError::Journal { path, .. } => {
                 Self { message: words, file: Some(path.display().to_string()), ..Self::default() }
             }

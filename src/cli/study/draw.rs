@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use granulens::report::{self, Provenance, StudyPage};
-use granulens::study::Study as Studied;
+use granulens::study::{Report, Study as Studied};
 
 use super::words::words;
 use crate::cli::Common;
