@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use granulens::bed::{self, BedFile, Origin, Settled, measure, settle, strike};
 use granulens::dem::rig::{Body, EnergyLedger, RigStop, Simulation};
 use granulens::input;
-use granulens::report::{BedRecord, draw_bed};
+use granulens::report::{BedRecord, Provenance, draw_bed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -115,7 +115,7 @@ impl Bed {
         let measures = measure(bed);
         let record = BedRecord { impact, bed, measures: &measures, sound: None, course: &course };
         let pictures = PyDict::new(py);
-        for (name, svg) in draw_bed(&self.inner.name, &record, "").pictures {
+        for (name, svg) in draw_bed(&self.inner.name, &record, "", Provenance::default()).pictures {
             pictures.set_item(name, svg)?;
         }
         Table::new(py)

@@ -105,6 +105,6 @@ pub fn surface<'py>(
         .with("y", nodes(1))?
         .with("values", maybe(py, values).call_method1("reshape", (ny, nx))?)?
         .with("media", media.0)?
-        .with("svg", report::surface(&grid, &points))?
+        .with("svg", report::surface(&grid, &points, &report::Look::default()))?
         .0)
 }
