@@ -89,6 +89,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             overlap: overlap / scale,
             force,
             tangential: contacts.tangential(c),
+            friction: contacts.friction(&self.bodies, c, &normal),
             overlap_max: overlap_max / scale,
             force_max,
             stored: weight * stored,

@@ -36,6 +36,8 @@ pub struct Touching<const D: usize> {
     pub yields: bool,
     /// Force of the tangential spring (N).
     pub tangential: f64,
+    /// Whole force of friction on the second body (N): of spring and damping, at most μ times the normal force.
+    pub friction: [f64; D],
     /// Greatest overlap (m) and force (N) so far, where the law remembers them; else the present ones.
     pub overlap_max: f64,
     /// See `overlap_max`.

@@ -349,6 +349,44 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         self.spring(c).map_or(0.0, |[stiffness, squared]| stiffness * squared.sqrt())
     }
 
+    /// Force of friction (N) on the second body of a closed contact: its law, of the present velocities and spring.
+    pub fn friction(&self, bodies: &Bodies<D>, c: usize, normal: &[f64; D]) -> [f64; D] {
+        let bond = &self.bonds[self.bond[c] as usize];
+        if !self.turning || bond.slip.coefficient == 0.0 {
+            return [0.0; D];
+        }
+        let account = self.account.at(c);
+        let (overlap, push, factor) = (account.overlap, account.force, self.face_scale(c));
+        // Where arms end in the contact they are as long as the overlap leaves them.
+        let depth = if c < self.near.len() { 0.5 * overlap } else { overlap / factor };
+        let turn_of = |i: usize| {
+            let arm = self.radius.get(i).map_or(self.lever[i], |radius| radius - depth);
+            bodies.spin.get(i).map(|spin| factor * arm * spin)
+        };
+        let (first, second, turn) = match c.checked_sub(self.near.len()) {
+            None => {
+                let [a, b] = self.near[c].ends.map(|i| i as usize);
+                let (one, other) = (turn_of(a), turn_of(b));
+                (bodies.velocity[a], bodies.velocity[b], std::array::from_fn(|k| one[k] + other[k]))
+            }
+            Some(f) => match self.faces[f] {
+                NearFace { facing: Facing::Flat(flat), sphere, .. } => {
+                    let sphere = sphere as usize;
+                    (bodies.flat_velocity[flat as usize], bodies.velocity[sphere], turn_of(sphere))
+                }
+                // Sphere and image slide alike.
+                NearFace { facing: Facing::Mirror(_), .. } => return [0.0; D],
+            },
+        };
+        let approach: [f64; D] = std::array::from_fn(|k| factor * (first[k] - second[k]));
+        let closing_speed = dot(&approach, normal);
+        let meeting = react::Meeting { overlap, closing_speed, normal: *normal, approach, turn };
+        let stretch: [f64; D] = std::array::from_fn(|k| self.stretch[k][c]);
+        let mut numbers = self.extra_of(c).to_vec();
+        let held = friction::Held { more: self.more, numbers: &mut numbers };
+        react::friction::<D, L>(&meeting, (bond, self.reduced[c]), push, (&stretch, &account), held)
+    }
+
     /// ½ k_t ξ² (J), what a contact's tangential springs hold, and that against rolling.
     pub fn tangential_stored(&self, c: usize) -> f64 {
         let slid = match self.row(c) {

@@ -325,6 +325,39 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
     (Reaction { force, excess, twist, roll, arms: [1.0; 2] }, Past { memory, stretch, account })
 }
 
+/// The force of friction on the second end of a closed contact as it is now, under the normal force `push`: its law over a step of no
+/// length, so that its springs stay as they are.
+pub fn friction<const D: usize, L: Bonding>(
+    meeting: &Meeting<f64, D>,
+    (bond, reduced): (&Bond<L>, f64),
+    push: f64,
+    (stretch, account): (&[f64; D], &Account),
+    mut held: Held<'_>,
+) -> [f64; D] {
+    let slip = &bond.slip;
+    let damping = slip.rate * reduced;
+    if by_grip::<D, L>() {
+        let grip = Grip { coefficient: slip.coefficient, stiffness: slip.stiffness, damping };
+        let (plane, mut spring) = (meeting.in_plane(), [stretch[0], stretch[D - 1]]);
+        let rub = match slip.stiffness > 0.0 {
+            true => grip.rub::<true>(&plane, push, &mut spring, 0.0),
+            false => grip.rub::<false>(&plane, push, &mut spring, 0.0),
+        };
+        let mut drag = [0.0; D];
+        (drag[0], drag[D - 1]) = (rub.drag[0], rub.drag[1]);
+        return drag;
+    }
+    let (place, slipped) = ((meeting.overlap, &meeting.normal), (push, &[0.0; D]));
+    let mut rubbed = match held.springs(slip) {
+        Some(springs) => spread(slip, place, slipped, account, springs),
+        None => coulomb(slip, place, slipped, (account, stretch)),
+    };
+    if damping > 0.0 {
+        rubbed.damp(slip.coefficient * push.abs(), damping, &meeting.sliding(), (0.0, 0.0));
+    }
+    rubbed.drag
+}
+
 impl<const D: usize> Meeting<f64, D> {
     /// Its first and last component, which are all of it in the plane.
     #[inline(always)]
