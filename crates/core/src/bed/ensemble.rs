@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{BedImpact, Course, Grains, Measures, stop_words};
+use super::{BedImpact, Course, Fitted, Grains, Measures, exponent, stop_words};
 use crate::chance::Mean;
 
 /// Which impacts are made: every speed with every kind of friction on every sample.
@@ -184,6 +184,32 @@ pub fn summarise(ensemble: &Ensemble, outcomes: &[Outcome]) -> Vec<Cell> {
         }
     }
     cells
+}
+
+/// How the depth at the end grows with the impact, of one kind of friction: D ∝ vᵃ and D ∝ Hᵇ.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Scaling {
+    /// Kind of friction.
+    pub friction: Rubbing,
+    /// a, by the speed v at the start.
+    pub by_speed: Option<Fitted>,
+    /// b, by the whole drop H from where the intruder would have been at rest to where it ends (Kondic et al. 2012, fig. 30).
+    pub by_drop: Option<Fitted>,
+}
+
+/// Exponents over all impacts that came to their end, of five or more with depths and speeds above zero.
+pub fn scaling(ensemble: &Ensemble, outcomes: &[Outcome], impact: &BedImpact) -> Vec<Scaling> {
+    let fall = impact.grains.fall();
+    let of = |&friction: &Rubbing| {
+        let whole = outcomes.iter().filter(|outcome| outcome.friction == friction && outcome.stop.is_none());
+        let (mut by_speed, mut by_drop) = (Vec::new(), Vec::new());
+        for &Outcome { speed, final_depth_d, .. } in whole {
+            by_speed.push([speed, final_depth_d]);
+            by_drop.push([0.5 * speed * speed / fall + impact.intruder.height + final_depth_d, final_depth_d]);
+        }
+        Scaling { friction, by_speed: exponent(&by_speed), by_drop: exponent(&by_drop) }
+    };
+    ensemble.friction.iter().map(of).collect()
 }
 
 #[cfg(test)]

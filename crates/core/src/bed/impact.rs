@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 
 use super::measure::surface;
-use super::{Bed, Disk, Grains, Intruder, Outline};
-use crate::dem::rig::{EnergyLedger, Face, RigError, RigStop, Simulation};
+use super::{Bed, Disk, Frame, Grains, Intruder, Outline};
+use crate::dem::rig::{CheckpointError, EnergyLedger, Face, RigError, RigStop, Simulation};
 
 /// An impact on a bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub struct Moment {
 }
 
 /// The bed at one moment.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Time (τ_c).
     pub time: f64,
@@ -107,18 +107,98 @@ pub fn strike(
     interrupt: &AtomicBool,
     mut progress: impl FnMut(&Moment),
 ) -> Result<Course, RigError> {
-    let BedImpact { grains, intruder, .. } = impact;
-    let x = impact.place * bed.width;
-    let level = surface(bed, x);
-    let mut rig = grains.rig(bed, true);
-    let members = rig.sample.spheres.len();
-    intruder.place(&mut rig, x, level);
-    let mut simulation = Simulation::new(rig, impact.step)?;
-    let every = ((impact.sample / impact.step).round() as u64).max(1);
-    let steps = (impact.window / impact.step).round() as u64;
-    let look = |simulation: &Simulation<2>| {
+    let mut strike = Strike::new(bed, impact)?;
+    while strike.goes_on() {
+        strike.go_on(interrupt);
+        progress(strike.moment());
+    }
+    Ok(strike.course())
+}
+
+/// An impact on its way.
+pub struct Strike {
+    impact: BedImpact,
+    simulation: Simulation<2>,
+    /// Height of the surface (d).
+    level: f64,
+    /// Grains and walls; the disks of the intruder stand behind both.
+    count: [usize; 2],
+    seen: Seen,
+    stop: Option<RigStop>,
+}
+
+/// What was looked at so far.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Seen {
+    moments: Vec<Moment>,
+    grain_force: Vec<f64>,
+    peak_force: [f64; 2],
+    snapshot: Snapshot,
+}
+
+impl Strike {
+    /// Sets the intruder above the bed.
+    ///
+    /// # Errors
+    /// The rig cannot be set in motion.
+    pub fn new(bed: &Bed, impact: &BedImpact) -> Result<Self, RigError> {
+        let BedImpact { grains, intruder, .. } = impact;
+        let x = impact.place * bed.width;
+        let level = surface(bed, x);
+        let mut rig = grains.rig(bed, true);
+        intruder.place(&mut rig, x, level);
+        let simulation = Simulation::new(rig, impact.step)?;
+        let count = [bed.grains.len(), bed.walls.len()];
+        let mut strike = Self { impact: *impact, simulation, level, count, seen: Seen::default(), stop: None };
+        strike.seen.moments.push(strike.look());
+        strike.seen.grain_force = vec![0.0; bed.grains.len()];
+        Ok(strike)
+    }
+
+    /// Steps in the window.
+    fn steps(&self) -> u64 {
+        (self.impact.window / self.impact.step).round() as u64
+    }
+
+    /// Whether the window is not over and nothing stopped the run.
+    pub fn goes_on(&self) -> bool {
+        self.simulation.steps() < self.steps() && self.stop.is_none()
+    }
+
+    /// Goes on to the next look, or until a guard or the caller stops it.
+    pub fn go_on(&mut self, interrupt: &AtomicBool) {
+        let every = ((self.impact.sample / self.impact.step).round() as u64).max(1);
+        let left = self.steps() - self.simulation.steps();
+        self.stop = self.simulation.advance(every.min(left), interrupt).err();
+        let moment = self.look();
+        let size = moment.force[0].hypot(moment.force[1]);
+        let view = self.simulation.view();
+        let mut pushed = view.pressed();
+        pushed.truncate(self.count[0]);
+        if size > self.seen.peak_force[0] {
+            self.seen.peak_force = [size, moment.time];
+            self.seen.snapshot = Snapshot {
+                time: moment.time,
+                centres: (0..self.count[0]).map(|i| view.position(i)).collect(),
+                force: pushed.clone(),
+                intruder: disks(&self.simulation, self.members()),
+            };
+        }
+        for (most, now) in self.seen.grain_force.iter_mut().zip(pushed) {
+            *most = most.max(now);
+        }
+        self.seen.moments.push(moment);
+    }
+
+    /// Place of the intruder's first disk.
+    fn members(&self) -> usize {
+        self.count[0] + self.count[1]
+    }
+
+    fn look(&self) -> Moment {
+        let (simulation, members, intruder) = (&self.simulation, self.members(), &self.impact.intruder);
         let view = simulation.view();
-        let start = level + intruder.height;
+        let start = self.level + intruder.height;
         let (moved, velocity, turn, force) = match intruder.outline {
             Outline::Disk { .. } => {
                 let moved = view.displacement(members)[1];
@@ -137,54 +217,74 @@ pub fn strike(
                 (low - start, state.velocity, state.angle, state.force)
             }
         };
-        let depth = level - (start + moved);
+        let depth = self.level - (start + moved);
         Moment { time: simulation.time(), depth, velocity, turn, force, energy: simulation.ledger() }
-    };
-    let mut moments = vec![look(&simulation)];
-    let mut grain_force = vec![0.0_f64; bed.grains.len()];
-    let (mut peak_force, mut snapshot) = ([0.0, 0.0], Snapshot::default());
-    let mut stop = None;
-    while simulation.steps() < steps && stop.is_none() {
-        stop = simulation.advance(every.min(steps - simulation.steps()), interrupt).err();
-        let moment = look(&simulation);
-        progress(&moment);
-        let size = moment.force[0].hypot(moment.force[1]);
-        let view = simulation.view();
-        let mut pushed = view.pressed();
-        pushed.truncate(bed.grains.len());
-        if size > peak_force[0] {
-            peak_force = [size, moment.time];
-            snapshot = Snapshot {
-                time: moment.time,
-                centres: (0..bed.grains.len()).map(|i| view.position(i)).collect(),
-                force: pushed.clone(),
-                intruder: disks(&simulation, members),
-            };
-        }
-        for (most, now) in grain_force.iter_mut().zip(pushed) {
-            *most = most.max(now);
-        }
-        moments.push(moment);
     }
-    let end = moments[moments.len() - 1].time;
-    let tail = (end / 3.0).min(100.0);
-    let last: Vec<f64> = moments.iter().filter(|m| m.time >= end - tail).map(|m| m.depth).collect();
-    let mean = last.iter().sum::<f64>() / last.len() as f64;
-    let swing = (last.iter().map(|d| (d - mean) * (d - mean)).sum::<f64>() / last.len() as f64).sqrt();
-    let max_depth = moments.iter().map(|m| m.depth).fold(f64::NEG_INFINITY, f64::max);
-    let view = simulation.view();
-    let grains = (0..bed.grains.len()).map(|i| view.position(i)).collect();
-    Ok(Course {
-        moments,
-        final_depth: mean,
-        final_swing: swing,
-        max_depth,
-        peak_force,
-        grains,
-        grain_force,
-        snapshot,
-        stop,
-    })
+
+    /// The last moment that was looked at.
+    pub fn moment(&self) -> &Moment {
+        &self.seen.moments[self.seen.moments.len() - 1]
+    }
+
+    /// How often it was looked at since the start.
+    pub fn looks(&self) -> u64 {
+        self.seen.moments.len() as u64 - 1
+    }
+
+    /// Why the run stopped, if it did.
+    pub fn stop(&self) -> Option<&RigStop> {
+        self.stop.as_ref()
+    }
+
+    /// Every body and closed contact as they are now.
+    pub fn frame(&self) -> Frame {
+        Frame::of(&self.simulation, self.count).unwrap_or_default()
+    }
+
+    /// All that a later run needs to go on from here to the same bits.
+    pub fn checkpoint(&self) -> Vec<u8> {
+        let state = (self.simulation.checkpoint(), &self.seen);
+        // Numbers and lists of them: nothing in it can fail.
+        postcard::to_stdvec(&state).unwrap_or_default()
+    }
+
+    /// Takes up where [`checkpoint`](Self::checkpoint) left an impact of the same bed and file.
+    ///
+    /// # Errors
+    /// See [`CheckpointError`].
+    pub fn take_up(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
+        let (state, seen): (Vec<u8>, Seen) = postcard::from_bytes(bytes).map_err(|_| CheckpointError::Damaged)?;
+        if seen.moments.is_empty() || seen.grain_force.len() != self.count[0] {
+            return Err(CheckpointError::Damaged);
+        }
+        self.simulation.take_up(&state)?;
+        self.seen = seen;
+        Ok(())
+    }
+
+    /// What came of it.
+    pub fn course(self) -> Course {
+        let Seen { moments, grain_force, peak_force, snapshot } = self.seen;
+        let end = moments[moments.len() - 1].time;
+        let tail = (end / 3.0).min(100.0);
+        let last: Vec<f64> = moments.iter().filter(|m| m.time >= end - tail).map(|m| m.depth).collect();
+        let mean = last.iter().sum::<f64>() / last.len() as f64;
+        let swing = (last.iter().map(|d| (d - mean) * (d - mean)).sum::<f64>() / last.len() as f64).sqrt();
+        let max_depth = moments.iter().map(|m| m.depth).fold(f64::NEG_INFINITY, f64::max);
+        let view = self.simulation.view();
+        let grains = (0..self.count[0]).map(|i| view.position(i)).collect();
+        Course {
+            moments,
+            final_depth: mean,
+            final_swing: swing,
+            max_depth,
+            peak_force,
+            grains,
+            grain_force,
+            snapshot,
+            stop: self.stop,
+        }
+    }
 }
 
 /// The disks that make up the intruder; the ends of a flat.
@@ -196,4 +296,49 @@ fn disks(simulation: &Simulation<2>, members: usize) -> Vec<Disk> {
     }
     let disk = |i: usize| Disk { centre: view.position(i), diameter: 2.0 * rig.sample.spheres[i].radius };
     (members..rig.mass.len()).map(disk).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bed::{Body, Packing, Pile, Sides};
+
+    /// A run that is taken up goes on to the same bits: moments, places, frames; and `strike` is the same run.
+    #[test]
+    fn an_impact_is_taken_up_to_the_same_bits() {
+        let pile = Pile {
+            packing: Packing::Hexagonal,
+            width: 16.0,
+            height: 6.0,
+            spread: 0.0,
+            seed: 1,
+            sides: Sides::Periodic,
+        };
+        let bed = pile.lay().0;
+        let mut grains = Grains::default();
+        (grains.grains.tangential_stiffness, grains.walls.tangential_stiffness) = (0.8, 0.8);
+        let outline = Outline::Disk { diameter: 3.0 };
+        let intruder = Intruder { outline, mass: 9.0, body: Body::Solid, turns: true, speed: 0.7, height: 0.2 };
+        let impact = BedImpact::new(grains, intruder, 12.0);
+        let never = AtomicBool::new(false);
+        let finish = |mut strike: Strike| {
+            while strike.goes_on() {
+                strike.go_on(&never);
+            }
+            (strike.frame(), strike.course())
+        };
+        let mut left = Strike::new(&bed, &impact).unwrap();
+        (0..9).for_each(|_| left.go_on(&never));
+        let bytes = left.checkpoint();
+        let mut taken_up = Strike::new(&bed, &impact).unwrap();
+        taken_up.take_up(&bytes).unwrap();
+        assert_eq!((taken_up.looks(), taken_up.frame()), (9, left.frame()));
+        let whole = finish(Strike::new(&bed, &impact).unwrap());
+        assert_eq!(finish(taken_up), whole);
+        assert_eq!(strike(&bed, &impact, &never, |_| ()).unwrap(), whole.1);
+        assert!(whole.0.contacts.iter().any(|contact| contact.tangential != 0.0));
+        assert!(Strike::new(&bed, &impact).unwrap().take_up(&bytes[..bytes.len() / 2]).is_err());
+        let other = BedImpact { grains: Grains { stiffness: 3000.0, ..grains }, ..impact };
+        assert!(Strike::new(&bed, &other).unwrap().take_up(&bytes).is_err());
+    }
 }

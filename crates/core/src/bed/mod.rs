@@ -6,10 +6,12 @@
 //! - `grains`: what grains are like: stiffness, restitution, friction; and their laws
 //! - `packing`: how they are laid out at first; `settle`: how they come to rest
 //! - `measure`: volume fraction, coordination, pair correlation, surface
-//! - `intruder`: what strikes them; `impact`: what follows; `sound`: how fast a push travels through a bed
+//! - `intruder`: what strikes them; `impact`: what follows; `drag`: what resists; `frame`: every body and contact at a moment; `sound`: how fast a push travels through a bed
 //! - `ensemble`: many impacts, and what they come to on average
 
+mod drag;
 mod ensemble;
+mod frame;
 mod grains;
 mod impact;
 mod intruder;
@@ -19,17 +21,21 @@ mod settle;
 mod sound;
 
 pub use crate::dem::rig::Arm;
-pub use ensemble::{Case, Cell, Ensemble, Outcome, Rubbing, summarise};
+pub use drag::{Drag, Fitted, exponent};
+pub use ensemble::{Case, Cell, Ensemble, Outcome, Rubbing, Scaling, scaling, summarise};
+pub use frame::{End, Frame, FrameBody, FrameContact, Role};
 pub use grains::{Damping, Grains, Surface};
-pub use impact::{BedImpact, Course, Moment, Snapshot, stop_words, strike};
+pub use impact::{BedImpact, Course, Moment, Snapshot, Strike, stop_words, strike};
 pub use intruder::{Body, Intruder, Outline};
 pub use measure::{Measures, measure};
 pub use packing::{Packing, Pile, Sides};
 pub use settle::{SettleError, Settled, settle};
 pub use sound::{Sound, SoundError, listen};
 
+use serde::{Deserialize, Serialize};
+
 /// One disk of a bed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Disk {
     /// Centre (d); the second axis points up.
     pub centre: [f64; 2],
