@@ -22,12 +22,21 @@ pub struct Moved {
     pub period: Option<f64>,
 }
 
-/// Reads places before and after: CSV with the columns `id,x,z`, each grain once in both.
+/// Reads places before and after: CSV with the columns `id,x,z`, each grain once in both. With a column `kind` only rows of the kind
+/// `grain` count, as in frames.
 ///
 /// # Errors
 /// See [`TableError`]; a grain that is in one file alone.
 pub fn read(before: &Path, after: &Path) -> Result<Moved, TableError> {
-    let one = |path: &Path| Ok::<Table, TableError>(Table::read(path)?.swap_remove(0));
+    let one = |path: &Path| {
+        let mut table = Table::read(path)?.swap_remove(0);
+        // Of a frame the grains, not the disks of walls and intruder.
+        if table.has("kind") {
+            let grains: Vec<bool> = table.labels("kind")?.iter().map(|kind| *kind == "grain").collect();
+            table.retain(&grains);
+        }
+        Ok::<Table, TableError>(table)
+    };
     let (first, second) = (one(before)?, one(after)?);
     let names = first.labels("id")?;
     let known = by_name(&first, &names)?;

@@ -1,4 +1,4 @@
-//! Force networks from files: contacts as CSV or as LAMMPS dumps them, and frames of impacts.
+//! Force networks from files: contacts as CSV or as LAMMPS dumps them, and frames of impacts and rigs.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,8 @@ pub struct Named {
 
 /// Networks of a file of contacts, shown one after another: `i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N`, of which the places and
 /// `tangential_N` may be missing. `columns` gives columns other names first; `period` stands in place of the file's own. Of a folder of
-/// frames each is shown, its grains alone: what touches walls or an intruder is left out.
+/// frames each is shown, its grains alone: what touches walls or an intruder is left out. With `layer`, only grains between these two
+/// heights or depths.
 ///
 /// # Errors
 /// See [`TableError`]; those of `show`.
@@ -32,28 +33,39 @@ pub fn read<E: From<TableError>>(
     path: &Path,
     columns: &[(String, String)],
     period: Option<f64>,
+    layer: Option<[f64; 2]>,
     mut show: impl FnMut(Named) -> Result<(), E>,
 ) -> Result<(), E> {
     if path.is_dir() {
         for [grains, contacts] in frames(path)? {
-            show(of_frame(&grains, &contacts, period)?)?;
+            show(of_frame(&grains, &contacts, period, layer)?)?;
         }
         return Ok(());
     }
     for mut table in Table::read(path)? {
         table.rename(columns)?;
+        if let Some(layer) = layer {
+            let (first, second) = (within(&table, "z_i", layer)?, within(&table, "z_j", layer)?);
+            let wanted: Vec<bool> = first.iter().zip(&second).map(|(first, second)| *first && *second).collect();
+            table.retain(&wanted);
+        }
         show(of_table(table, period, None)?)?;
     }
     Ok(())
 }
 
-/// The files of a folder of frames, in order.
-fn frames(folder: &Path) -> Result<Vec<[PathBuf; 2]>, TableError> {
-    let blame = |message: &str| TableError {
+/// The files of the frames in a folder, grains and contacts of each, in order.
+///
+/// # Errors
+/// A folder that cannot be read or holds none.
+pub fn frames(folder: &Path) -> Result<Vec<[PathBuf; 2]>, TableError> {
+    let blame = |message: &str| {
+        TableError {
         path: folder.to_owned(),
         line: None,
         message: message.to_owned(),
-        help: "Name a folder of frames, as impact writes it: OUT/frames, with record.every in the bed file.".to_owned(),
+        help: "Name a folder of frames, OUT/frames: of impact with record.every in the bed file, of simulate with --frames.".to_owned(),
+    }
     };
     let entries = std::fs::read_dir(folder).map_err(|error| blame(&format!("cannot be read: {error}.")))?;
     let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
@@ -67,8 +79,17 @@ fn frames(folder: &Path) -> Result<Vec<[PathBuf; 2]>, TableError> {
     Ok(stems.iter().map(place).collect())
 }
 
-fn of_frame(grains: &Path, contacts: &Path, period: Option<f64>) -> Result<Named, TableError> {
-    let bodies = Table::read(grains)?.swap_remove(0);
+/// Which rows have a number that lies between two others.
+fn within(table: &Table, name: &str, [from, to]: [f64; 2]) -> Result<Vec<bool>, TableError> {
+    Ok(table.numbers(name)?.into_iter().map(|z| (from..=to).contains(&z)).collect())
+}
+
+fn of_frame(grains: &Path, contacts: &Path, period: Option<f64>, layer: Option<[f64; 2]>) -> Result<Named, TableError> {
+    let mut bodies = Table::read(grains)?.swap_remove(0);
+    if let Some(layer) = layer {
+        let wanted = within(&bodies, "z", layer)?;
+        bodies.retain(&wanted);
+    }
     let (ids, kinds) = (bodies.labels("id")?, bodies.labels("kind")?);
     let of = ids.iter().zip(kinds).filter(|(_, kind)| *kind == "grain").map(|(id, _)| Label::of(id));
     let mut table = Table::read(contacts)?.swap_remove(0);
@@ -78,6 +99,14 @@ fn of_frame(grains: &Path, contacts: &Path, period: Option<f64>) -> Result<Named
         table.labels("i")?.iter().zip(table.labels("j")?).map(|(i, j)| among(i) && among(&j)).collect();
     table.retain(&wanted);
     of_table(table, period, Some(known))
+}
+
+/// The network of the grains of one frame, by its two files.
+///
+/// # Errors
+/// See [`TableError`].
+pub fn read_frame([grains, contacts]: &[PathBuf; 2]) -> Result<Named, TableError> {
+    of_frame(grains, contacts, None, None)
 }
 
 /// The columns with places.
@@ -112,7 +141,12 @@ fn of_table(mut table: Table, period: Option<f64>, all: Option<BTreeMap<Label, u
         })
         .collect();
     let period = period.or(table.period);
-    let branches = match PLACES.iter().any(|name| table.has(name)) {
+    // Fabric, chains and stress are of the plane.
+    let in_space = ["y_i", "y_j"].iter().filter(|name| table.has(name)).any(|name| {
+        let across = table.numbers(name).unwrap_or_default();
+        across.iter().any(|y| *y != across[0])
+    });
+    let branches = match !in_space && PLACES.iter().any(|name| table.has(name)) {
         false => None,
         true => {
             let [xi, zi, xj, zj] = PLACES.map(|name| table.numbers(name));

@@ -6,7 +6,8 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use super::{
-    Arm, BedImpact, Body, Damping, Ensemble, Grains, Intruder, Outline, Packing, Pile, Rubbing, Sides, Surface,
+    Arm, BedImpact, Body, Damping, Ensemble, FramePlan, Grains, Intruder, Outline, Packing, Pile, Rubbing, Sides,
+    Surface,
 };
 use crate::document::{self, DocumentError, Entry, Scope, Section, Source, Written, is_plain_name, section};
 
@@ -25,6 +26,8 @@ pub struct BedFile {
     pub impact: BedImpact,
     /// Many impacts in place of one, where they are asked for.
     pub ensemble: Option<Ensemble>,
+    /// Which frames are kept, where any are.
+    pub record: Option<FramePlan>,
 }
 
 /// Where a bed comes from.
@@ -50,6 +53,7 @@ struct Top {
     intruder: Section<IntruderSection>,
     run: Section<RunSection>,
     ensemble: Section<EnsembleSection>,
+    record: Section<RecordSection>,
 }
 
 #[derive(serde::Deserialize)]
@@ -68,6 +72,7 @@ section!(IntruderSection: Written {
 });
 section!(RunSection: Written { window, step, sample });
 section!(EnsembleSection: Written { samples, speeds, friction });
+section!(RecordSection: Written { every, contacts });
 
 /// How each key is written, for messages.
 const EXAMPLES: &[&str] = &[
@@ -106,6 +111,8 @@ const EXAMPLES: &[&str] = &[
     "run.window = 400",
     "run.step = 0.02",
     "run.sample = 0.5",
+    "record.every = 2",
+    "record.contacts = true",
     "ensemble.samples = 10",
     "ensemble.speeds = [0.1, 0.4, 0.7]",
     "ensemble.friction = [\"kinetic\", \"static\"]",
@@ -184,6 +191,10 @@ impl BedFile {
             Some(section) => Some(read_ensemble(&section, impact.intruder.speed)?),
             None => None,
         };
+        let record = match top.section("record", &file.record) {
+            Some(section) => Some(read_record(&section, &impact)?),
+            None => None,
+        };
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
@@ -191,8 +202,20 @@ impl BedFile {
             origin,
             impact,
             ensemble,
+            record,
         })
     }
+}
+
+fn read_record((scope, file): &(Scope, &RecordSection), impact: &BedImpact) -> Result<FramePlan, DocumentError> {
+    let entry = scope.required("every", &file.every)?;
+    let every = within(&entry, impact.sample..=impact.window)?;
+    let looks = every / impact.sample;
+    if (looks - looks.round()).abs() > 1e-9 * looks {
+        let rule = format!("must be a multiple of run.sample, {}", impact.sample);
+        return Err(entry.fail(&rule, &format!("Write record.every = {}.", looks.round() * impact.sample)));
+    }
+    Ok(FramePlan { every, contacts: truth(scope, "contacts", &file.contacts, true)? })
 }
 
 fn read_ensemble((scope, file): &(Scope, &EnsembleSection), speed: f64) -> Result<Ensemble, DocumentError> {
@@ -419,6 +442,7 @@ mod tests {
             ("intruder", IntruderSection::KEYS),
             ("run", RunSection::KEYS),
             ("ensemble", EnsembleSection::KEYS),
+            ("record", RecordSection::KEYS),
         ];
         document::assert_examples(EXAMPLES, &sections);
     }

@@ -1,11 +1,16 @@
 //! Granular beds (from the core), as files.
 //!
 //! - `file`: the bed file, as written and as checked
+//! - `frames`: every body and contact at moments of an impact
 //! - `store`: prepared beds as files
 
 mod file;
+mod frames;
 mod store;
 
 pub use file::{BedFile, Origin};
+pub use frames::{
+    FramePlan, SI as FRAME_SI, UNITS as FRAME_UNITS, names as frame_names, read as read_frame, texts as frame_texts,
+};
 pub use granulens_core::bed::*;
 pub use store::{StoreError, read, write};

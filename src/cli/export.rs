@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use granulens::bed::read_frame;
 use granulens::contact::LawKind;
 use granulens::dem::rig::{Rig, RigError, RigStop, Simulation};
 use granulens::dem::{Integrator, steps_in};
@@ -9,6 +10,7 @@ use granulens::design::Design;
 use granulens::evaluate::{Overrides, Plan, method};
 use granulens::export;
 use granulens::outcome::{COMMIT, FORMAT, Method, VERSION};
+use granulens::output::Folder;
 use granulens::setup::{Bench, Setup, dividing_step};
 use granulens::units::Dimension::Time;
 use serde_json::json;
@@ -29,7 +31,7 @@ const VERLET_ALONE: &str = "what is exported moves by Verlet";
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["lammps", "xyz", "vtp"]))]
 pub struct Export {
-    /// Design file, whose lens is proposed, a rig file, or a layout (then with --design)
+    /// Design file, whose lens is proposed, a rig file, a layout (then with --design), or a folder of frames that impact kept
     source: PathBuf,
     /// Design file of a layout: everything but the materials
     #[arg(long, value_name = "FILE")]
@@ -52,6 +54,9 @@ pub struct Export {
 
 impl Export {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
+        if self.source.is_dir() {
+            return self.bed(common);
+        }
         let is_file = self.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         let (design, layout) = match (&self.design, is_file) {
             (None, true) => {
@@ -99,6 +104,52 @@ impl Export {
             let rig = export::whole_crystal(&layout, design.impact, design.law, design.constants);
             Ok(Run { rig, steps: steps_in(plan.window, plan.step), method: method(&design, &plan) })
         })
+    }
+
+    /// Frames of an impact on a bed, as they were kept: nothing runs.
+    fn bed(&self, common: &Common) -> Result<(), Failure> {
+        if self.lammps.is_some() || self.design.is_some() || self.every.is_some() {
+            return Err(Failure::input_with_help(
+                format!("{} holds frames of a bed, which are exported as they are", self.source.display()),
+                "Leave --lammps, --design and --every out; --xyz and --vtp take them.",
+            ));
+        }
+        if common.dry_run {
+            return Err(Failure::input_with_help("frames are exported at once: nothing runs", "Leave --dry-run out."));
+        }
+        let frames = granulens::network::frames(&self.source)?;
+        if let Some(taken) = self.vtp.as_ref().filter(|folder| !common.force && folder.exists()) {
+            return Err(left_alone(taken));
+        }
+        probe_all(common, &[self.xyz.as_ref(), common.out.as_ref()])?;
+        let folder = self.vtp.as_ref().map(|place| folder::begin(common, place)).transpose()?;
+        let mut collections = [Vec::new(), Vec::new()];
+        let mut xyz = String::new();
+        for (k, files) in frames.iter().enumerate() {
+            let frame = read_frame(files)?;
+            if let Some(folder) = &folder {
+                let texts = [export::bed_bodies(&frame), export::bed_contacts(&frame)];
+                for ((what, text), list) in ["bodies", "contacts"].iter().zip(texts).zip(&mut collections) {
+                    let name = format!("{what}-{k:06}.vtp");
+                    folder.write(&name, text.as_bytes())?;
+                    list.push((frame.time, name));
+                }
+            }
+            if self.xyz.is_some() {
+                xyz += &export::bed_frame(&frame);
+            }
+        }
+        if let Some(folder) = folder {
+            for (what, list) in ["bodies", "contacts"].iter().zip(&collections) {
+                folder.write(&format!("{what}.pvd"), export::collection(list).as_bytes())?;
+            }
+            finish(folder, json!({ "version": VERSION, "commit": COMMIT }))?;
+        }
+        if let Some(path) = &self.xyz {
+            write_file(common, path, &xyz)?;
+        }
+        note(common, &format!("{} frames", frames.len()));
+        self.tell(common)
     }
 
     /// A rig is run as its file says, but for the step and window of the command line.
@@ -149,10 +200,7 @@ impl Export {
         }
         let folders: Vec<&PathBuf> = self.lammps.iter().chain(&self.vtp).collect();
         if let Some(taken) = folders.iter().find(|folder| !common.force && folder.exists()) {
-            return Err(Failure::input_with_help(
-                format!("{} exists and is left alone", taken.display()),
-                "Name a new folder, or replace one of granulens's own with --force.",
-            ));
+            return Err(left_alone(taken));
         }
         probe_all(common, &[self.xyz.as_ref(), common.out.as_ref()])?;
         let mut told = Vec::new();
@@ -282,6 +330,13 @@ fn follow<const D: usize>(
     Ok(())
 }
 
+fn left_alone(taken: &std::path::Path) -> Failure {
+    Failure::input_with_help(
+        format!("{} exists and is left alone", taken.display()),
+        "Name a new folder, or replace one of granulens's own with --force.",
+    )
+}
+
 /// Writes files into a new folder, which appears when it is complete, with a manifest by which it is known again.
 fn write_folder(
     common: &Common,
@@ -293,7 +348,11 @@ fn write_folder(
     for (name, text) in files {
         folder.write(&name, text.as_bytes())?;
     }
-    let mut manifest = json!(method);
+    finish(folder, json!(method))
+}
+
+/// Puts a folder in its place, with a manifest.
+fn finish(folder: Folder, mut manifest: serde_json::Value) -> Result<(), Failure> {
     manifest["format"] = json!(FORMAT);
     manifest["made_by"] = json!("granulens export");
     folder.write("manifest.json", pretty(&manifest).as_bytes())?;

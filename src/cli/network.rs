@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use granulens::network::{
     ANGLE, Bar, Carrier, Chains, Fabric, Named, Part, StressMap, Topology, default_thresholds, read,
 };
-use granulens::report::draw_network;
+use granulens::report::{View, draw_network};
 use serde_json::{Value, json};
 
 use super::Common;
@@ -42,6 +42,9 @@ pub struct NetworkOf {
     /// Thresholds in multiples of the mean, such as 0,0.5,1,2 [default: 0 to 5 by 0.05]
     #[arg(long, value_name = "LIST", value_delimiter = ',', allow_hyphen_values = true)]
     thresholds: Option<Vec<f64>>,
+    /// Only grains whose centres lie at these heights or depths, such as 0,0.03
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', allow_hyphen_values = true)]
+    z: Option<Vec<f64>>,
     /// Of several moments only this one, from 0
     #[arg(long, value_name = "N")]
     frame: Option<usize>,
@@ -83,16 +86,42 @@ impl NetworkOf {
                 "They are multiples of the mean force, from 0 on.",
             ));
         }
+        let layer = match self.z.as_deref() {
+            None => None,
+            Some(&[from, to]) if from < to => Some([from, to]),
+            Some(_) => {
+                return Err(Failure::input_with_help(
+                    "--z: two numbers are expected, the smaller one first",
+                    "Write --z 0,0.03, in the unit of the file's places.",
+                ));
+            }
+        };
         let folder = common.out.as_deref().map(|place| begin(common, place)).transpose()?;
-        let (mut measured, mut count, mut apart) = (Vec::new(), 0, 0);
-        read(&self.contacts, &self.columns, self.period_x, |moment| {
+        let (mut measured, mut count, mut apart, mut idle) = (Vec::new(), 0, 0, 0);
+        read(&self.contacts, &self.columns, self.period_x, layer, |moment| {
             count += 1;
             if self.frame.is_none_or(|frame| frame + 1 == count) {
                 apart += moment.apart;
-                measured.push(self.measure(common, moment)?);
+                match self.measure(common, count - 1, moment)? {
+                    Some(one) => measured.push(one),
+                    None => idle += 1,
+                }
             }
             Ok::<(), Failure>(())
         })?;
+        if measured.is_empty() && idle > 0 {
+            return Err(Failure::input_with_help(
+                format!(
+                    "{}: no contact has a normal force, so that there is no mean to measure by",
+                    self.contacts.display()
+                ),
+                "Give the normal forces in the column normal_N.",
+            ));
+        }
+        if idle > 0 {
+            let s = if idle == 1 { "" } else { "s" };
+            note(common, &format!("{idle} moment{s} without forces left out"));
+        }
         if measured.is_empty() {
             return Err(Failure::input_with_help(
                 format!("--frame {}: {} has {count} moments", self.frame.unwrap_or(0), self.contacts.display()),
@@ -121,7 +150,8 @@ impl NetworkOf {
         let save = |name: &str, text: &str| folder.write(name, text.as_bytes());
         save("network.json", &pretty(&numbers))?;
         let single = measured.len() == 1;
-        for (k, measured) in measured.iter().enumerate() {
+        for measured in &measured {
+            let k = measured.number;
             let named = |name: &str| if single { format!("{name}.csv") } else { format!("{name}-{k}.csv") };
             save(&named("network"), &measured.counts())?;
             save(&named("persistence"), &measured.bars())?;
@@ -138,18 +168,12 @@ impl NetworkOf {
         Ok(folder.finish()?)
     }
 
-    fn measure(&self, common: &Common, Named { time, period, network, names, .. }: Named) -> Result<Measured, Failure> {
+    /// All measures of the moment of this number; none where nothing is pressed, so that there is no mean to measure by.
+    fn measure(&self, common: &Common, number: usize, named: Named) -> Result<Option<Measured>, Failure> {
+        let Named { time, period, network, names, .. } = named;
         let part = if self.tangential { Part::Tangential } else { Part::Normal };
         let thresholds = self.thresholds.clone().unwrap_or_else(default_thresholds);
-        let topology = Topology::new(&network, self.on, part, thresholds).ok_or_else(|| {
-            Failure::input_with_help(
-                format!(
-                    "{}: no contact has a normal force, so that there is no mean to measure by",
-                    self.contacts.display()
-                ),
-                "Give the normal forces in the column normal_N.",
-            )
-        })?;
+        let Some(topology) = Topology::new(&network, self.on, part, thresholds) else { return Ok(None) };
         let stress = self.cell.map(|size| {
             StressMap::new(&network, size, period).ok_or_else(|| {
                 Failure::input_with_help(
@@ -163,10 +187,13 @@ impl NetworkOf {
         let title = time.map_or(stem.clone(), |time| format!("{stem} at {time}"));
         // Drawn only where it is written.
         let picture = match (&chains, common.out.is_some()) {
-            (Some(chains), true) => draw_network(&title, &network, network.mean(Carrier::Contacts), chains),
+            (Some(chains), true) => {
+                draw_network(&title, &network, network.mean(Carrier::Contacts), chains, View::PLAIN)
+            }
             _ => None,
         };
-        Ok(Measured {
+        Ok(Some(Measured {
+            number,
             time,
             names,
             grains: network.grains(),
@@ -176,12 +203,14 @@ impl NetworkOf {
             chains,
             stress: stress.transpose()?,
             picture,
-        })
+        }))
     }
 }
 
 /// All measures of one moment.
 struct Measured {
+    /// Among the moments of the file, from 0.
+    number: usize,
     time: Option<f64>,
     names: Vec<String>,
     grains: usize,
@@ -200,6 +229,7 @@ impl Measured {
         let names = |grains: &[u32]| grains.iter().map(|&i| label(&self.names[i as usize])).collect::<Vec<Value>>();
         json!({
             "format": granulens::outcome::FORMAT,
+            "frame": self.number,
             "time": self.time,
             "on": match options.on { Carrier::Contacts => "contacts", Carrier::Particles => "particles" },
             "force": if options.tangential { "tangential" } else { "normal" },

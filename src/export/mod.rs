@@ -11,8 +11,8 @@ mod vtp;
 mod xyz;
 
 pub use lammps::{Deck, DeckError, deck, dump_frame};
-pub use vtp::{collection, contacts, spheres};
-pub use xyz::frame;
+pub use vtp::{bed_bodies, bed_contacts, collection, contacts, spheres};
+pub use xyz::{bed_frame, frame};
 
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;

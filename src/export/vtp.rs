@@ -3,7 +3,9 @@
 use std::fmt::{Display, Write as _};
 
 use super::in_space;
+use crate::bed::{Frame, FrameBody, FrameContact};
 use crate::dem::rig::{Body, Simulation};
+use crate::network::Branch;
 
 /// A named array: name, components, numbers.
 type Array<'a> = (&'a str, usize, Vec<f64>);
@@ -63,6 +65,35 @@ pub fn contacts<const D: usize>(simulation: &Simulation<D>) -> String {
     }
     let arrays = [("force", 1, force), ("stored", 1, stored), ("dissipated", 1, dissipated), ("overlap", 1, overlap)];
     poly_data(&points, "Lines", 2, &[], &arrays)
+}
+
+/// The bodies of a bed as points, in the units of beds; `kind` is 0 for grains, 1 for walls, 2 for the intruder.
+pub fn bed_bodies(frame: &Frame) -> String {
+    let vectors = |of: &dyn Fn(&FrameBody) -> [f64; 2]| frame.bodies.iter().flat_map(|b| in_space(of(b))).collect();
+    let each = |of: &dyn Fn(&FrameBody) -> f64| frame.bodies.iter().map(of).collect::<Vec<f64>>();
+    let places: Vec<f64> = vectors(&|body| body.place);
+    let arrays = [
+        ("radius", 1, each(&|body| 0.5 * body.diameter)),
+        ("kind", 1, each(&|body| f64::from(body.role as u8))),
+        ("velocity", 3, vectors(&|body| body.velocity)),
+        ("spin", 1, each(&|body| body.spin)),
+        ("net_force", 3, vectors(&|body| body.force)),
+    ];
+    poly_data(&places, "Verts", 1, &arrays, &[])
+}
+
+/// The closed contacts of a bed as lines from centre to centre, in the units of beds; over a periodic side a line goes on to the
+/// image.
+pub fn bed_contacts(frame: &Frame) -> String {
+    let mut points = Vec::new();
+    for &FrameContact { places: [from, to], .. } in &frame.contacts {
+        let Branch { from, vector } = Branch::between(from, to, frame.period);
+        points.extend(in_space(from));
+        points.extend(in_space([from[0] + vector[0], from[1] + vector[1]]));
+    }
+    let normal = frame.contacts.iter().map(|contact| contact.normal).collect();
+    let tangential = frame.contacts.iter().map(|contact| contact.tangential).collect();
+    poly_data(&points, "Lines", 2, &[], &[("normal_force", 1, normal), ("tangential_force", 1, tangential)])
 }
 
 /// A collection of files over time, for the file name ending in `.pvd`: time (s) and file name of each.

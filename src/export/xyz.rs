@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 
 use super::{axis_in_space, ends, in_space};
+use crate::bed::Frame;
 use crate::dem::rig::Simulation;
 use crate::material;
 
@@ -45,6 +46,42 @@ pub fn frame<const D: usize>(simulation: &Simulation<D>) -> String {
             let _ = write!(text, " {number:e}");
         }
         text.push('\n');
+    }
+    text
+}
+
+/// A frame of a bed, in the units of beds. Species are X, the symbol of no element, which every tool takes; what a body is stands
+/// in the column `kind`.
+pub fn bed_frame(frame: &Frame) -> String {
+    let ends = |k: usize| {
+        frame.bodies.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], body| {
+            [low.min(body.place[k] - 0.5 * body.diameter), high.max(body.place[k] + 0.5 * body.diameter)]
+        })
+    };
+    let ([mut left, right], [bottom, top]) = (ends(0), ends(1));
+    let width = match frame.period {
+        Some(period) => {
+            left = 0.0;
+            period
+        }
+        None => right - left,
+    };
+    let repeats = if frame.period.is_some() { "T F F" } else { "F F F" };
+    let mut text = format!(
+        "{}\nLattice=\"{width:e} 0 0 0 {:e} 0 0 0 1\" Origin=\"{left:e} {bottom:e} -0.5\" pbc=\"{repeats}\" \
+         Properties=species:S:1:pos:R:3:velo:R:3:radius:R:1:spin:R:1:force:R:3:kind:S:1:id:I:1 Time={:e}\n",
+        frame.bodies.len(),
+        top - bottom,
+        frame.time
+    );
+    for (k, body) in frame.bodies.iter().enumerate() {
+        text.push('X');
+        let numbers = [in_space(body.place), in_space(body.velocity)].concat();
+        let rest = [0.5 * body.diameter, body.spin].into_iter().chain(in_space(body.force));
+        for number in numbers.into_iter().chain(rest) {
+            let _ = write!(text, " {number:e}");
+        }
+        let _ = writeln!(text, " {} {}", body.role.name(), k + 1);
     }
     text
 }

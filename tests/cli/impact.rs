@@ -132,3 +132,67 @@ fn an_ensemble_is_taken_up_and_does_not_depend_on_threads() {
     let error = desk.run(&["impact", "twice.toml", "--json"]);
     assert_eq!((error.code, error.json_error()["key"].clone()), (2, "ensemble.speeds".into()));
 }
+
+/// Frames of an impact are kept as it goes: the same course as without, files that `network`, `motion` and `export` read, contacts
+/// that add up to the force on each grain, and nothing left beside the results.
+#[test]
+fn frames_of_an_impact_are_kept() {
+    let desk = Desk::new();
+    desk.write("bed.toml", smaller("bed.toml"));
+    let plain = desk.run(&["impact", "bed.toml", "--json", "--out", "plain"]).ok().json();
+    desk.write("bed.toml", smaller("bed.toml") + "\n[record]\nevery = 2\n");
+    let kept = desk.run(&["impact", "bed.toml", "--json", "--out", "out"]).ok().json();
+    assert_eq!((&plain["final_depth_d"], &plain["peak_force"]), (&kept["final_depth_d"], &kept["peak_force"]));
+    assert_eq!(desk.read("plain/impact.csv"), desk.read("out/impact.csv"));
+    let files = names(&desk.path("out/frames"));
+    assert_eq!((files.len(), &files[0][..]), (32, "000000-contacts.csv"));
+    assert!(!desk.path("out.unfinished").exists());
+
+    // Σ of the contacts' forces over each grain is the force that the frame gives it: friction is of the velocities at the end of the
+    // step, forces of those predicted for it, which differ by a step's acceleration.
+    let rows = |name: &str| -> Vec<Vec<String>> {
+        let text = desk.read(&format!("out/frames/{name}"));
+        text.lines().skip(2).map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let number = |text: &String| text.parse::<f64>().unwrap();
+    let bodies = rows("000010-grains.csv");
+    let mut sums = vec![[0.0; 2]; bodies.len() + 1];
+    let mut most = 0.0_f64;
+    for contact in rows("000010-contacts.csv") {
+        let [i, j] = [0, 1].map(|k| contact[k].parse::<usize>().unwrap());
+        let v: Vec<f64> = contact[2..].iter().map(number).collect();
+        let (mut x, z) = (v[2] - v[0], v[3] - v[1]);
+        x -= 24.0 * (x / 24.0).round();
+        let length = x.hypot(z);
+        let (x, z) = (x / length, z / length);
+        let force = [v[4] * x - v[5] * z, v[4] * z + v[5] * x];
+        most = most.max(v[4].abs());
+        for k in 0..2 {
+            sums[i][k] -= force[k];
+            sums[j][k] += force[k];
+        }
+    }
+    for (k, body) in bodies.iter().enumerate().filter(|(_, body)| body[9] == "grain") {
+        for axis in 0..2 {
+            let (sum, force) = (sums[k + 1][axis], number(&body[7 + axis]));
+            assert!((sum - force).abs() < 0.02 * most, "body {}: {sum} {force}, greatest {most}", body[0]);
+        }
+    }
+
+    let networks = desk.run(&["network", "out/frames", "--json", "--on", "particles", "--quiet"]).ok().json();
+    let frames = networks["frames"].as_array().unwrap();
+    assert_eq!((frames.len(), &frames[3]["time"]), (16, &serde_json::json!(6.0)));
+    assert_eq!(frames[0]["grains"], kept["grains"]);
+    let moved = desk.run(&["motion", "out/frames/000001-grains.csv", "out/frames/000008-grains.csv"]).ok();
+    assert_eq!(moved.stdout.lines().count() as u64, kept["grains"].as_u64().unwrap() + 1);
+    desk.run(&["export", "out/frames", "--xyz", "bed.xyz", "--vtp", "vtk"]).ok();
+    assert_eq!(names(&desk.path("vtk")).len(), 34);
+    assert!(desk.read("bed.xyz").starts_with(&format!("{}\n", bodies.len())));
+
+    desk.write("bed.toml", smaller("bed.toml") + "\n[record]\nevery = 0.7\n");
+    let ran = desk.run(&["impact", "bed.toml"]);
+    assert!(ran.code == 2 && ran.stderr.contains("record.every"), "{}", ran.stderr);
+    desk.write("bed.toml", smaller("bed.toml") + "\n[record]\nevery = 2\n");
+    let ran = desk.run(&["impact", "bed.toml", "--samples", "2"]);
+    assert!(ran.code == 2 && ran.stderr.contains("[record] is for single impacts"), "{}", ran.stderr);
+}

@@ -1,6 +1,6 @@
 //! `network` and `motion`: instruments that read files of any program.
 
-use super::Desk;
+use super::{Desk, shipped};
 
 /// Two squares side by side; the diagonal 1-5 cuts the right one. Forces 8 to 1, mean 4.5.
 pub const SQUARES: &str = "i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N
@@ -146,4 +146,39 @@ fn motion_writes_its_table() {
     assert!(ran.code == 2 && ran.stderr.contains("after.csv:9: grain g99 is not in before.csv"), "{}", ran.stderr);
     let ran = desk.run(&["motion", "before.csv", "before.csv", "--period-x", "4"]);
     assert!(ran.code == 2 && ran.stderr.contains("more than half the period"), "{}", ran.stderr);
+}
+
+/// Layers of a network by height, alone.
+#[test]
+fn a_layer_of_a_network_is_looked_at_alone() {
+    let desk = Desk::new();
+    desk.write("contacts.csv", SQUARES);
+    let json = desk.run(&["network", "contacts.csv", "--json", "--z", "0.5,2"]).ok().json();
+    assert_eq!((&json["grains"], &json["contacts"], &json["mean_force"]), (&3.into(), &2.into(), &5.5.into()));
+    let ran = desk.run(&["network", "contacts.csv", "--z", "2,1"]);
+    assert!(ran.code == 2 && ran.stderr.contains("--z"), "{}", ran.stderr);
+}
+
+/// Frames of a lens under its impact: one network per sample, balanced by what `simulate` says itself, and pictures of both. What a
+/// sphere does with its own image at the mirrors is no contact of two.
+#[test]
+fn frames_of_a_lens_are_kept_and_drawn() {
+    let desk = Desk::new();
+    let design = shipped("designs/thesis-lens.toml");
+    let ran = desk.run(&["simulate", &design, "--frames", "--out", "lens", "--quiet"]).ok();
+    assert!(ran.stdout.contains("825 spheres"), "{}", ran.stdout);
+    let regions = desk.read("lens/regions.csv");
+    assert!(regions.starts_with("time_s,focus_velocity_m_s,focus_kinetic_J,"), "{regions}");
+    // Before the wave sets out nothing is pressed: such a moment has no mean force to measure by, and is left out.
+    let found = desk.run(&["network", "lens/frames", "--json", "--thresholds", "0,1"]).ok();
+    let frames = found.json()["frames"].as_array().unwrap().clone();
+    assert_eq!((frames.len(), frames[0]["grains"].as_u64()), (regions.lines().count() - 2, Some(825)));
+    assert!(found.stderr.contains("1 moment without forces"), "{}", found.stderr);
+    let ran = desk.run(&["network", "lens/frames", "--frame", "0"]);
+    assert!(ran.code == 2 && ran.stderr.contains("no mean"), "{}", ran.stderr);
+    let page = desk.read("lens/report.html");
+    for (name, words) in [("network", "kinetic energy of"), ("motion", "mm²")] {
+        let svg = desk.read(&format!("lens/{name}.svg"));
+        assert!(svg.contains(words) && page.contains(words), "{name}");
+    }
 }

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use granulens::bed::{Bed, BedFile, Case, Cell, Ensemble, Measures, Origin, Outcome, Pile, measure, strike, summarise};
+use granulens::bed::{
+    Bed, BedFile, Case, Cell, Ensemble, Measures, Origin, Outcome, Pile, measure, scaling, strike, summarise,
+};
 use granulens::chance::Mean;
 use granulens::dem::rig::RigStop;
 use granulens::output;
@@ -67,6 +69,7 @@ pub fn run(common: &Common, path: &Path, file: &BedFile, ensemble: &Ensemble, fr
     numbers["name"] = json!(file.name);
     numbers["cells"] = json!(cells);
     numbers["impacts"] = json!(outcomes);
+    numbers["scaling"] = json!(scaling(ensemble, &outcomes, &file.impact));
     write_file(common, &folder.join("ensemble.json"), &pretty(&numbers))?;
     write_file(common, &folder.join("ensemble.csv"), &table(&cells))?;
     write_file(common, &folder.join("impacts.csv"), &rows(&outcomes))?;

@@ -2,6 +2,7 @@
 //!
 //! - `beds`: beds at rest, kept and used again
 //! - `ensemble`: many impacts, and what they come to on average
+//! - `record`: impacts whose frames are kept
 //! - `cost`: how long they would take
 //! - `method`: with what, and how
 
@@ -9,11 +10,14 @@ mod beds;
 mod cost;
 mod ensemble;
 mod method;
+mod record;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use granulens::bed::{Bed, BedFile, Course, Ensemble, Origin, Rubbing, listen, measure, stop_words, strike};
+use granulens::bed::{
+    Bed, BedFile, Course, Drag, Ensemble, Moment, Origin, Rubbing, listen, measure, stop_words, strike,
+};
 use granulens::dem::rig::RigStop;
 use granulens::output::Folder;
 use granulens::report::{BedPictures, BedRecord, Provenance, draw_bed};
@@ -25,6 +29,7 @@ use super::failure::Failure;
 use super::folder::begin;
 use beds::{load, place, pour};
 use method::BedMethod;
+use record::Recording;
 
 /// Strike a granular bed with an intruder: depth, forces, energies
 ///
@@ -33,6 +38,9 @@ use method::BedMethod;
 ///
 /// With --samples, or a section [ensemble] in the file, beds of several seeds are struck at each of the speeds and with each kind
 /// of friction, and means with their 95 % intervals are given. Runs are kept as they finish: run again to go on after a stop.
+///
+/// With record.every in the file, every grain and contact is kept at these times, as OUT/frames/000012-grains.csv and
+/// 000012-contacts.csv, which network, motion and export read. Stopped, such an impact goes on when it is given again.
 #[derive(clap::Args)]
 pub struct Impact {
     /// Bed file, such as designs/bed.toml
@@ -76,6 +84,7 @@ struct Numbers<'a> {
     work_in: f64,
     lost_in_contacts: f64,
     lost_by_friction: f64,
+    drag: Option<Drag>,
     residual: Option<f64>,
     seconds: f64,
     settled_in_seconds: Option<f64>,
@@ -99,6 +108,12 @@ impl Impact {
             return cost::of(common, &file, self.ensemble(&file).as_ref(), self.fresh);
         }
         if let Some(ensemble) = self.ensemble(&file) {
+            if file.record.is_some() {
+                return Err(Failure::input_with_help(
+                    format!("{}: [record] is for single impacts, and many are asked for", self.bed.display()),
+                    "Leave the section out, or strike one bed at one speed.",
+                ));
+            }
             return ensemble::run(common, &self.bed, &file, &ensemble, self.fresh);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&file.name));
@@ -112,15 +127,21 @@ impl Impact {
         };
         let begun = Instant::now();
         let bar = Steps::new(common, file.impact.window, "tau_c");
-        let course = strike(&bed, &file.impact, interrupt(), |moment| {
-            bar.at(moment.time, &format!("depth {:.2} d", moment.depth));
-        })
-        .map_err(|error| Failure::input(format!("{}: {error}", self.bed.display())))?;
+        let told = |moment: &Moment| bar.at(moment.time, &format!("depth {:.2} d", moment.depth));
+        let recording = file.record.map(|plan| (plan, Recording::beside(&place)));
+        let course = match &recording {
+            Some((plan, recording)) => recording.strike(common, &bed, &file, *plan, told)?,
+            None => strike(&bed, &file.impact, interrupt(), told)
+                .map_err(|error| Failure::input(format!("{}: {error}", self.bed.display())))?,
+        };
         bar.done();
         let seconds = begun.elapsed().as_secs_f64();
         let record =
             BedRecord { impact: &file.impact, bed: &bed, measures: &measures, sound: heard.as_ref(), course: &course };
         let numbers = numbers(&file, &record, [Some(seconds), settled_in]);
+        if let Some((_, recording)) = recording {
+            recording.finish(folder.path())?;
+        }
         write(&file, &record, &numbers, folder)?;
         if common.json {
             emit_json(&numbers);
@@ -262,6 +283,7 @@ fn numbers<'a>(
         work_in: last.energy.work_in,
         lost_in_contacts: last.energy.dissipated,
         lost_by_friction: last.energy.friction,
+        drag: Drag::of(&course.moments),
         residual: last.energy.residual(),
         seconds: seconds.unwrap_or(0.0),
         settled_in_seconds,
@@ -297,7 +319,23 @@ fn words(n: &Numbers) -> String {
         n.work_in,
         n.residual.unwrap_or(0.0)
     );
-    text
+    text + &n.drag.as_ref().map_or(String::new(), resistance)
+}
+
+/// Poncelet's law of the force, and what stopped the intruder.
+fn resistance(drag: &Drag) -> String {
+    let Drag { constant, per_depth, per_speed_squared, explained, impulse, stopping_time, .. } = drag;
+    format!(
+        "force by Poncelet's law: ({:.3} +- {:.3}) + ({:.3} +- {:.3}) D + ({:.2} +- {:.2}) u^2, {:.0} % of its variance\n\
+         impulse {impulse:.1} m d/tau_c over the {stopping_time:.1} tau_c from touch to stop\n",
+        constant.value,
+        constant.interval,
+        per_depth.value,
+        per_depth.interval,
+        per_speed_squared.value,
+        per_speed_squared.interval,
+        100.0 * explained
+    )
 }
 
 /// Rounded, and nothing that rounding made is a negative zero.
