@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use granulens::motion::{Local, Moved, RADIUS, follow, read};
-use granulens::report::draw_motion;
+use granulens::report::{View, draw_motion};
 use serde_json::json;
 
 use super::Common;
@@ -49,7 +49,7 @@ impl Motion {
             let stem = self.after.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
             // Without diameters circles as large as neighbourhoods of twenty grains have room for.
             let diameter = moved.diameter.unwrap_or(0.4 * radius);
-            write_file(common, path, &draw_motion(&stem, &moved.before, &locals, diameter))?;
+            write_file(common, path, &draw_motion(&stem, &moved.before, &locals, diameter, View::PLAIN))?;
         }
         let known: Vec<f64> = locals.iter().filter_map(|local| local.d2min).collect();
         let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;

@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use granulens::dem::rig::Simulation;
+use granulens::design::Design;
 use granulens::output;
 use granulens::report;
-use granulens::setup::{Bench, Setup};
+use granulens::setup::{Bench, SPACE, Setup};
 use granulens::trial::{self, Ending, Keeping, Summary, TrialError};
 use granulens::units::Dimension::{Force, Time};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::compare::read_layout;
 use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
 use super::{Common, cost};
@@ -22,14 +24,20 @@ use super::{Common, cost};
 /// then, tables and pictures at the end. A run that was killed or interrupted goes on with --resume to the same bytes.
 #[derive(clap::Args)]
 pub struct Simulate {
-    /// Rig file or design file, such as designs/drop-tower-hcp.toml
+    /// Rig file or design file, such as designs/drop-tower-hcp.toml, or a layout (then with --design)
     file: PathBuf,
+    /// Design file of a layout: everything but the materials
+    #[arg(long, value_name = "FILE")]
+    design: Option<PathBuf>,
     /// Go on with the run in the folder, where it was left
     #[arg(long)]
     resume: bool,
     /// Time between checkpoints, such as "5 s"; zero keeps one at every sample
     #[arg(long, value_name = "TIME", default_value = "60 s", value_parser = interval)]
     checkpoint_every: f64,
+    /// Keep every body and contact at every sample, in FOLDER/frames, for network, motion and export; as record.frames = true
+    #[arg(long)]
+    frames: bool,
 }
 
 fn interval(text: &str) -> Result<f64, String> {
@@ -39,7 +47,24 @@ fn interval(text: &str) -> Result<f64, String> {
 
 impl Simulate {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        match Setup::read_seeded(&self.file, common.seed)? {
+        let setup = match &self.design {
+            None => Setup::read_seeded(&self.file, common.seed)?,
+            Some(design) => {
+                let design = Design::read(design)?;
+                let layout = read_layout(common, &design, &self.file)?;
+                let mut setup = Setup::of_layout(&design, &layout)?;
+                if let Setup::Two(bench) = &mut setup {
+                    // The text is what a run is known by: another layout is another run.
+                    let materials = crc32fast::hash(&layout.materials);
+                    bench.text += &format!("\n# of the layout {}, crc {materials:08x}\n", self.file.display());
+                    if let Some(stem) = self.file.file_stem() {
+                        bench.name = stem.to_string_lossy().into_owned();
+                    }
+                }
+                setup
+            }
+        };
+        match setup {
             Setup::One(bench) => self.bench(&bench, common),
             Setup::Two(bench) => self.bench(&bench, common),
             Setup::Three(bench) => self.bench(&bench, common),
@@ -53,6 +78,13 @@ impl Simulate {
     }
 
     fn bench<const D: usize>(&self, bench: &Bench<D>, common: &Common) -> Result<(), Failure> {
+        if self.frames && D == 3 {
+            let message = "--frames: frames are kept of chains and sheets, and this crystal is in space";
+            return Err(Failure::input_with_help(message, SPACE));
+        }
+        let mut bench = bench.clone();
+        bench.record.frames |= self.frames;
+        let bench = &bench;
         let folder = common.out.clone().unwrap_or_else(|| Path::new("simulations").join(&bench.name));
         let keeping = Keeping { resume: self.resume, every: Duration::from_secs_f64(self.checkpoint_every) };
         note(common, &format!("{} spheres; {}", bench.sites.len(), bench.method().words()));
@@ -90,9 +122,10 @@ impl Simulate {
         };
         if let Ending::Interrupted { time } = ending {
             return Err(Failure::Interrupted(format!(
-                "at {}; go on with granulens simulate {} --resume{}{}",
+                "at {}; go on with granulens simulate {}{} --resume{}{}",
                 Time.show(time),
                 self.file.display(),
+                self.design.as_ref().map_or(String::new(), |design| format!(" --design {}", design.display())),
                 common.seed.map_or(String::new(), |seed| format!(" --seed {seed}")),
                 common.out.as_ref().map_or(String::new(), |out| format!(" --out {}", out.display()))
             )));

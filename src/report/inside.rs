@@ -11,16 +11,35 @@ const SIDE: f64 = 860.0;
 /// Room at the left, above, at the right and below (px).
 const ROOM: [f64; 4] = [20.0, 44.0, 110.0, 40.0];
 
+/// How places are put on paper.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// The name of the unit that lengths are shown in, and how many of it a length of 1 is.
+    pub unit: (&'a str, f64),
+    /// Whether z grows downwards, as the depth of a crystal does, rather than upwards, as height does.
+    pub down: bool,
+    /// Grains that stand out: centres and radii.
+    pub marked: &'a [([f64; 2], f64)],
+}
+
+impl View<'_> {
+    /// Heights, in a unit of length that is not known.
+    pub const PLAIN: View<'static> = View { unit: ("unit of length", 1.0), down: false, marked: &[] };
+    /// Depths in a crystal, given in metres.
+    pub const CRYSTAL: View<'static> = View { unit: ("mm", 1e3), down: true, marked: &[] };
+}
+
 /// A paper for places (x, z), with a title and a scale bar for lengths.
-struct Sheet {
+struct Sheet<'a> {
+    view: View<'a>,
     low: [f64; 2],
     high: [f64; 2],
     /// Pixels per unit of length.
     size: f64,
 }
 
-impl Sheet {
-    fn around(places: impl Iterator<Item = [f64; 2]>, margin: f64) -> Self {
+impl<'a> Sheet<'a> {
+    fn around(view: View<'a>, places: impl Iterator<Item = [f64; 2]>, margin: f64) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for place in places {
             for k in 0..2 {
@@ -28,7 +47,7 @@ impl Sheet {
             }
         }
         let long = (high[0] - low[0]).max(high[1] - low[1]);
-        Self { low, high, size: if long > 0.0 { SIDE / long } else { 1.0 } }
+        Self { view, low, high, size: if long > 0.0 { SIDE / long } else { 1.0 } }
     }
 
     fn extent(&self) -> [f64; 2] {
@@ -36,13 +55,17 @@ impl Sheet {
     }
 
     fn at(&self, [x, z]: [f64; 2]) -> [f64; 2] {
-        [ROOM[0] + (x - self.low[0]) * self.size, ROOM[1] + (self.high[1] - z) * self.size]
+        let down = if self.view.down { z - self.low[1] } else { self.high[1] - z };
+        [ROOM[0] + (x - self.low[0]) * self.size, ROOM[1] + down * self.size]
     }
 
     fn begin(&self, title: &str) -> Svg {
         let [width, height] = self.extent();
         let mut svg = Svg::new(ROOM[0] + width + ROOM[2], ROOM[1] + height + ROOM[3], title);
         svg.text([ROOM[0], 24.0], 14.0, Anchor::Start, r#"font-weight="bold""#, title);
+        for (place, radius) in self.view.marked {
+            svg.circle(self.at(*place), radius * self.size, r##"fill="#f0e2bd""##);
+        }
         svg
     }
 
@@ -52,25 +75,26 @@ impl Sheet {
         svg.rectangle([ROOM[0], ROOM[1]], [width, height], r##"fill="none" stroke="#555""##);
         let corner = [ROOM[0] + width + 24.0, ROOM[1] + 14.0];
         scale.bar(&mut svg, corner, (height - 28.0).clamp(40.0, 300.0), label, 1.0, beyond);
-        let round = ticks(0.0, (self.high[0] - self.low[0]) / 3.0, 3).last().copied().unwrap_or(1.0);
+        let (name, many) = self.view.unit;
+        let round = ticks(0.0, many * (self.high[0] - self.low[0]) / 3.0, 3).last().copied().unwrap_or(1.0);
         let below = ROOM[1] + height + 14.0;
-        let (from, to) = ([ROOM[0], below], [ROOM[0] + round * self.size, below]);
+        let (from, to) = ([ROOM[0], below], [ROOM[0] + round / many * self.size, below]);
         svg.line(from, to, r##"stroke="#222" stroke-width="3""##);
-        svg.text([to[0] + 8.0, below + 4.0], 12.0, Anchor::Start, "", &format!("{round} (unit of length)"));
+        svg.text([to[0] + 8.0, below + 4.0], 12.0, Anchor::Start, "", &format!("{round} {name}"));
         svg.finish()
     }
 }
 
 /// A force network: contacts as lines, as broad and as dark as their normal force is great, and force chains below them. None where
 /// places are not known.
-pub fn draw_network(title: &str, network: &Network, mean: f64, chains: &Chains) -> Option<String> {
+pub fn draw_network(title: &str, network: &Network, mean: f64, chains: &Chains, view: View) -> Option<String> {
     let branches = network.branches()?;
     let ends = |branch: &Branch| {
         let Branch { from, vector } = *branch;
         [from, [from[0] + vector[0], from[1] + vector[1]]]
     };
     let length = branches.iter().map(Branch::length).sum::<f64>() / branches.len().max(1) as f64;
-    let sheet = Sheet::around(branches.iter().flat_map(ends), 0.5 * length);
+    let sheet = Sheet::around(view, branches.iter().flat_map(ends), 0.5 * length);
     let title = format!("{title}: normal forces in multiples of the mean; chains of three or more in blue");
     let mut svg = sheet.begin(&title);
     let of = |c: usize| network.contacts()[c].normal.abs() / mean;
@@ -109,15 +133,21 @@ pub fn draw_network(title: &str, network: &Network, mean: f64, chains: &Chains) 
 
 /// Non-affine motion: grains where they were, coloured by D²_min on a logarithmic scale; those without it are hollow. `diameter` is that
 /// of the circles.
-pub fn draw_motion(title: &str, places: &[[f64; 2]], locals: &[Local], diameter: f64) -> String {
-    let sheet = Sheet::around(places.iter().copied(), 0.5 * diameter);
+pub fn draw_motion(title: &str, places: &[[f64; 2]], locals: &[Local], diameter: f64, view: View) -> String {
+    let sheet = Sheet::around(view, places.iter().copied(), 0.5 * diameter);
     let mut svg = sheet.begin(&format!("{title}: D²_min, what no affine map of a neighbourhood explains"));
-    let scale = Scale::logarithmic(locals.iter().filter_map(|local| local.d2min));
-    let below = locals.iter().filter_map(|local| local.d2min).any(|value| value < scale.low());
+    let (name, many) = view.unit;
+    let of = |local: &Local| local.d2min.map(|d2min| many * many * d2min);
+    let scale = Scale::logarithmic(locals.iter().filter_map(of));
+    let below = locals.iter().filter_map(of).any(|value| value < scale.low());
     for (place, local) in places.iter().zip(locals) {
-        let fill = local.d2min.map_or("none".to_owned(), |value| level(scale.level(value)));
-        let attributes = format!(r##"fill="{fill}" stroke="#888" stroke-width="0.25""##);
+        let fill = of(local).map_or("none".to_owned(), |value| level(scale.level(value)));
+        let is_marked = view.marked.iter().any(|(marked, _)| marked == place);
+        let rim =
+            if is_marked { r##"stroke="#111" stroke-width="0.9""## } else { r##"stroke="#888" stroke-width="0.25""## };
+        let attributes = format!(r##"fill="{fill}" {rim}"##);
         svg.circle(sheet.at(*place), 0.5 * diameter * sheet.size, &attributes);
     }
-    sheet.finish(svg, &scale, "D²_min (length squared)", [false, below])
+    let label = if many == 1.0 { "D²_min (length squared)".to_owned() } else { format!("D²_min ({name}²)") };
+    sheet.finish(svg, &scale, &label, [false, below])
 }

@@ -68,7 +68,7 @@ pub use colour::Palette;
 pub use contact_curve::ContactCurve;
 pub use ensemble::draw_ensemble;
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, spheres_csv, write, write_numbers};
-pub use inside::{draw_motion, draw_network};
+pub use inside::{View, draw_motion, draw_network};
 pub use look::Look;
 pub use pdf::{PdfError, pdf};
 pub use spots::spot_diagram;

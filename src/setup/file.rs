@@ -62,7 +62,7 @@ section!(GravityFile: Written { acceleration });
 section!(PreloadFile: Written { force, strain, tolerance });
 section!(RunFile: Written { window, step, accuracy, drag, squeezed, leave });
 section!(RecordFile: Written {
-    every, quantities, contacts, events, events_of, arrivals, pictures, layers, columns, x, y, z
+    every, quantities, contacts, frames, events, events_of, arrivals, pictures, layers, columns, x, y, z
 });
 section!(RegionFile: Written { name, layers, columns, x, y, z });
 
@@ -167,6 +167,7 @@ pub(super) const EXAMPLES: &[&str] = &[
     "record.every = \"1 us\"",
     "record.quantities = [\"displacement\", \"velocity\"]",
     "record.contacts = true",
+    "record.frames = true",
     "record.events = [\"closes\", \"opens\", \"yields\"]",
     "record.events_of = \"all\"",
     "record.arrivals = [\"1 %\", \"191 um\"]",

@@ -1,6 +1,6 @@
 //! A lens design as a rig: the proposed lens under its impact.
 
-use super::{Bench, NO_CHANCE, RunPlan, Setup, SphereSite, record};
+use super::{Bench, NO_CHANCE, Region, RunPlan, Setup, SphereSite, record};
 use crate::dem::Mirror;
 use crate::dem::rig::{Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig};
 use crate::design::Design;
@@ -8,6 +8,7 @@ use crate::document::DocumentError;
 use crate::evaluate::{Overrides, Plan, PlanError};
 use crate::layout::Layout;
 use crate::lens::{LensError, propose};
+use crate::target;
 
 /// A file that cannot be set up.
 #[derive(Debug, thiserror::Error)]
@@ -91,7 +92,8 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
         window_reason: plan.window_reason,
         warnings,
     };
-    let record = record::default::<2>(plan.steps(), sites.len(), 0);
+    let mut record = record::default::<2>(plan.steps(), sites.len(), 0);
+    record.regions = regions(design);
     Ok(Setup::Two(Bench {
         name: design.name.clone(),
         path: design.path.clone(),
@@ -106,6 +108,18 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
         plan,
         record,
     }))
+}
+
+/// The focal regions and the protected one.
+fn regions(design: &Design) -> Vec<Region> {
+    let (sites, diameter, target) = (design.lattice.sites(), design.lattice.diameter(), &design.target);
+    let of = |name: String, region: &target::Region| {
+        let spheres = (0..sites.len()).filter(|&i| region.contains(&sites[i], diameter)).collect();
+        Region { name, spheres }
+    };
+    let name = |k: usize| if target.foci.len() == 1 { "focus".to_owned() } else { format!("focus-{}", k + 1) };
+    let foci = target.foci.iter().enumerate().map(|(k, focus)| of(name(k), &focus.region));
+    foci.chain([of("protected".to_owned(), &target.protect)]).collect()
 }
 
 fn laws(design: &Design) -> LawBook {

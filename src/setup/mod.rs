@@ -35,7 +35,7 @@ pub use lens::SetupError;
 pub use place::spin_about_y;
 pub use plan::RunPlan;
 pub use preload::Preload;
-pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region};
+pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region, SPACE};
 pub use step::dividing_step;
 
 use crate::dem::Integrator;

@@ -18,6 +18,8 @@ pub struct RecordPlan {
     pub quantities: Vec<Quantity>,
     /// Which closed contacts are written at every sample.
     pub contacts: Contacts,
+    /// Whether every body and contact is kept at every sample, as two files that `network`, `motion` and `export` read.
+    pub frames: bool,
     /// Parts of the crystal of which sums are written.
     pub regions: Vec<Region>,
     /// What is written when it happens.
@@ -150,6 +152,10 @@ impl Picture {
     }
 }
 
+/// What there is in place of frames in space.
+pub const SPACE: &str =
+    "Ask for record.quantities and record.contacts = true: spheres.csv and contacts.csv then hold the same.";
+
 /// Samples in a window whose distance is not given.
 const SAMPLES: u64 = 200;
 
@@ -173,6 +179,7 @@ pub(super) fn default<const D: usize>(steps: u64, spheres: usize, pressed: usize
         spheres: if spheres <= FEW { (0..spheres).collect() } else { Vec::new() },
         quantities: vec![Quantity::Displacement, Quantity::Velocity],
         contacts: Contacts::None,
+        frames: false,
         regions: Vec::new(),
         events: Vec::new(),
         events_of_all: true,
@@ -217,6 +224,12 @@ pub(super) fn read<const D: usize>(
         };
         if plan.contacts == Contacts::Chosen && plan.spheres.is_empty() {
             return Err(entry.fail("means no sphere", "Choose spheres by record.layers, columns, x, y or z."));
+        }
+    }
+    if let Some(entry) = scope.optional("frames", &file.frames) {
+        plan.frames = entry.yes()?;
+        if plan.frames && D == 3 {
+            return Err(entry.fail("keeps frames of chains and sheets, and this crystal is in space", SPACE));
         }
     }
     if let Some(entry) = scope.optional("arrivals", &file.arrivals) {

@@ -12,7 +12,7 @@ use crate::dem::rig::{Simulation, sealed, unsealed};
 use crate::setup::Bench;
 
 /// First line of the file; the number is that of the format.
-const OPENING: &[u8] = b"granulens trial checkpoint 3\n";
+const OPENING: &[u8] = b"granulens trial checkpoint 4\n";
 
 /// What is kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,6 +21,8 @@ pub(super) struct Checkpoint {
     text: u32,
     /// Seeds of what was drawn by chance.
     seeds: Vec<u64>,
+    /// Whether frames are kept, by the file or by the caller.
+    pub frames: bool,
     /// How often the step was halved.
     pub halved: Halved,
     /// Lengths of the streams in bytes, by name.
@@ -44,6 +46,7 @@ impl Checkpoint {
         Ok(Self {
             text,
             seeds: bench.seeds.clone(),
+            frames: bench.record.frames,
             halved: halved.clone(),
             lengths: streams.lengths(),
             events: streams.events().map(|e| e.state.clone()),

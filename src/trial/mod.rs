@@ -5,11 +5,13 @@
 //! any moment goes on from it, its files cut back to where it stood, and ends with the same bytes.
 //!
 //! - `streams`: samples over time; `events`: what happens, when it happens; `tables`: what is written at the end; `series`: files read back, a column at a time
+//! - `frames`: every body and contact at every sample
 //! - `checkpoint`: state and lengths of the streams in one file
 //! - `summary`: what a run came to
 
 mod checkpoint;
 mod events;
+mod frames;
 mod series;
 mod streams;
 mod summary;
@@ -151,8 +153,10 @@ pub fn run<const D: usize>(
         false => None,
     };
     let mut halved = begun.as_ref().map_or_else(Halved::default, |checkpoint| checkpoint.halved.clone());
+    let mut bench = bench.clone();
+    bench.record.frames = begun.as_ref().map_or(bench.record.frames, |checkpoint| checkpoint.frames);
     loop {
-        let bench = halved.of(bench);
+        let bench = halved.of(&bench);
         match once(&bench, folder, begun.take(), &halved, keeping.every, interrupt, &mut progress)? {
             (_, Ending::Stopped(stop @ RigStop::Coarse { .. })) if halved.times < MOST_HALVINGS => {
                 let why = stop.words("s", &|body| bench.name_of(body));
@@ -293,6 +297,7 @@ fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialErr
                 fs::remove_file(entry.path()).map_err(at)?;
             }
         }
+        frames::remove(folder).map_err(at)?;
     }
     fs::create_dir_all(folder).map_err(at)?;
     write(&folder.join(RIG), bench.text.as_bytes())?;
@@ -320,7 +325,7 @@ fn is_written(name: &str) -> bool {
     let picture = name.strip_suffix(".svg").is_some_and(|stem| {
         crate::setup::Picture::ALL.iter().any(|(known, _)| *known == stem) || stem.starts_with("arrivals-")
     });
-    picture || name == "report.html" || RECORDS.contains(&name)
+    picture || ["report.html", "network.svg", "motion.svg"].contains(&name) || RECORDS.contains(&name)
 }
 
 /// Whether the trial in a folder came to its end; none if the folder holds no trial.

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::TrialError;
 use super::events::{self, Events, State};
+use super::frames::Frames;
 use crate::dem::rig::{Body, Simulation, Touching, View};
 use crate::setup::{Bench, Contacts, Intruder, Labels, Quantity, RecordPlan, spin_about_y};
 
@@ -31,6 +32,7 @@ pub(super) struct Streams {
     regions: Option<Stream>,
     intruders: Option<Stream>,
     events: Option<Events>,
+    frames: Option<Frames>,
     record: RecordPlan,
     /// Layer and column of each sphere of the crystal.
     places: Vec<[u32; 2]>,
@@ -44,7 +46,7 @@ pub(super) struct Streams {
 impl Streams {
     /// Creates the files, each with its header.
     pub fn begin<const D: usize>(folder: &Path, bench: &Bench<D>) -> Result<Self, TrialError> {
-        let mut streams = Self::open(bench, None, |name, header| Stream::create(folder.join(name), header))?;
+        let mut streams = Self::open(folder, bench, None, |name, header| Stream::create(folder.join(name), header))?;
         streams.flush()?;
         Ok(streams)
     }
@@ -56,10 +58,13 @@ impl Streams {
         lengths: &BTreeMap<String, u64>,
         events: Option<State>,
     ) -> Result<Self, TrialError> {
-        Self::open(bench, events, |name, _| Stream::take_up(folder.join(name), lengths.get(name).copied().unwrap_or(0)))
+        Self::open(folder, bench, events, |name, _| {
+            Stream::take_up(folder.join(name), lengths.get(name).copied().unwrap_or(0))
+        })
     }
 
     fn open<const D: usize>(
+        folder: &Path,
         bench: &Bench<D>,
         state: Option<State>,
         mut stream: impl FnMut(&str, &str) -> Result<Stream, TrialError>,
@@ -118,6 +123,7 @@ impl Streams {
             regions,
             intruders,
             events: events.map(|stream| Events::new(bench, stream, state)),
+            frames: record.frames.then(|| Frames::of(bench, folder)).transpose()?,
             record: record.clone(),
             places: bench.sites.iter().map(|site| [site.layer, site.column]).collect(),
             in_layer,
@@ -230,7 +236,10 @@ impl Streams {
                 contacts.line(row)?;
             }
         }
-        Ok(())
+        match &mut self.frames {
+            Some(frames) => frames.keep(simulation),
+            None => Ok(()),
+        }
     }
 
     /// Takes note of how things stand at the start.
@@ -260,7 +269,8 @@ impl Streams {
 
     /// Hands everything to the disk.
     pub fn flush(&mut self) -> Result<(), TrialError> {
-        self.all().try_for_each(Stream::flush)
+        self.all().try_for_each(Stream::flush)?;
+        self.frames.as_mut().map_or(Ok(()), Frames::flush)
     }
 
     /// How long each file is, in bytes, by name.

@@ -36,6 +36,7 @@ window = "120 us"
 every = "1 us"
 quantities = ["position", "displacement", "velocity", "spin", "force", "maxima", "dissipated"]
 contacts = true
+frames = true
 events = ["closes", "opens", "yields", "arrives", "force-peak", "speed-peak"]
 arrivals = ["1 %", "1 % of first", "0.5 m/s", "20 um"]
 [[region]]
@@ -49,13 +50,17 @@ fn bench() -> Bench<2> {
 
 const NEVER: Duration = Duration::from_secs(3600);
 
-/// Contents of all files, by name.
+/// Contents of all files, by name, those of frames among them.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut files: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap())
-        .map(|entry| (entry.file_name().into_string().unwrap(), std::fs::read(entry.path()).unwrap()))
-        .collect();
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(contents(&path));
+        } else {
+            files.push((path.file_name().unwrap().to_str().unwrap().to_owned(), std::fs::read(&path).unwrap()));
+        }
+    }
     files.sort();
     files
 }

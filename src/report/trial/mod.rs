@@ -2,7 +2,9 @@
 //!
 //! - `maps`: the wave over depth and time, arrivals
 //! - `spectrum`: the wave over wave number and frequency
+//! - `inside`: from frames, the force network when the focus is loaded most, and how spheres moved past each other
 
+mod inside;
 mod maps;
 mod spectrum;
 
@@ -26,6 +28,9 @@ pub enum TrialReportError {
     /// A record that cannot be read.
     #[error(transparent)]
     Series(#[from] crate::trial::SeriesError),
+    /// A frame that cannot be read.
+    #[error(transparent)]
+    Frame(#[from] crate::columns::TableError),
     /// The summary or table of spheres cannot be read, or a picture not written.
     #[error("{path}: {reason}")]
     File {
@@ -109,6 +114,7 @@ pub fn draw_trial(folder: &Path) -> Result<Vec<String>, TrialReportError> {
             _ => {}
         }
     }
+    pictures.extend(inside::pictures(folder, &summary)?);
     for (name, svg) in &pictures {
         write(folder, name, svg)?;
     }

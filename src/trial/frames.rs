@@ -1,0 +1,76 @@
+//! Frames of a trial in the plane: two files a sample, as impacts on beds have them.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::TrialError;
+use crate::bed::{FRAME_SI, Frame, frame_names, frame_texts};
+use crate::dem::rig::Simulation;
+use crate::setup::Bench;
+
+/// Where frames stand in the folder of a trial.
+const FOLDER: &str = "frames";
+
+/// Keeps frames.
+pub(super) struct Frames {
+    folder: PathBuf,
+    /// Steps between two samples.
+    every: u64,
+    /// Spheres of the crystal; those of intruders stand behind them.
+    grains: usize,
+    flats: Vec<String>,
+    /// Written since the last flush.
+    written: Vec<PathBuf>,
+}
+
+impl Frames {
+    /// Of a bench, in the folder of its trial.
+    pub fn of<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<Self, TrialError> {
+        let folder = folder.join(FOLDER);
+        fs::create_dir_all(&folder).map_err(|error| TrialError::File { path: folder.clone(), error })?;
+        let flats = bench.rig.flats.iter().map(|flat| flat.name.clone()).collect();
+        Ok(Self { folder, every: bench.record.every, grains: bench.sites.len(), flats, written: Vec::new() })
+    }
+
+    /// Writes the present state; that of a sample which a run that is taken up writes again has the same bytes.
+    pub fn keep<const D: usize>(&mut self, simulation: &Simulation<D>) -> Result<(), TrialError> {
+        let Some(frame) = Frame::of(simulation, [self.grains, 0]) else { return Ok(()) };
+        // The last sample may come before its time.
+        let number = simulation.steps().div_ceil(self.every);
+        let flats: Vec<&str> = self.flats.iter().map(String::as_str).collect();
+        for (name, text) in frame_names(number).iter().zip(frame_texts(number, &frame, FRAME_SI, &flats)) {
+            let path = self.folder.join(name);
+            fs::write(&path, text).map_err(|error| TrialError::File { path: path.clone(), error })?;
+            self.written.push(path);
+        }
+        Ok(())
+    }
+
+    /// Hands everything to the disk.
+    pub fn flush(&mut self) -> Result<(), TrialError> {
+        for path in self.written.drain(..) {
+            File::open(&path).and_then(|file| file.sync_data()).map_err(|error| TrialError::File { path, error })?;
+        }
+        Ok(())
+    }
+}
+
+/// Takes away the frames of an earlier trial, and nothing else that stands among them.
+pub(super) fn remove(folder: &Path) -> io::Result<()> {
+    let folder = folder.join(FOLDER);
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    let mut left = false;
+    for entry in fs::read_dir(&folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let number = name.to_str().and_then(|name| name.get(..6)?.parse().ok());
+        match number.is_some_and(|number| frame_names(number).iter().any(|known| name == known.as_str())) {
+            true => fs::remove_file(entry.path())?,
+            false => left = true,
+        }
+    }
+    if left { Ok(()) } else { fs::remove_dir(&folder) }
+}
