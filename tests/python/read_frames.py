@@ -1,0 +1,197 @@
+"""Runs a small impact and a small crystal, and reads their frames back with libraries that are not ours: pandas, VTK, ASE and OVITO.
+
+    python3 tests/python/read_frames.py PROGRAM
+
+PROGRAM is granulens. Exit 0: what was read is what was written; 1: it is not; 77: the libraries are not to be had
+(pip install pandas vtk ase ovito).
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree
+
+try:
+    import ase.io
+    import numpy as np
+    import pandas
+    import vtk
+    from ovito.io import import_file
+    from ovito.modifiers import AtomicStrainModifier
+    from ovito.pipeline import FileSource
+    from vtk.util.numpy_support import vtk_to_numpy
+except ImportError as error:
+    print(f"not to be had: {error}; pip install pandas vtk ase ovito", file=sys.stderr)
+    sys.exit(77)
+
+PROGRAM = str(pathlib.Path(sys.argv[1]).resolve())
+BED = """format = 1
+kind = "bed"
+name = "small"
+[bed]
+width = 24
+height = 10
+[intruder]
+diameter = 3
+mass = 9
+speed = 0.7
+height = 1
+[run]
+window = 20
+[record]
+every = 5
+"""
+RIG = """format = 1
+kind = "rig"
+name = "sheet"
+[crystal]
+packing = "hexagonal"
+diameter = "6 mm"
+layers = 6
+cells = [5]
+material = "brass-260"
+[sides]
+x = "periodic"
+z = ["free", "wall"]
+[[load]]
+kind = "force"
+layers = 1
+pulse = "square"
+peak = "5 kN"
+duration = "20 us"
+[law]
+kind = "thesis"
+[run]
+window = "40 us"
+[record]
+every = "10 us"
+frames = true
+"""
+
+
+def expect(what, found, wanted, within=0.0):
+    """Ends the program where numbers or words are not as they should be."""
+    close = np.all(np.abs(np.asarray(found) - np.asarray(wanted)) <= within) if within else np.all(found == wanted)
+    if not close:
+        sys.exit(f"{what}: {found}, expected {wanted}")
+
+
+def granulens(*arguments):
+    """Runs the program; what it prints."""
+    ran = subprocess.run([PROGRAM, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
+    if ran.returncode:
+        sys.exit(f"granulens {' '.join(map(str, arguments))}: {ran.returncode}\n{ran.stderr}")
+    return ran.stdout
+
+
+def frames(place):
+    """(grains, contacts) of each frame, with pandas."""
+    names = sorted(place.glob("*-grains.csv"))
+    return [
+        [pandas.read_csv(str(name).replace("grains", what), comment="#") for what in ("grains", "contacts")]
+        for name in names
+    ]
+
+
+def balanced(grains, contacts, period, within):
+    """The forces at the contacts of each grain add up to the force on it; `within` of the greatest normal force."""
+    at = {str(name): place for place, name in enumerate(grains.id)}
+    sums = np.zeros((len(grains), 2))
+    for row in contacts.itertuples():
+        x = row.x_j - row.x_i
+        branch = np.array([x - period * round(x / period) if period else x, row.z_j - row.z_i])
+        normal = branch / np.hypot(*branch)
+        force = row.normal_N * normal + row.tangential_N * np.array([-normal[1], normal[0]])
+        for name, sign in ((row.i, -1), (row.j, 1)):
+            if str(name) in at:
+                sums[at[str(name)]] += sign * force
+    free = (grains.kind == "grain").to_numpy()
+    most = contacts.normal_N.abs().max()
+    expect("sums of forces", sums[free], grains[["fx", "fz"]].to_numpy()[free], within * most)
+
+
+def vtk_of(path):
+    """Points and arrays of a VTP file."""
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    data = reader.GetOutput()
+    arrays = {}
+    for attributes in (data.GetPointData(), data.GetCellData()):
+        for k in range(attributes.GetNumberOfArrays()):
+            arrays[attributes.GetArrayName(k)] = vtk_to_numpy(attributes.GetArray(k))
+    return data, arrays
+
+
+with tempfile.TemporaryDirectory() as name:
+    folder = pathlib.Path(name)
+    (folder / "bed.toml").write_text(BED)
+    (folder / "rig.toml").write_text(RIG)
+    told = json.loads(granulens("impact", "bed.toml", "--out", "bed", "--json", "--quiet"))
+    granulens("export", "bed/frames", "--vtp", "vtk", "--xyz", "bed.xyz", "--quiet")
+    granulens("simulate", "rig.toml", "--out", "rig", "--quiet")
+
+    # pandas.
+    bed = frames(folder / "bed/frames")
+    expect("frames of the bed", len(bed), 5)
+    expect("grains", (bed[0][0].kind == "grain").sum(), told["grains"])
+    for grains, contacts in bed[1:]:
+        # Friction is of the velocities at the end of a step, forces of those predicted for it.
+        balanced(grains, contacts, 24.0, 0.02)
+    rig = frames(folder / "rig/frames")
+    expect("frames of the rig", len(rig), 5)
+    for grains, contacts in rig:
+        if len(contacts):
+            balanced(grains, contacts, 0.03, 1e-9)
+
+    # VTK.
+    times = [float(file.get("timestep")) for file in xml.etree.ElementTree.parse(folder / "vtk/bodies.pvd").iter("DataSet")]
+    expect("times in the collection", times, [0.0, 5.0, 10.0, 15.0, 20.0])
+    for number, (grains, contacts) in enumerate(bed):
+        data, arrays = vtk_of(folder / f"vtk/bodies-{number:06}.vtp")
+        expect("bodies in VTK", data.GetNumberOfPoints(), len(grains))
+        places = vtk_to_numpy(data.GetPoints().GetData())
+        expect("x in VTK", places[:, 0], grains.x.to_numpy(), 1e-6 * 24)
+        expect("velocities in VTK", arrays["velocity"][:, [0, 1]], grains[["vx", "vz"]].to_numpy())
+        expect("spins in VTK", arrays["spin"], grains.spin.to_numpy())
+        data, arrays = vtk_of(folder / f"vtk/contacts-{number:06}.vtp")
+        expect("contacts in VTK", data.GetNumberOfLines(), len(contacts))
+        expect("normal forces in VTK", arrays["normal_force"], contacts.normal_N.to_numpy())
+        expect("tangential forces in VTK", arrays["tangential_force"], contacts.tangential_N.to_numpy())
+
+    # ASE.
+    images = ase.io.read(folder / "bed.xyz", index=":")
+    expect("frames in ASE", len(images), 5)
+    for atoms, (grains, _) in zip(images, bed):
+        expect("bodies in ASE", len(atoms), len(grains))
+        expect("period in ASE", (atoms.cell[0, 0], list(atoms.pbc)), (24.0, [True, False, False]))
+        expect("x in ASE", atoms.positions[:, 0], grains.x.to_numpy())
+        expect("radii in ASE", atoms.arrays["radius"], 0.5 * grains.diameter.to_numpy())
+        expect("kinds in ASE", list(atoms.arrays["kind"]), list(grains.kind))
+
+    # OVITO, and its own D2_min against ours: grains alone, the neighbourhood of 2.5.
+    pipeline = import_file(str(folder / "bed.xyz"))
+    expect("frames in OVITO", pipeline.source.num_frames, 5)
+    for number, (grains, _) in enumerate(bed):
+        data = pipeline.compute(number)
+        expect("bodies in OVITO", data.particles.count, len(grains))
+        order = np.argsort(data.particles["Particle Identifier"][...])
+        expect("radii in OVITO", data.particles["Radius"][...][order], 0.5 * grains.diameter.to_numpy(), 1e-6)
+    ours = granulens("motion", "bed/frames/000000-grains.csv", "bed/frames/000004-grains.csv", "--radius", "2.5")
+    (folder / "moved.csv").write_text(ours)
+    moved = pandas.read_csv(folder / "moved.csv")
+    for number, place in ((0, "first.xyz"), (4, "last.xyz")):
+        atoms = images[number][[kind == "grain" for kind in images[number].arrays["kind"]]]
+        ase.io.write(folder / place, atoms, format="extxyz", columns=["symbols", "positions"])
+    pipeline = import_file(str(folder / "last.xyz"))
+    reference = FileSource()
+    reference.load(str(folder / "first.xyz"))
+    strain = AtomicStrainModifier(cutoff=2.5, output_nonaffine_squared_displacements=True, minimum_image_convention=True)
+    strain.reference = reference
+    pipeline.modifiers.append(strain)
+    theirs = pipeline.compute().particles["Nonaffine Squared Displacement"][...]
+    # ASE writes eight decimals of a place.
+    expect("D2_min", moved.d2min.to_numpy(), theirs, 1e-6)
+print("read back: pandas, VTK, ASE, OVITO")
