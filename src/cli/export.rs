@@ -149,7 +149,7 @@ impl Export {
             write_file(common, path, &xyz)?;
         }
         note(common, &format!("{} frames", frames.len()));
-        self.tell(common)
+        self.tell(common, Vec::new())
     }
 
     /// A rig is run as its file says, but for the step and window of the command line.
