@@ -14,6 +14,7 @@ mod contact;
 mod cost;
 mod design;
 mod diff;
+mod explore;
 mod export;
 mod failure;
 mod folder;
@@ -108,6 +109,7 @@ enum Command {
     Compare(compare::Compare),
     Report(report::Report),
     Diff(diff::Diff),
+    Explore(explore::Explore),
     Measured(measured::Measured),
     Build(build::Build),
     Tolerance(tolerance::Tolerance),
@@ -135,7 +137,7 @@ impl Command {
             Self::Diff(_) | Self::Build(_) | Self::Measured(_) | Self::Tolerance(_) => true,
             Self::Design(_) | Self::Modes(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
             Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
-            Self::Network(_) | Self::Motion(_) => false,
+            Self::Network(_) | Self::Motion(_) | Self::Explore(_) => false,
         }
     }
 }
@@ -175,6 +177,7 @@ pub fn main() -> ExitCode {
         Command::Compare(command) => command.run(common),
         Command::Report(command) => command.run(common),
         Command::Diff(command) => command.run(common),
+        Command::Explore(command) => command.run(common),
         Command::Measured(command) => command.run(common),
         Command::Build(command) => command.run(common),
         Command::Tolerance(command) => command.run(common),

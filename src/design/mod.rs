@@ -6,8 +6,9 @@
 //!
 //! - `file`: as written; `check`: as checked, with `region`, `lens`, `prices`, `threshold` and `tuning` for their parts
 //! - `shelf`: own materials and prices without a design
-//! - `published`: whether it is the published one
+//! - `any`: the best of several materials; `published`: whether it is the published one
 
+mod any;
 mod check;
 mod file;
 mod lens;

@@ -6,13 +6,13 @@
 //! - `draw`: a study as a page
 //! - `words`: what a study has come to, in words
 
-mod compare;
+pub mod compare;
 mod draw;
 mod events;
 mod export;
-mod run;
+pub mod run;
 mod settings;
-mod show;
+pub mod show;
 mod table;
 mod words;
 
@@ -68,14 +68,14 @@ impl Study {
 }
 
 /// Reads a study; seed and forces of the command line take the place of the file's.
-fn read(path: &Path, forces: &Band, common: &Common) -> Result<Studied, Failure> {
+pub fn read(path: &Path, forces: &Band, common: &Common) -> Result<Studied, Failure> {
     let mut study = Studied::read(path, common.seed)?;
     study.forces = forces.or(study.forces)?;
     Ok(study)
 }
 
 /// Where a study is kept: studies of other seeds than the file's stand beside it.
-fn folder(common: &Common, study: &Studied) -> PathBuf {
+pub fn folder(common: &Common, study: &Studied) -> PathBuf {
     let stem = study.path.file_stem().unwrap_or(study.path.as_os_str());
     common.out.clone().unwrap_or_else(|| {
         let mut name = stem.to_owned();

@@ -1,11 +1,12 @@
 //! `granulens study run`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use granulens::evaluate::method;
 use granulens::outcome::{FORMAT, Method};
-use granulens::study::{Ended, State, StudyError, costs, run};
+use granulens::study::{Ended, State, Study, StudyError, Watch, costs, run};
 use granulens::units::Dimension::Time;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -83,39 +84,12 @@ fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
         return tell(common, &parts);
     }
     let folder = folder(common, &study);
-    settings::claim(common, &folder, &study)?;
-    for name in ["study.json", "best.csv", "nearest.csv", "report.html"] {
-        probe(common, Some(&folder.join(name)))?;
-    }
     let begun = Instant::now();
     let mut meter = Meter::new(common, study.budget(), events);
-    let state = run(&study, &folder.join("journal.jsonl"), interrupt(), &mut meter)?;
+    let state = search(&study, path, &folder, common, interrupt(), &mut meter)?;
     meter.finish();
     let seconds = begun.elapsed().as_secs_f64();
     let simulated = meter.simulated;
-    let last = study.stages.last().map_or(0, |stage| stage.rung);
-    let report = Report {
-        format: FORMAT,
-        method: Some(method(&study.design, &study.plan(last).map_err(StudyError::from)?)),
-        reference: study.design.reference().map(|material| material.name.clone()),
-        forces: study.forces.count(),
-        band: study.forces.band(),
-        study: path.display().to_string(),
-        seed: study.seed,
-        sites: study.free.len(),
-        problem: Some(study.problem()),
-        materials: study.letters.iter().map(|&place| study.palette[usize::from(place)].name.clone()).collect(),
-        state,
-    };
-    write_file(common, &folder.join("study.json"), &pretty(&report))?;
-    write_file(common, &folder.join("report.html"), &super::draw::page(&study, &report))?;
-    let state = report.state;
-    // What misses a limit never goes by the name of best.
-    for (name, found) in [("best.csv", &state.best), ("nearest.csv", &state.nearest)] {
-        if let Some(found) = found {
-            write_file(common, &folder.join(name), &best_layout(&study, &found.entry)?)?;
-        }
-    }
     let known = simulated == 0 && matches!(state.ended, Ended::Budget | Ended::NothingNew);
     let speed = json!({ "simulated": simulated, "nothing_to_do": known, "seconds": seconds, "threads": rayon::current_num_threads() });
     if events {
@@ -142,4 +116,44 @@ fn go(asked: &Run, common: &Common) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Runs a study in its folder, or goes on with it, and writes down what it came to.
+pub fn search(
+    study: &Study,
+    path: &Path,
+    folder: &Path,
+    common: &Common,
+    interrupt: &AtomicBool,
+    watch: &mut impl Watch,
+) -> Result<State, Failure> {
+    settings::claim(common, folder, study)?;
+    for name in ["study.json", "best.csv", "nearest.csv", "report.html"] {
+        probe(common, Some(&folder.join(name)))?;
+    }
+    let state = run(study, &folder.join("journal.jsonl"), interrupt, watch)?;
+    let last = study.stages.last().map_or(0, |stage| stage.rung);
+    let report = Report {
+        format: FORMAT,
+        method: Some(method(&study.design, &study.plan(last).map_err(StudyError::from)?)),
+        reference: study.design.reference().map(|material| material.name.clone()),
+        forces: study.forces.count(),
+        band: study.forces.band(),
+        study: path.display().to_string(),
+        seed: study.seed,
+        sites: study.free.len(),
+        problem: Some(study.problem()),
+        materials: study.letters.iter().map(|&place| study.palette[usize::from(place)].name.clone()).collect(),
+        state,
+    };
+    write_file(common, &folder.join("study.json"), &pretty(&report))?;
+    write_file(common, &folder.join("report.html"), &super::draw::page(study, &report))?;
+    let state = report.state;
+    // What misses a limit never goes by the name of best.
+    for (name, found) in [("best.csv", &state.best), ("nearest.csv", &state.nearest)] {
+        if let Some(found) = found {
+            write_file(common, &folder.join(name), &best_layout(study, &found.entry)?)?;
+        }
+    }
+    Ok(state)
 }
