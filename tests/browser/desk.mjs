@@ -118,7 +118,7 @@ async function fromDisk(context, folder) {
   await context.route(/\/[0-9a-f]{32}\/([\w-]+\.\w+)?$/, (route) => {
     const name = new URL(route.request().url()).pathname.split("/").pop() || "index.html";
     const path = join(folder, name);
-    return existsSync(path) ? route.fulfill({ body: readFileSync(path), contentType: kinds[name.split(".").pop()] }) : route.continue();
+    return existsSync(path) ? route.fulfill({ body: readFileSync(path), contentType: kinds[name.split(".").pop()] }) : route.fallback();
   });
 }
 

@@ -144,8 +144,8 @@ export async function the_surface_answers_the_pointer(desk) {
   await desk.explore("small.toml");
   const page = await desk.page();
   await page.click("#tab-surface");
-  await page.waitForSelector("#surface-picture svg");
-  const box = await page.locator("#surface-picture svg").boundingBox();
+  await page.waitForSelector("#surface-picture > svg");
+  const box = await page.locator("#surface-picture > svg").boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.waitForFunction(() => document.getElementById("surface-here").textContent.includes("Wave speed"));
   await picture(page, "surface", { fullPage: true });
@@ -204,8 +204,8 @@ export async function a_study_of_another_process_is_followed(desk) {
   const page = await desk.page();
   await page.click("#tab-study");
   await page.waitForFunction(() => document.getElementById("study-words").textContent.startsWith("160 of 160"));
-  await page.fill("#study-folders", "reports/search, reports/search");
   await page.click("#view-study summary");
+  await page.fill("#study-folders", "reports/search, reports/search");
   await page.click("#study-compare");
   await page.waitForFunction(() => document.getElementById("study-compared").textContent.includes("evaluations"));
   assert((await page.textContent("#study-compared")).includes("local"), await page.textContent("#study-compared"));

@@ -85,7 +85,7 @@ pub fn play(asked: &Asked, shared: &Shared) -> Result<Answer, Failure> {
         })).collect::<Vec<_>>(),
     })
     .to_string();
-    while header.len() % 4 != 0 {
+    while !header.len().is_multiple_of(4) {
         header.push(' ');
     }
     let mut bytes = (header.len() as u32).to_le_bytes().to_vec();

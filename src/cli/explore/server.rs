@@ -188,7 +188,7 @@ fn reply(mut request: Request, gate: &Gate, shared: &Shared) {
         _ => "Internal Server Error",
     };
     let mut text = format!(
-        "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n\
+        "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\n\
          Referrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: same-origin\r\n\
          Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
          connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\r\n",
@@ -200,6 +200,7 @@ fn reply(mut request: Request, gate: &Gate, shared: &Shared) {
     if *request.method() != Method::Head {
         text.extend(answer.body);
     }
+    // A connection that is kept holds one of the few threads of tiny_http, and a browser keeps six: then others would wait for ever.
     // In one piece: what comes in several would wait for the browser's word on the first, some 40 ms.
     let mut writer = request.into_writer();
     let _ = writer.write_all(&text).and_then(|()| writer.flush());

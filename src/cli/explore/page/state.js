@@ -125,8 +125,11 @@ class State extends EventTarget {
         const since = this.since;
         this.waiting = null;
         this.since = null;
-        const answer = await ask("design", { text: this.text, edits, known: this.design?.crystal ?? "" });
-        this.heard(answer, since);
+        const { text } = this;
+        const answer = await ask("design", { text, edits, known: this.design?.crystal ?? "" });
+        // An undo meanwhile has the last word.
+        if (text === this.text) this.heard(answer, since);
+        else this.waiting ??= new Map();
       }
       this.looking = null;
     })();
@@ -140,6 +143,8 @@ class State extends EventTarget {
     this.error = answer.error ?? null;
     if (answer.design) {
       this.design = answer.design;
+      // Lengths over a diameter have the digits of rounding, which no file is to hold.
+      for (const region of [...answer.design.foci, answer.design.protect]) region.x = region.x.map((x) => Math.round(x * 1e6) / 1e6);
       if (answer.design.sites) this.sites = answer.design.sites;
       // What was painted on another crystal is gone; undo brings both back.
       if (this.painted && this.painted.materials.length !== this.design.spheres) this.painted = null;
