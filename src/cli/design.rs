@@ -3,17 +3,18 @@
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{proposal, validity};
+use granulens::evaluate::{Ranked, proposal, rank, validity};
 use granulens::layout::{self, Bill};
-use granulens::lens::Lens;
-use granulens::material::Material;
+use granulens::lens::{Family, Lens};
+use granulens::material::{Material, library};
+use granulens::score::Scores;
 use granulens::target::Focus;
 use granulens::units::Dimension::{Force, Length, Mass, Time};
 use serde_json::json;
 
-use super::console::{emit, emit_json, note};
+use super::console::{emit, emit_json, interrupt, note};
 use super::failure::Failure;
-use super::folder::write_file;
+use super::folder::{write_file, write_json};
 use super::{Common, propose};
 
 /// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated
@@ -26,11 +27,22 @@ pub struct Propose {
     /// Write the whole piece to be built, both halves, in place of the simulated half
     #[arg(long)]
     full: bool,
+    /// Rank all materials, of the library and of the design, in all families in place of proposing one lens: by rays and first arrivals,
+    /// and the best of them by simulation
+    #[arg(long, conflicts_with = "full")]
+    rank: bool,
+    /// How many of the best are simulated
+    #[arg(long, value_name = "N", default_value_t = 6, requires = "rank", value_parser = clap::value_parser!(u16).range(0..=200))]
+    simulate: u16,
 }
 
 impl Propose {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
+        if self.rank {
+            return ranking(common, &design, usize::from(self.simulate));
+        }
+        design.notes.iter().filter(|note| note.starts_with("lens.material")).for_each(|text| note(common, text));
         let lens = propose(&design)?;
         let laid = lens.layout();
         let text = if self.full { layout::write_full(&laid) } else { layout::write(&laid) };
@@ -49,6 +61,71 @@ impl Propose {
         }
         Ok(())
     }
+}
+
+/// All materials in all families, best first.
+fn ranking(common: &Common, design: &Design, simulate: usize) -> Result<(), Failure> {
+    let ranked = rank(design, &all_materials(design), &Family::ALL, simulate, interrupt())?;
+    let value = json!({ "format": granulens::outcome::FORMAT, "name": design.name, "host": design.host.name, "ranking": ranked });
+    write_json(common, &value)?;
+    if common.json {
+        emit_json(&value);
+    } else {
+        emit(&ranking_words(&ranked));
+    }
+    Ok(())
+}
+
+/// Materials of the library and of the design's own.
+pub fn all_materials(design: &Design) -> Vec<Material> {
+    library().into_iter().chain(design.own_materials.iter().cloned()).collect()
+}
+
+fn ranking_words(ranked: &[Ranked]) -> String {
+    let number = |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |value| format!("{value:.digits$}"));
+    let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.1} %", 100.0 * value));
+    let head = ["material", "family", "C", "G", "Q", "rays to focus", "past protected", "delay", "ratio", "spheres"]
+        .map(str::to_owned);
+    let lines = ranked.iter().filter(|of| of.refused.is_none()).map(|of| {
+        let score = |get: fn(&Scores) -> Option<f64>| number(of.scores.as_ref().and_then(get), 3);
+        [
+            of.material.clone(),
+            of.family.clone(),
+            of.stop.as_ref().map_or_else(|| score(|s| s.contrast), |_| "stopped".to_owned()),
+            score(|s| s.focal_gain),
+            score(|s| s.protection),
+            share(of.fraction.map(|[with, _]| with)),
+            share(of.protected.map(|[with, _]| with)),
+            of.delay.map_or("-".to_owned(), |delay| Time.show(delay)),
+            number(of.speed_ratio, 2),
+            of.spheres.map_or("-".to_owned(), |count| count.to_string()),
+        ]
+    });
+    let table: Vec<[String; 10]> = std::iter::once(head).chain(lines).collect();
+    let width = |k: usize| table.iter().map(|line| line[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..10).map(width).collect();
+    let mut text = String::new();
+    for line in &table {
+        let cells = line.iter().zip(&widths).enumerate();
+        let cells =
+            cells.map(|(k, (cell, &width))| if k < 2 { format!("{cell:width$}") } else { format!("{cell:>width$}") });
+        text.push_str(cells.collect::<Vec<_>>().join("  ").trim_end());
+        text.push('\n');
+    }
+    let straight = ranked.iter().find_map(|of| of.fraction.zip(of.protected));
+    if let Some(([_, focus], [_, protected])) = straight {
+        text.push_str(&format!(
+            "without a lens rays bring {} to the focus and {} past the protected region\n",
+            percent(focus),
+            percent(protected)
+        ));
+    }
+    let refused: Vec<String> =
+        ranked.iter().filter(|of| of.refused.is_some()).map(|of| format!("{} {}", of.material, of.family)).collect();
+    if !refused.is_empty() {
+        text.push_str(&format!("no lens: {}; why is in --json\n", refused.join(", ")));
+    }
+    text
 }
 
 /// What is proposed, for a person.

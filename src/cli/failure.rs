@@ -101,9 +101,9 @@ impl Failure {
         design.blame_plan(error).into()
     }
 
-    /// Prints itself on stderr and gives the exit code.
-    pub fn print(self, json: bool) -> ExitCode {
-        let (kind, code) = match &self {
+    /// The word for its kind, and the exit code.
+    fn kind(&self) -> (&'static str, u8) {
+        match self {
             Self::Guard(_) => ("guard", 1),
             Self::Deviation(_) => ("deviation", 1),
             Self::Input(_) => ("input", 2),
@@ -111,33 +111,44 @@ impl Failure {
             Self::Gate { .. } => ("gate", 3),
             Self::Asked(_) => ("asked", 4),
             Self::Interrupted(_) => ("interrupted", 130),
-        };
-        if json {
-            let mut error = Map::new();
-            error.insert("kind".to_owned(), json!(kind));
-            error.insert("exit_code".to_owned(), json!(code));
-            match self {
-                Self::Input(input) => {
-                    let Input { file, line, key, message, help, others, .. } = *input;
-                    let fields = [("file", json!(file)), ("line", json!(line)), ("key", json!(key))];
-                    error.extend(fields.into_iter().map(|(name, value)| (name.to_owned(), value)));
-                    error.insert("message".to_owned(), json!(message));
-                    error.insert("help".to_owned(), json!(help));
-                    if !others.is_empty() {
-                        error.insert("others".to_owned(), json!(others));
-                    }
-                }
-                Self::Guard(messages) | Self::Deviation(messages) | Self::Threshold(messages) => {
-                    error.insert("message".to_owned(), json!(messages.join("; ")));
-                }
-                Self::Gate { missed, failed } => {
-                    error.insert("message".to_owned(), json!([missed, failed].concat().join("; ")));
-                }
-                Self::Asked(message) | Self::Interrupted(message) => {
-                    error.insert("message".to_owned(), json!(message));
+        }
+    }
+
+    /// As an object: its kind, what was wrong, where, and what to try.
+    pub fn told(self) -> Value {
+        let mut error = Map::new();
+        let (kind, code) = self.kind();
+        error.insert("kind".to_owned(), json!(kind));
+        error.insert("exit_code".to_owned(), json!(code));
+        match self {
+            Self::Input(input) => {
+                let Input { file, line, key, message, help, others, .. } = *input;
+                let fields = [("file", json!(file)), ("line", json!(line)), ("key", json!(key))];
+                error.extend(fields.into_iter().map(|(name, value)| (name.to_owned(), value)));
+                error.insert("message".to_owned(), json!(message));
+                error.insert("help".to_owned(), json!(help));
+                if !others.is_empty() {
+                    error.insert("others".to_owned(), json!(others));
                 }
             }
-            say(&json!({ "format": granulens::outcome::FORMAT, "error": Value::Object(error) }).to_string());
+            Self::Guard(messages) | Self::Deviation(messages) | Self::Threshold(messages) => {
+                error.insert("message".to_owned(), json!(messages.join("; ")));
+            }
+            Self::Gate { missed, failed } => {
+                error.insert("message".to_owned(), json!([missed, failed].concat().join("; ")));
+            }
+            Self::Asked(message) | Self::Interrupted(message) => {
+                error.insert("message".to_owned(), json!(message));
+            }
+        }
+        Value::Object(error)
+    }
+
+    /// Prints itself on stderr and gives the exit code.
+    pub fn print(self, json: bool) -> ExitCode {
+        let (_, code) = self.kind();
+        if json {
+            say(&json!({ "format": granulens::outcome::FORMAT, "error": self.told() }).to_string());
         } else {
             match self {
                 Self::Input(input) => match *input {

@@ -15,6 +15,7 @@ mod cost;
 mod design;
 mod diff;
 mod evaluate;
+mod explore;
 mod export;
 mod failure;
 mod folder;
@@ -110,6 +111,7 @@ enum Command {
     Compare(compare::Compare),
     Report(report::Report),
     Diff(diff::Diff),
+    Explore(explore::Explore),
     Measured(measured::Measured),
     Build(build::Build),
     Tolerance(tolerance::Tolerance),
@@ -139,7 +141,7 @@ impl Command {
             Self::Diff(_) | Self::Build(_) | Self::Measured(_) | Self::Tolerance(_) => true,
             Self::Design(_) | Self::Modes(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
             Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
-            Self::Network(_) | Self::Motion(_) => false,
+            Self::Network(_) | Self::Motion(_) | Self::Explore(_) => false,
         }
     }
 }
@@ -179,6 +181,7 @@ pub fn main() -> ExitCode {
         Command::Compare(command) => command.run(common),
         Command::Report(command) => command.run(common),
         Command::Diff(command) => command.run(common),
+        Command::Explore(command) => command.run(common),
         Command::Measured(command) => command.run(common),
         Command::Build(command) => command.run(common),
         Command::Tolerance(command) => command.run(common),

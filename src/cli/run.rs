@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use granulens::design::Design;
 use granulens::evaluate::{Comparison, Forces, compare};
-use granulens::layout;
+use granulens::layout::{self, Layout};
 use granulens::outcome::Outcome;
 use granulens::output::Folder;
 use granulens::report;
@@ -65,16 +65,9 @@ pub fn deliver(common: &Common, comparison: &Comparison<'_>, place: &Path, with_
             kept.display()
         )));
     }
-    report::write(&outcome, folder.path())?;
+    fill(&folder, &outcome, &comparison.subject)?;
     if with_pdf {
         pdfs(&outcome, &folder)?;
-    }
-    for (name, text) in [
-        ("layout.csv", layout::write(&comparison.subject)),
-        ("layout-full.csv", layout::write_full(&comparison.subject)),
-        ("layout.json", layout::write_json(&comparison.subject)),
-    ] {
-        folder.write(name, text.as_bytes())?;
     }
     folder.finish()?;
 
@@ -86,6 +79,19 @@ pub fn deliver(common: &Common, comparison: &Comparison<'_>, place: &Path, with_
     note(common, &format!("report: {}", place.join("report.html").display()));
     super::compare::unfinished(comparison, &outcome)?;
     super::compare::guard(&outcome)
+}
+
+/// Fills a folder with a report and its layouts.
+pub fn fill(folder: &Folder, outcome: &Outcome, subject: &Layout) -> Result<(), Failure> {
+    report::write(outcome, folder.path())?;
+    for (name, text) in [
+        ("layout.csv", layout::write(subject)),
+        ("layout-full.csv", layout::write_full(subject)),
+        ("layout.json", layout::write_json(subject)),
+    ] {
+        folder.write(name, text.as_bytes())?;
+    }
+    Ok(())
 }
 
 /// Every figure as PDF beside its SVG.

@@ -71,6 +71,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         "Add the section [crystal] with packing, diameter, rows, half_width, sides and host.",
     )?;
     let crystal = read_crystal(&crystal, &own_materials)?;
+    let mut notes = crystal.notes;
     let impact =
         top.required_section("impact", &file.impact, "Add the section [impact] with kind, force and duration.")?;
     let impact = read_impact(&impact)?;
@@ -78,7 +79,17 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
     let target = region::target(&regions, &crystal.lattice)?;
     let lens = match top.section("lens", &file.lens) {
         Some(section) => {
-            Some(lens::read(&section, &crystal.lattice, &crystal.host, &target, &regions.0, &own_materials)?)
+            let (request, note) = lens::read(
+                &section,
+                &crystal.lattice,
+                &crystal.host,
+                &target,
+                &regions.0,
+                &own_materials,
+                crystal.constants,
+            )?;
+            notes.extend(note);
+            Some(request)
         }
         None => None,
     };
@@ -102,7 +113,7 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         host: crystal.host,
         own_materials,
         prices,
-        notes: crystal.notes,
+        notes,
         law: crystal.law,
         friction: crystal.friction,
         constants: crystal.constants,

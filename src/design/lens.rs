@@ -1,11 +1,12 @@
 //! The section [lens]: which family, of what, and what is already decided about it.
 
 use super::file::LensFile;
-use super::{DesignError, region};
+use super::{DesignError, any, region};
+use crate::contact::Constants;
 use crate::document::{self, Entry, Scope};
 use crate::lattice::HexagonalSheet;
 use crate::lens::{Family, LensRequest, Raster, Symmetry};
-use crate::material::Material;
+use crate::material::{Material, library};
 use crate::target::Target;
 use crate::units::Dimension;
 
@@ -22,7 +23,8 @@ pub(super) fn read(
     target: &Target,
     regions: &Scope,
     own: &[Material],
-) -> Result<LensRequest, DesignError> {
+    constants: Constants,
+) -> Result<(LensRequest, Option<String>), DesignError> {
     let families = Family::ALL.map(|family| (family.name(), family));
     let written = scope.required("family", &file.family)?;
     let family = written.choice("lens family", &families)?;
@@ -53,11 +55,13 @@ pub(super) fn read(
         }
         Ok(material)
     };
-    let material = foreign(&scope.required("material", &file.material)?)?;
+    let mut candidates = candidates(&scope.required("material", &file.material)?, host, own, foreign)?;
+    let material = candidates[0].clone();
     let others = match scope.optional("others", &file.others) {
         Some(entry) => others(&entry, family, &material, foreign)?,
         None => Vec::new(),
     };
+    candidates.retain(|candidate| !others.iter().any(|other| other.name == candidate.name));
     let focus = target.focal_rows()[0];
     let rows = match scope.optional("rows", &file.rows) {
         Some(entry) => {
@@ -168,7 +172,7 @@ pub(super) fn read(
         Some(entry) => entry.seed()?,
         None => 1,
     };
-    Ok(LensRequest {
+    let request = LensRequest {
         family,
         material,
         others,
@@ -181,7 +185,32 @@ pub(super) fn read(
         stages,
         raster,
         seed,
-    })
+    };
+    Ok(any::best(request, &candidates, lattice, host, target, constants))
+}
+
+/// The materials that the lens may be of: one, or all that are named, or with "any" all that are known.
+fn candidates(
+    entry: &Entry,
+    host: &Material,
+    own: &[Material],
+    foreign: impl Fn(&Entry) -> Result<Material, DesignError>,
+) -> Result<Vec<Material>, DesignError> {
+    if !entry.is_list() && entry.text()? == "any" {
+        return Ok(library().into_iter().chain(own.iter().cloned()).filter(|known| known.name != host.name).collect());
+    }
+    let mut found: Vec<Material> = Vec::new();
+    for item in entry.one_or_more() {
+        let next = foreign(&item)?;
+        if found.iter().any(|known| known.name == next.name) {
+            return Err(item.fail("is named twice", "Name each material that the lens may be of once."));
+        }
+        found.push(next);
+    }
+    if found.is_empty() {
+        return Err(entry.fail("names no material", "Name one or several, or write \"any\" for all that are known."));
+    }
+    Ok(found)
 }
 
 /// Further materials, all different from host and lens and from each other.

@@ -6,9 +6,10 @@
 //!
 //! - `file`: as written; `check`: as checked, with `region`, `lens`, `prices`, `threshold` and `tuning` for their parts
 //! - `shelf`: own materials and prices without a design
-//! - `blame`: what only physics can tell, as a complaint about the file
+//! - `any`: the best of several materials; `blame`: what only physics can tell, as a complaint about the file
 //! - `published`: whether it is the published one
 
+mod any;
 mod blame;
 mod check;
 mod file;

@@ -120,6 +120,106 @@ impl<'a> Comparison<'a> {
         let material = self.reference.unwrap_or_default();
         set.into_iter().map(|baseline| (baseline, baseline.layout(&self.subject, self.rows, material))).collect()
     }
+
+    /// The layout of an arrangement by its name.
+    pub fn arrangement(&self, name: &str) -> Option<Layout> {
+        self.jobs().into_iter().find(|job| job.name == name).map(|job| job.layout)
+    }
+
+    /// What is to be simulated: the subject first.
+    pub(super) fn jobs(&self) -> Vec<Job> {
+        let subject =
+            Job { name: self.name.clone(), kind: self.name.clone(), seed: None, layout: self.subject.clone() };
+        let others = self.baselines().into_iter().map(|(baseline, layout)| Job {
+            name: baseline.name(),
+            kind: baseline.kind().to_owned(),
+            seed: baseline.seed(),
+            layout,
+        });
+        std::iter::once(subject).chain(others).collect()
+    }
+
+    /// What was found, with what is needed to repeat it.
+    pub(super) fn outcome(
+        &self,
+        begun: Begun,
+        (forces, verdict): (Vec<f64>, Vec<Verdict>),
+        arrangements: Vec<ArrangementOutcome>,
+        mut warnings: Vec<String>,
+    ) -> Outcome {
+        let Self { design, plan, .. } = self;
+        let lattice = &design.lattice;
+        let reference = self.reference.map(|material| self.subject.palette[usize::from(material)].name.clone());
+        if let (None, Some(material)) = (design.reference(), &reference) {
+            warnings.push(unnamed(material));
+        }
+        Outcome {
+            format: FORMAT,
+            manifest: Manifest {
+                format: FORMAT,
+                name: design.name.clone(),
+                method: method(design, plan),
+                design_file: design.path.display().to_string(),
+                design: design.text.clone(),
+                command: None,
+                impact: design.impact_in_words(),
+                seeds: [plan.first_seed, design.seeds],
+                threads: rayon::current_num_threads(),
+                started_unix_s: begun.unix_s,
+                seconds: begun.clock.elapsed().as_secs_f64(),
+            },
+            sites: lattice.sites(),
+            diameter: lattice.diameter(),
+            half_width: lattice.half_width(),
+            target: design.target.clone(),
+            materials: self.subject.palette.iter().map(|m| m.name.clone()).collect(),
+            reference,
+            is_published: self.proposal.is_some() && design.is_published(),
+            forces,
+            verdict,
+            proposal: self.proposal.clone(),
+            arrangements,
+            warnings,
+        }
+    }
+}
+
+/// An arrangement to be simulated.
+pub(super) struct Job {
+    pub name: String,
+    pub kind: String,
+    pub seed: Option<u64>,
+    pub layout: Layout,
+}
+
+impl Job {
+    /// What it did.
+    pub fn arrangement(&self, scores: Scores, record: SphereRecord, stop: Option<Stop>) -> ArrangementOutcome {
+        ArrangementOutcome {
+            name: self.name.clone(),
+            kind: self.kind.clone(),
+            seed: self.seed,
+            scores,
+            over_forces: None,
+            simulated: None,
+            layout: self.layout.materials.clone(),
+            record,
+            stop,
+        }
+    }
+}
+
+/// When a comparison began.
+pub(super) struct Begun {
+    clock: Instant,
+    unix_s: u64,
+}
+
+impl Begun {
+    pub fn now() -> Self {
+        let unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+        Self { clock: Instant::now(), unix_s }
+    }
 }
 
 /// Simulates subject and baselines on all threads of the current pool. Results do not depend on their number: each
@@ -134,20 +234,11 @@ pub fn compare(
     progress: &impl Progress,
 ) -> Result<Outcome, EvaluatorError> {
     let Comparison { design, plan, .. } = comparison;
-    let begun = Instant::now();
-    let started_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let baselines = comparison.baselines();
-    let subject = std::iter::once((comparison.name.clone(), comparison.name.clone(), None, comparison.subject.clone()));
-    let jobs: Vec<_> = subject
-        .chain(
-            baselines
-                .into_iter()
-                .map(|(baseline, layout)| (baseline.name(), baseline.kind().to_owned(), baseline.seed(), layout)),
-        )
-        .collect();
+    let begun = Begun::now();
+    let jobs = comparison.jobs();
     let evaluations: Vec<Option<Evaluation>> = jobs
         .par_iter()
-        .map(|(name, _, _, layout)| {
+        .map(|Job { name, layout, .. }| {
             if interrupt.load(Ordering::Relaxed) {
                 return Ok(None);
             }
@@ -164,68 +255,28 @@ pub fn compare(
     let mut doubts = Doubts::default();
     let mut arrangements = Vec::new();
     let mut layouts = Vec::new();
-    for ((name, kind, seed, layout), evaluation) in jobs.into_iter().zip(evaluations) {
+    for (job, evaluation) in jobs.into_iter().zip(evaluations) {
         let Some(Evaluation { scores, record, doubts: own }) = evaluation else { continue };
         doubts = doubts.worse(own);
-        arrangements.push(ArrangementOutcome {
-            name,
-            kind,
-            seed,
-            scores,
-            over_forces: None,
-            simulated: None,
-            layout: layout.materials.clone(),
-            stop: record.stop,
-            record: SphereRecord {
-                max_kinetic: record.max_kinetic,
-                max_net_force: record.max_net_force,
-                max_contact_force: record.max_contact_force,
-                arrival: record.arrival,
-                dissipated: record.dissipated,
-            },
-        });
-        layouts.push(layout);
+        let felt = SphereRecord {
+            max_kinetic: record.max_kinetic,
+            max_net_force: record.max_net_force,
+            max_contact_force: record.max_contact_force,
+            arrival: record.arrival,
+            dissipated: record.dissipated,
+        };
+        arrangements.push(job.arrangement(scores, felt, record.stop));
+        layouts.push(job.layout);
     }
     relate(&mut arrangements);
     let whole = arrangements.len() == comparison.len();
     let (forces, verdict) = match whole {
-        true => judge(comparison, &mut arrangements, &layouts, interrupt)?,
+        true => judge(comparison, comparison.forces, &mut arrangements, &layouts, interrupt)?,
         false => (Vec::new(), Vec::new()),
     };
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
     warnings.extend(doubts.words("some arrangements"));
-    if let (None, Some(material)) = (design.reference(), comparison.reference) {
-        warnings.push(unnamed(&comparison.subject.palette[usize::from(material)].name));
-    }
-    let lattice = &design.lattice;
-    Ok(Outcome {
-        format: FORMAT,
-        manifest: Manifest {
-            format: FORMAT,
-            name: design.name.clone(),
-            method: method(design, plan),
-            design_file: design.path.display().to_string(),
-            design: design.text.clone(),
-            command: None,
-            impact: design.impact_in_words(),
-            seeds: [plan.first_seed, design.seeds],
-            threads: rayon::current_num_threads(),
-            started_unix_s,
-            seconds: begun.elapsed().as_secs_f64(),
-        },
-        sites: lattice.sites(),
-        diameter: lattice.diameter(),
-        half_width: lattice.half_width(),
-        target: design.target.clone(),
-        materials: comparison.subject.palette.iter().map(|m| m.name.clone()).collect(),
-        reference: comparison.reference.map(|material| comparison.subject.palette[usize::from(material)].name.clone()),
-        is_published: comparison.proposal.is_some() && design.is_published(),
-        forces,
-        verdict,
-        proposal: comparison.proposal.clone(),
-        arrangements,
-        warnings,
-    })
+    Ok(comparison.outcome(begun, (forces, verdict), arrangements, warnings))
 }
 
 /// Which guards stopped which arrangements, one line for each reason: `lens, all-host: the energy ledger ...`.
@@ -250,7 +301,7 @@ pub fn stops(arrangements: &[ArrangementOutcome]) -> Vec<String> {
 }
 
 /// Adds to every arrangement its ratios to the subject and to the uniform ones, where no guard stopped these.
-fn relate(arrangements: &mut [ArrangementOutcome]) {
+pub(super) fn relate(arrangements: &mut [ArrangementOutcome]) {
     let of = |kind: &str| arrangements.iter().find(|a| a.kind == kind && a.stop.is_none()).map(|a| &a.scores);
     let host = of("all-host").map(|scores| scores.focal_mean);
     let lens = of("all-lens").map(|scores| scores.protected_mean);
@@ -261,14 +312,15 @@ fn relate(arrangements: &mut [ArrangementOutcome]) {
     }
 }
 
-/// Judges the subject over the comparison's forces: these, and the verdict. Also gives every arrangement its scores over them.
-fn judge(
+/// Judges the subject over forces: these, and the verdict. Also gives every arrangement its scores over them.
+pub(super) fn judge(
     comparison: &Comparison<'_>,
+    forces: Forces,
     arrangements: &mut [ArrangementOutcome],
     layouts: &[Layout],
     interrupt: &AtomicBool,
 ) -> Result<(Vec<f64>, Vec<Verdict>), EvaluatorError> {
-    let Comparison { design, plan, forces, .. } = comparison;
+    let Comparison { design, plan, .. } = comparison;
     let forces = forces.about(design.impact.force);
     let runs: Vec<Vec<Evaluated>> = if forces.len() == 1 {
         let own = |a: &ArrangementOutcome| vec![Evaluated { scores: a.scores.clone(), stop: a.stop.clone() }];

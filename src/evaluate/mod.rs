@@ -7,7 +7,8 @@
 //! - `batch`: many layouts at once, in vector lanes, for those who search; `blow`: what strikes them, straight or at an angle, and
 //!   what is built otherwise than drawn
 //! - `forces`: one score of several forces; `verdict`: better, equal or worse than what a lens has to beat
-//! - `glance`: what is guessed without a simulation; `laws`: one layout under several contact laws
+//! - `glance`: what is guessed without a simulation; `glimpse`: a comparison by energies alone, as fast as it can be
+//! - `laws`: one layout under several contact laws; `rank`: which material and family
 //! - `held`: the whole piece between mirrors, or in a frame; `settle`: how unequal spheres lie in it under gravity
 //! - `whole`: pieces whose halves differ
 //! - `made`: laws that gave back more than was put in
@@ -19,10 +20,12 @@ mod compare;
 mod decay;
 mod forces;
 mod glance;
+mod glimpse;
 mod held;
 mod laws;
 mod made;
 mod plan;
+mod rank;
 mod settle;
 mod stiffest;
 mod traced;
@@ -36,11 +39,13 @@ pub use compare::{Comparison, Progress, compare, judged, proposal, stops};
 pub use decay::{calibrate, decay};
 pub use forces::{Forces, ForcesError};
 pub use glance::Glance;
+pub use glimpse::glimpse;
 pub use held::{Frame, HeldError, HeldSphere, held_energies, held_spheres, settled};
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use plan::{Overrides, Plan, PlanError};
+pub use rank::{Ranked, rank};
 pub use settle::SettleError;
-pub use traced::{trace_arrivals, trace_lens};
+pub use traced::{trace_arrivals, trace_fronts, trace_lens};
 pub use whole::Subject;
 
 pub(crate) use made::gain_words;

@@ -28,8 +28,7 @@ pub fn trace_lens(
 ) -> Traced {
     let optics = lens.optics();
     let fine = fan(&*optics, FINE);
-    let latest = fine.iter().filter_map(|trace| trace.path.times.last().copied()).fold(0.0, f64::max);
-    let times = times(interval.unwrap_or_else(|| round(latest / 20.0)), latest);
+    let times = times_of(&fine, interval);
     let ray = |trace: Trace| TracedRay {
         failure: optics.failure(&trace.fate),
         points: trace.path.points,
@@ -51,12 +50,28 @@ pub fn trace_lens(
     Traced {
         proposal: Some(proposal(design, lens)),
         rays: fan(&*optics, rays).into_iter().map(ray).collect(),
-        wavefronts: times.iter().map(|&time| Front { time, lines: wavefront(&fine, time) }).collect(),
+        wavefronts: fronts(&fine, &times),
         caustic: caustic(&*optics, FINE),
         spots,
         focal_arrival: [lens.first_order.arrival.map(|range| range[0]), traced.focal_arrival[1]],
         ..traced
     }
+}
+
+/// When wavefronts are drawn: every `interval` (s), or at some round time, up to the last ray's end.
+fn times_of(rays: &[Trace], interval: Option<f64>) -> Vec<f64> {
+    let latest = rays.iter().filter_map(|trace| trace.path.times.last().copied()).fold(0.0, f64::max);
+    times(interval.unwrap_or_else(|| round(latest / 20.0)), latest)
+}
+
+fn fronts(rays: &[Trace], times: &[f64]) -> Vec<Front> {
+    times.iter().map(|&time| Front { time, lines: wavefront(rays, time) }).collect()
+}
+
+/// Wavefronts of a lens by `rays` rays, at round times: a millisecond, where [`trace_lens`] also finds first arrivals and the caustic.
+pub fn trace_fronts(lens: &Lens, rays: usize) -> Vec<Front> {
+    let rays = fan(&*lens.optics(), rays);
+    fronts(&rays, &times_of(&rays, None))
 }
 
 /// Rays of a spot diagram in a report.

@@ -11,6 +11,9 @@ pub use palette::{Ink, MATERIALS, ink};
 /// The rules of every page: type, tables, figures, notes, dark and light, narrow screens, paper. It goes into a `<style>`.
 const RULES: &str = include_str!("look.css");
 
+/// What a design surface says at a place, as a script.
+pub const SURFACE: &str = include_str!("surface.js");
+
 /// The style sheet: the rules, and the materials as `--material-0`, `--letter-0` and so on.
 pub fn look() -> String {
     let inks = MATERIALS.iter().enumerate();

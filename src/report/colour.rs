@@ -76,12 +76,9 @@ pub const LEVELS: usize = 64;
 /// What is painted where there is no value.
 pub const MISSING: &str = "#ffffff";
 
-/// Host, lens material and others in layouts. Host and lens differ in lightness as well as in hue.
-const MATERIALS: [&str; 6] = ["#8d99a6", "#e3a72f", "#4f9d8f", "#b5637a", "#6a6fb0", "#5b5b5b"];
-
 /// Fill colour of a material by its index in the outcome's list.
 pub fn material(index: usize) -> &'static str {
-    MATERIALS[index.min(MATERIALS.len() - 1)]
+    crate::page::ink(index).fill
 }
 
 /// The colour of one of [`LEVELS`] levels, from dark (0) to light.
@@ -99,6 +96,12 @@ fn mixed(table: &[[u8; 3]], place: f64) -> String {
         (a + (b - a) * share).round() as u8
     };
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+}
+
+/// The colours of all levels, for a page that paints maps of its own: of values from low to high, and of values on both sides of zero.
+pub fn scale_colours() -> [Vec<String>; 2] {
+    let diverging = Scale::diverging(-1.0, 1.0);
+    [(0..LEVELS).map(level).collect(), (0..LEVELS - 1).map(|k| diverging.colour(k)).collect()]
 }
 
 /// From values to colours: one range for all maps of a figure. Values outside take the colour of the nearer end.

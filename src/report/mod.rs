@@ -64,7 +64,7 @@ pub(crate) use svg::escape;
 
 pub use bed::{BedPictures, BedRecord, draw_bed};
 pub use claims::{Claim, claims};
-pub use colour::Palette;
+pub use colour::{Palette, scale_colours};
 pub use contact_curve::ContactCurve;
 pub use ensemble::draw_ensemble;
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, spheres_csv, write, write_numbers};
@@ -74,7 +74,7 @@ pub use pdf::{PdfError, pdf};
 pub use spots::spot_diagram;
 pub use study::{StudyPage, study_page};
 pub use surface::{surface, surface_csv};
-pub use surface_page::surface_page;
+pub use surface_page::{surface_data, surface_page};
 pub use table::table;
 pub use trace::trace;
 pub use transmission::transmission;

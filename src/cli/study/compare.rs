@@ -33,42 +33,64 @@ struct Row {
 
 impl Compare {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let reports = self.folders.iter().map(|folder| read(folder)).collect::<Result<Vec<_>, _>>()?;
-        let finest = |report: &Report| report.state.history.last().map(|last| last.step);
-        // Only numbers that answer the same question can be set beside each other.
-        let alike = reports.windows(2).all(|two| same_problem(&two[0], &two[1]));
-        let same_step = alike && reports.windows(2).all(|two| finest(&two[0]) == finest(&two[1]));
-        let least = reports.iter().filter_map(|report| Some(report.state.best.as_ref()?.loss)).reduce(f64::min);
-        let reference = reports.first().and_then(layout);
-        let rows: Vec<Row> = self
-            .folders
-            .iter()
-            .zip(reports)
-            .map(|(folder, report)| {
-                let near = |loss: f64| least.is_some_and(|least| loss <= least + NEAR);
-                let at = finest(&report);
-                let mut there =
-                    report.state.history.iter().filter(|h| h.within_limits && Some(h.step) == at && near(h.loss));
-                let soon = if same_step { there.next().map(|h| h.evaluations) } else { None };
-                let differs =
-                    reference.as_ref().filter(|_| alike).zip(layout(&report)).and_then(|(a, b)| differing(a, &b));
-                Row { name: folder.display().to_string(), report, soon, differs }
-            })
-            .collect();
+        let Compared { rows, alike, same_step } = compared(&self.folders)?;
         if common.json {
-            emit_json(&json!({
-                "format": granulens::outcome::FORMAT,
-                "studies": rows.iter().map(Row::json).collect::<Vec<_>>(),
-                "same_problem": alike,
-                "contrast": spread(&rows, |row| row.best()?.0).filter(|_| alike),
-                "focal_gain": spread(&rows, |row| row.best()?.1).filter(|_| alike),
-                "protection": spread(&rows, |row| row.best()?.2).filter(|_| alike),
-            }));
+            emit_json(&told(&rows, alike));
         } else {
             emit(&table(&rows, alike, same_step));
         }
         Ok(())
     }
+}
+
+/// Studies side by side.
+struct Compared {
+    rows: Vec<Row>,
+    /// Whether all ask the same.
+    alike: bool,
+    /// Whether their finest steps are the same too.
+    same_step: bool,
+}
+
+/// Studies side by side, as an object, and as a table.
+pub fn side_by_side(folders: &[PathBuf]) -> Result<(serde_json::Value, String), Failure> {
+    let Compared { rows, alike, same_step } = compared(folders)?;
+    Ok((told(&rows, alike), table(&rows, alike, same_step)))
+}
+
+fn told(rows: &[Row], alike: bool) -> serde_json::Value {
+    json!({
+        "format": granulens::outcome::FORMAT,
+        "studies": rows.iter().map(Row::json).collect::<Vec<_>>(),
+        "same_problem": alike,
+        "contrast": spread(rows, |row| row.best()?.0).filter(|_| alike),
+        "focal_gain": spread(rows, |row| row.best()?.1).filter(|_| alike),
+        "protection": spread(rows, |row| row.best()?.2).filter(|_| alike),
+    })
+}
+
+fn compared(folders: &[PathBuf]) -> Result<Compared, Failure> {
+    let reports = folders.iter().map(|folder| read(folder)).collect::<Result<Vec<_>, _>>()?;
+    let finest = |report: &Report| report.state.history.last().map(|last| last.step);
+    // Only numbers that answer the same question can be set beside each other.
+    let alike = reports.windows(2).all(|two| same_problem(&two[0], &two[1]));
+    let same_step = alike && reports.windows(2).all(|two| finest(&two[0]) == finest(&two[1]));
+    let least = reports.iter().filter_map(|report| Some(report.state.best.as_ref()?.loss)).reduce(f64::min);
+    let reference = reports.first().and_then(layout);
+    let rows: Vec<Row> = folders
+        .iter()
+        .zip(reports)
+        .map(|(folder, report)| {
+            let near = |loss: f64| least.is_some_and(|least| loss <= least + NEAR);
+            let at = finest(&report);
+            let mut there =
+                report.state.history.iter().filter(|h| h.within_limits && Some(h.step) == at && near(h.loss));
+            let soon = if same_step { there.next().map(|h| h.evaluations) } else { None };
+            let differs = reference.as_ref().filter(|_| alike).zip(layout(&report)).and_then(|(a, b)| differing(a, &b));
+            Row { name: folder.display().to_string(), report, soon, differs }
+        })
+        .collect();
+    Ok(Compared { rows, alike, same_step })
 }
 
 type Ratios = (Option<f64>, Option<f64>, Option<f64>);

@@ -9,13 +9,13 @@
 //! - `words`: what a study has come to, in words
 
 mod ask;
-mod compare;
+pub mod compare;
 mod draw;
 mod events;
 mod export;
 mod merge;
-mod run;
-mod show;
+pub mod run;
+pub mod show;
 mod slurm;
 mod table;
 mod why;

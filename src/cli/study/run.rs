@@ -1,10 +1,11 @@
 //! `granulens study run`.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use granulens::outcome::FORMAT;
-use granulens::study::{Ended, Report, State, Study, asked_in, claim, costs, run};
+use granulens::study::{Ended, Report, State, Study, Watch, asked_in, claim, costs, run};
 use granulens::units::Dimension::Time;
 use serde_json::json;
 
@@ -60,11 +61,34 @@ fn cost(study: &Study, common: &Common) -> Result<(), Failure> {
 /// Takes a folder for the study, and finds out whether what a run writes can be written there.
 pub fn begin(common: &Common, study: &Study) -> Result<PathBuf, Failure> {
     let folder = folder(common, study);
-    claim(&folder, study, common.force)?;
-    for name in ["study.json", "best.csv", "nearest.csv", "report.html"] {
-        probe(common, Some(&folder.join(name)))?;
-    }
+    take(common, study, &folder)?;
     Ok(folder)
+}
+
+fn take(common: &Common, study: &Study, folder: &Path) -> Result<(), Failure> {
+    claim(folder, study, common.force)?;
+    let written = ["study.json", "best.csv", "nearest.csv", "report.html"];
+    written.iter().try_for_each(|name| probe(common, Some(&folder.join(name))))
+}
+
+/// Runs a study in a folder, or goes on with it, and writes down what it came to.
+pub fn search(
+    study: &Study,
+    folder: &Path,
+    common: &Common,
+    interrupt: &AtomicBool,
+    watch: &mut impl Watch,
+) -> Result<State, Failure> {
+    take(common, study, folder)?;
+    let state = run(study, &folder.join("journal.jsonl"), interrupt, watch)?;
+    write_down(study, folder, state, common)
+}
+
+fn write_down(study: &Study, folder: &Path, state: State, common: &Common) -> Result<State, Failure> {
+    let report = Report::of(study, state)?;
+    report.write(study, folder, common.force)?;
+    write_file(common, &folder.join("report.html"), &super::draw::page(study, &report))?;
+    Ok(report.state)
 }
 
 /// A run that has come to an end of some kind.
@@ -81,10 +105,7 @@ pub fn finish(ran: Ran<'_>, common: &Common) -> Result<(), Failure> {
     let Ran { study, folder, state, meter, seconds } = ran;
     meter.finish();
     let (simulated, events) = (meter.simulated, meter.events);
-    let report = Report::of(study, state)?;
-    report.write(study, folder, common.force)?;
-    write_file(common, &folder.join("report.html"), &super::draw::page(study, &report))?;
-    let state = report.state;
+    let state = write_down(study, folder, state, common)?;
     let known = simulated == 0 && matches!(state.ended, Ended::Budget | Ended::NothingNew);
     let speed = json!({ "simulated": simulated, "nothing_to_do": known, "seconds": seconds, "threads": rayon::current_num_threads() });
     if events {

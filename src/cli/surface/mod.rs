@@ -21,7 +21,7 @@ use tables::{grid_json, list};
 const AXES: [&str; 7] = ["stiffness", "density", "yield-stress", "modulus", "radius", "amplitude", "dimension"];
 
 /// Grid lines along each axis of a picture.
-const GRID: [usize; 2] = [97, 73];
+pub const GRID: [usize; 2] = [97, 73];
 
 /// Draw the wave speed, or what goes with it, over design variables, or find the materials that give a speed
 ///
