@@ -157,8 +157,9 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
                 stepper.clock.lap(Phase::Watching);
             }
             let interrupted = interrupt.load(Ordering::Relaxed);
+            let carrying = guard::carrying(&contacts);
             for (lane, stop) in stops.iter_mut().enumerate().filter(|(_, stop)| stop.is_none()) {
-                *stop = guard::check(&stepper, &grains, &contacts, &*laws, (lane, dimension)).err();
+                *stop = guard::check(&stepper, &grains, &contacts, &carrying, &*laws, (lane, dimension)).err();
                 if stop.is_none() && too_fast {
                     *stop = Some(Stop::Leap { step_s: impact.step });
                 }

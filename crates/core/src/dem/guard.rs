@@ -111,11 +111,19 @@ fn stable(dimension: usize, stiffness: f64, mass: f64) -> f64 {
 /// neighbours do, I ω² = 12 k_t r², so ω² = 30 k_t/m against 6 K/m; and Mindlin's k_t is at most K (for ν = 0).
 const TURNING: f64 = 0.447;
 
-/// Checks one design of a run in progress; stability is judged as in so many dimensions.
+/// Contacts that have carried force in any of the designs: of others there is nothing to check.
+#[inline(always)]
+pub(super) fn carrying<V: Lanes, const D: usize>(contacts: &Contacts<'_, V, D>) -> Vec<usize> {
+    let carries = |&c: &usize| V::any(V::splat(0.0).lt(contacts.history[c].force_max));
+    (0..contacts.history.len()).filter(carries).collect()
+}
+
+/// Checks one design of a run in progress, of whose contacts those that are `carrying`; stability is judged as in so many dimensions.
 pub(super) fn check<V: Lanes, const D: usize>(
     stepper: &Stepper<V, D>,
     grains: &Grains<V, D>,
     contacts: &Contacts<'_, V, D>,
+    carrying: &[usize],
     laws: &dyn Laws<V, D>,
     (lane, dimension): (usize, usize),
 ) -> Result<(), Stop> {
@@ -123,7 +131,7 @@ pub(super) fn check<V: Lanes, const D: usize>(
     if let Some(i) = (0..grains.reached).find(|&i| !grains.speed_squared(i).lane(lane).is_finite()) {
         return Err(Stop::NotFinite { sphere: i + 1, time_s });
     }
-    for c in 0..contacts.history.len() {
+    for &c in carrying {
         let (overlap_max, force_max) = contacts.greatest(c, lane);
         if force_max <= 0.0 {
             continue;

@@ -120,6 +120,7 @@ impl<const D: usize> Strangers<D> {
     /// Before a run: the speeds with which it starts.
     pub fn begin<V: Lanes>(&mut self, grains: &Grains<V, D>, vigilance: Vigilance) {
         self.allowance *= vigilance.allowance / VIGILANCE[0].allowance;
+        self.ahead.fill(self.allowance);
         for i in 0..grains.reached {
             let block = i / self.size;
             for lane in 0..V::LANES {
@@ -142,8 +143,12 @@ impl<const D: usize> Strangers<D> {
     ) -> Result<(), Lapse> {
         let blocks = self.way.len();
         let lanes = || (0..V::LANES).filter(|&lane| goes_on.get(lane) == Some(&true));
-        for (block, fastest) in fastest.iter_mut().enumerate() {
-            let speed = lanes().map(|lane| fastest.lane(lane)).fold(0.0, f64::max).sqrt();
+        let mut going = V::splat(0.0);
+        lanes().for_each(|lane| going.set_lane(lane, 1.0));
+        // Beyond these all are at rest.
+        let reached = grains.reached.div_ceil(self.size);
+        for (block, fastest) in fastest.iter_mut().enumerate().take(reached) {
+            let speed = (*fastest * going).greatest().sqrt();
             let way = BETWEEN * time * speed.max(self.speed[block]);
             self.speed[block] = speed;
             self.way[block] += way;
@@ -151,9 +156,14 @@ impl<const D: usize> Strangers<D> {
             *fastest = V::splat(0.0);
         }
         let (mut pairs, mut images) = (Vec::new(), Vec::new());
-        for a in 0..blocks {
+        for a in 0..reached {
             let row = &self.meet[a * blocks..(a + 1) * blocks];
-            if !row[a..].iter().zip(&self.ahead[a..]).any(|(meet, ahead)| *meet <= self.ahead[a] + ahead) {
+            // Mostly none is: without an early end the loop runs in vector registers.
+            let mut any = false;
+            for (meet, ahead) in row[a..].iter().zip(&self.ahead[a..]) {
+                any |= *meet <= self.ahead[a] + ahead;
+            }
+            if !any {
                 continue;
             }
             for b in a..blocks {

@@ -260,6 +260,7 @@ mod x86 {
         type Index = __m128i;
         const LANES: usize = 4;
 
+        #[inline(always)]
         fn lane(self, lane: usize) -> f64 {
             self.array()[lane]
         }
@@ -373,6 +374,7 @@ mod x86 {
         type Index = __m512i;
         const LANES: usize = 8;
 
+        #[inline(always)]
         fn lane(self, lane: usize) -> f64 {
             self.array()[lane]
         }

@@ -85,6 +85,16 @@ pub trait Lanes: Number {
 
     /// One of the numbers.
     fn lane(self, lane: usize) -> f64;
+    /// The greatest of the numbers, and of 0; those that are none do not count.
+    #[inline(always)]
+    fn greatest(self) -> f64 {
+        let mut greatest = 0.0;
+        for lane in 0..Self::LANES {
+            let one = self.lane(lane);
+            greatest = if one > greatest { one } else { greatest };
+        }
+        greatest
+    }
     /// Replaces one of the numbers.
     fn set_lane(&mut self, lane: usize, value: f64);
     /// The first numbers of a slice; it must hold as many.

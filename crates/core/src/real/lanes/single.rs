@@ -118,6 +118,7 @@ impl Lanes for F32x16 {
     const LANES: usize = 16;
     const IS_SINGLE: bool = true;
 
+    #[inline(always)]
     fn lane(self, lane: usize) -> f64 {
         f64::from(self.array()[lane])
     }
