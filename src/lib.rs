@@ -26,6 +26,7 @@ pub mod evaluate;
 pub mod setup;
 pub mod trial;
 pub mod study;
+pub mod reference;
 pub mod export;
 pub mod page;
 pub mod report;

@@ -75,7 +75,7 @@ section!(EnsembleSection: Written { samples, speeds, friction });
 section!(RecordSection: Written { every, contacts });
 
 /// How each key is written, for messages.
-const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "format = 1",
     "kind = \"bed\"",
     "name = \"bed\"",

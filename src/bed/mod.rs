@@ -8,6 +8,7 @@ mod file;
 mod frames;
 mod store;
 
+pub(crate) use file::EXAMPLES;
 pub use file::{BedFile, Origin};
 pub use frames::{
     FramePlan, SI as FRAME_SI, UNITS as FRAME_UNITS, names as frame_names, read as read_frame, texts as frame_texts,

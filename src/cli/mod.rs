@@ -20,6 +20,8 @@ mod export;
 mod failure;
 mod folder;
 mod impact;
+mod init;
+mod keys;
 mod materials;
 mod measured;
 mod modes;
@@ -30,6 +32,7 @@ mod picture;
 mod report;
 mod reproduce;
 mod run;
+mod shell;
 mod simulate;
 mod speed;
 mod surface;
@@ -127,6 +130,11 @@ enum Command {
     Network(network::NetworkOf),
     Motion(motion::Motion),
     Bench(bench::Bench),
+    Init(init::Init),
+    Keys(keys::KeysOf),
+    Schema(keys::Schema),
+    Completions(shell::Completions),
+    Man(shell::Man),
 }
 
 impl Command {
@@ -142,6 +150,7 @@ impl Command {
             Self::Design(_) | Self::Modes(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
             Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
             Self::Network(_) | Self::Motion(_) | Self::Explore(_) => false,
+            Self::Init(_) | Self::Keys(_) | Self::Schema(_) | Self::Completions(_) | Self::Man(_) => false,
         }
     }
 }
@@ -197,6 +206,11 @@ pub fn main() -> ExitCode {
         Command::Network(command) => command.run(common),
         Command::Motion(command) => command.run(common),
         Command::Bench(command) => command.run(common),
+        Command::Init(command) => command.run(common),
+        Command::Keys(command) => command.run(common),
+        Command::Schema(command) => command.run(common),
+        Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(common),
     };
     ended(done, common.json)
 }

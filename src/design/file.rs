@@ -52,7 +52,7 @@ pub(crate) type ThresholdsFile = BTreeMap<Spanned<String>, Section<BoundsFile>>;
 section!(BoundsFile: Written { min, max });
 
 /// How each key is written, for messages.
-pub(super) const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "format = 1",
     "name = \"thesis-lens\"",
     "crystal.packing = \"hexagonal-2d\"",

@@ -67,7 +67,7 @@ section!(RecordFile: Written {
 section!(RegionFile: Written { name, layers, columns, x, y, z });
 
 /// How each key is written, for messages.
-pub(super) const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "format = 1",
     "kind = \"rig\"",
     "name = \"drop-tower\"",

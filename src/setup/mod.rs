@@ -30,6 +30,7 @@ mod step;
 
 use std::path::{Path, PathBuf};
 
+pub(crate) use file::EXAMPLES;
 pub use intruder::Intruder;
 pub use lens::SetupError;
 pub use place::spin_about_y;
