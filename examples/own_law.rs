@@ -34,7 +34,12 @@ fn main() {
     let law = Lossy { stiffness: 1e6, restitution: 0.8 };
     let (mass, speed) = (0.5e-3, 2.0);
     let found = collide(&law, mass, speed);
-    println!("restitution {:.4}, greatest force {:.1} N, {:.1} us", found.restitution, found.force_max, 1e6 * found.duration);
+    println!(
+        "restitution {:.4}, greatest force {:.1} N, {:.1} us",
+        found.restitution,
+        found.force_max,
+        1e6 * found.duration
+    );
     // Closed form: F = v sqrt(m k).
     assert!((found.force_max / (speed * (mass * law.stiffness).sqrt()) - 1.0).abs() < 1e-3);
     assert!((found.restitution - law.restitution).abs() < 1e-3);

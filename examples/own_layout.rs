@@ -20,7 +20,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let plan = Plan::new(&design, Overrides::default(), &layout.palette)?;
     let found = beside_uniform(&design, &layout, &plan, Forces::ONE, &AtomicBool::new(false))?;
     let scores = &found.evaluation.scores;
-    println!("C {:.2}  G {:.2}  Q {:.2}", scores.contrast.unwrap_or(f64::NAN), or(scores.focal_gain), or(scores.protection));
+    println!(
+        "C {:.2}  G {:.2}  Q {:.2}",
+        scores.contrast.unwrap_or(f64::NAN),
+        or(scores.focal_gain),
+        or(scores.protection)
+    );
     Ok(())
 }
 

@@ -23,7 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mut value = contrast(&[best.materials.clone()])?[0];
     println!("the lens: C {value:.2}");
-    let free: Vec<usize> = (0..best.materials.len()).filter(|&i| (5..=25).contains(&design.lattice.sites()[i].row)).collect();
+    let free: Vec<usize> =
+        (0..best.materials.len()).filter(|&i| (5..=25).contains(&design.lattice.sites()[i].row)).collect();
     let mut dice = Dice::new(1);
     for _ in 0..10 {
         let tries: Vec<Vec<u8>> = (0..8)

@@ -24,7 +24,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (view, ledger) = (simulation.view(), simulation.ledger());
     let velocity = |i: usize| view.velocity(i)[0];
     let momentum: f64 = simulation.rig().mass.iter().zip(0..).map(|(mass, i)| mass * velocity(i)).sum();
-    println!("after {:.0} us the last sphere moves at {:.3} m/s; kinetic energy {:.3e} J", 1e6 * simulation.time(), velocity(9), ledger.kinetic);
+    println!(
+        "after {:.0} us the last sphere moves at {:.3} m/s; kinetic energy {:.3e} J",
+        1e6 * simulation.time(),
+        velocity(9),
+        ledger.kinetic
+    );
     assert!((momentum / put_in - 1.0).abs() < 1e-9, "contacts hand momentum on");
     Ok(())
 }

@@ -146,9 +146,10 @@ mod tests {
             spin: -0.3,
             force: [1e300, 0.1 + 0.2],
         };
-        let contact = |ends, normal| FrameContact {
+        // Where an end is a body, its place is the body's.
+        let contact = |ends: [End; 2], normal| FrameContact {
             ends,
-            places: [[1.0 / 7.0, 1.0 / 3.0], [0.5, 1.0 / 3.0]],
+            places: [[1.0 / 7.0, 1.0 / 3.0], [if ends[1] == End::Body(0) { 1.0 / 7.0 } else { 0.5 }, 1.0 / 3.0]],
             normal,
             tangential: -0.01,
         };

@@ -27,7 +27,9 @@ impl Init {
         let shown = path.display().to_string();
         let next = starter.next.replace(starter.file, &shown);
         if common.json {
-            emit_json(&json!({ "format": granulens::outcome::FORMAT, "file": shown, "kind": self.kind.name(), "next": next }));
+            emit_json(
+                &json!({ "format": granulens::outcome::FORMAT, "file": shown, "kind": self.kind.name(), "next": next }),
+            );
         } else if !common.quiet {
             emit(&format!("{shown}\nnext: {next}\n"));
         }

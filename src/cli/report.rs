@@ -12,7 +12,7 @@ use super::compare::read_layout;
 use super::console::{emit, emit_json, note};
 use super::failure::Failure;
 use super::folder::begin;
-use super::run::deliver;
+use super::run::{Delivery, deliver};
 use super::{Band, Common, Motion, propose};
 
 /// Draw a report: of a layout under a design's impact, or of results that are there
@@ -84,7 +84,7 @@ impl Report {
             return super::compare::cost(common, &design, &comparison);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(name));
-        deliver(common, &comparison, &place, self.pdf)
+        deliver(common, &comparison, &place, Delivery { words: None, pdf: self.pdf })
     }
 
     /// Draws results anew; nothing is simulated.

@@ -40,14 +40,30 @@ impl Run {
             return super::compare::cost(common, &design, &comparison);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
-        note(common, &super::design::words(&design, &lens));
-        deliver(common, &comparison, &place, false)
+        let words = super::design::words(&design, &lens);
+        deliver(common, &comparison, &place, Delivery { words: Some(&words), pdf: false })
     }
 }
 
+/// How a report is delivered.
+pub struct Delivery<'a> {
+    /// What is said first, once it is known that the folder may be written.
+    pub words: Option<&'a str>,
+    /// Whether figures are written as PDF too.
+    pub pdf: bool,
+}
+
 /// Simulates a comparison and writes its report, which appears when it is complete.
-pub fn deliver(common: &Common, comparison: &Comparison<'_>, place: &Path, with_pdf: bool) -> Result<(), Failure> {
+pub fn deliver(
+    common: &Common,
+    comparison: &Comparison<'_>,
+    place: &Path,
+    delivery: Delivery<'_>,
+) -> Result<(), Failure> {
     let folder = begin(common, place)?;
+    if let Some(words) = delivery.words {
+        note(common, words);
+    }
     note(common, &format!("step: {}", comparison.plan.step_reason));
     let bar = Bar::new(common, comparison.len());
     let mut outcome = compare(comparison, interrupt(), &bar)?;
@@ -66,7 +82,7 @@ pub fn deliver(common: &Common, comparison: &Comparison<'_>, place: &Path, with_
         )));
     }
     fill(&folder, &outcome, &comparison.subject)?;
-    if with_pdf {
+    if delivery.pdf {
         pdfs(&outcome, &folder)?;
     }
     folder.finish()?;

@@ -32,7 +32,10 @@ pub struct Man {}
 impl Man {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let Some(place) = &common.out else {
-            return Err(Failure::input_with_help("man: where to is not said", "Write it like granulens man --out man1."));
+            return Err(Failure::input_with_help(
+                "man: where to is not said",
+                "Write it like granulens man --out man1.",
+            ));
         };
         let folder = begin(common, place)?;
         let mut top = Cli::command();

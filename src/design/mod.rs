@@ -26,8 +26,8 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 pub use crate::document::DocumentError as DesignError;
-pub(crate) use file::EXAMPLES;
 pub(crate) use check::NO_LAW;
+pub(crate) use file::EXAMPLES;
 pub(crate) use file::ThresholdsFile;
 pub(crate) use prices::add as add_price;
 pub use shelf::Shelf;

@@ -66,6 +66,10 @@ pub(crate) fn others(
     first: &DocumentError,
     check: &dyn Fn(&str) -> Option<DocumentError>,
 ) -> Vec<DocumentError> {
+    // What a file of another kind or format says is not for this reader.
+    if matches!(first.key.as_deref(), Some("kind" | "format")) {
+        return Vec::new();
+    }
     let untouched = World { text: source.text.to_owned(), edits: Vec::new(), put_in: Vec::new() };
     let mut worlds = vec![untouched; WAYS.len()];
     let mut told: Vec<DocumentError> = Vec::new();

@@ -84,7 +84,7 @@ mod tests {
         let pair = Pair::new([&steel; 2], [3.175e-3; 2], Constants::Code);
         let hertz = AnyLaw::new(LawKind::Hertz, &pair);
         assert!(residual(&hertz, 1e-5, 1e3) < 1e-20);
-        let (overlap, force) = (4e-5, 5e3);
+        let (overlap, force) = (4e-4, 5e3);
         let thesis = AnyLaw::new(LawKind::Thesis, &pair);
         let e = pair.modulus;
         let r = 4.0 * e / (3.0 * force)

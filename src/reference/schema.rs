@@ -18,7 +18,10 @@ impl FileKind {
                 }
                 // The sections of own materials are named by their user.
                 "materials.*" => {
-                    top.insert("materials".to_owned(), json!({ "type": "object", "additionalProperties": of_section(section) }));
+                    top.insert(
+                        "materials".to_owned(),
+                        json!({ "type": "object", "additionalProperties": of_section(section) }),
+                    );
                 }
                 name if name.contains('.') => {}
                 name => {
@@ -74,8 +77,7 @@ fn open(about: &str) -> Value {
 }
 
 fn of_section(section: &Section) -> Value {
-    let properties: Map<String, Value> =
-        section.keys.iter().map(|key| (short(key).to_owned(), of_key(key))).collect();
+    let properties: Map<String, Value> = section.keys.iter().map(|key| (short(key).to_owned(), of_key(key))).collect();
     let required: Vec<&str> = section.keys.iter().filter(|key| key.required).map(short).collect();
     json!({
         "type": "object",

@@ -27,11 +27,9 @@ impl FileKind {
                 text: include_str!("starters/rig.toml"),
                 next: "granulens simulate rig.toml",
             },
-            Self::Bed => Starter {
-                file: "bed.toml",
-                text: include_str!("starters/bed.toml"),
-                next: "granulens impact bed.toml",
-            },
+            Self::Bed => {
+                Starter { file: "bed.toml", text: include_str!("starters/bed.toml"), next: "granulens impact bed.toml" }
+            }
             Self::Study => Starter {
                 file: "study.toml",
                 text: include_str!("starters/study.toml"),

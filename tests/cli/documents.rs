@@ -9,8 +9,11 @@ use super::network::SQUARES;
 use super::{Desk, names, shipped};
 
 /// Commands that take more than some seconds; their files are read and checked, and their cost is told.
-const LONG: [&str; 6] =
-    ["run designs/gallery", "study run", "reproduce", "impact", "simulate designs/drop", "simulate LONG"];
+const LONG: [&str; 7] =
+    ["run designs/gallery", "study run", "reproduce", "impact", "simulate designs/drop", "simulate LONG", "tolerance"];
+
+/// The page of explore serves until it is stopped: tests/browser opens it. Frames of a bed are those of a run that is only counted here.
+const ELSEWHERE: [&str; 2] = ["explore", "export reports/NAME"];
 
 /// The commands of a page: lines of its code that begin with the program's name, in words as a shell takes them.
 fn commands(page: &str) -> Vec<Vec<String>> {
@@ -51,7 +54,7 @@ fn words(line: &str) -> Vec<String> {
 /// The repository's own files, and those that the pages take for a user's.
 fn desk() -> Desk {
     let desk = Desk::new();
-    for folder in ["designs", "designs/gallery", "studies"] {
+    for folder in ["designs", "designs/gallery", "designs/tolerances", "studies"] {
         std::fs::create_dir_all(desk.path(folder)).unwrap();
         for name in names(Path::new(&shipped(folder))) {
             let (from, to) = (shipped(&format!("{folder}/{name}")), desk.path(&format!("{folder}/{name}")));
@@ -68,6 +71,9 @@ fn desk() -> Desk {
     let lens = desk.read("lens.csv");
     desk.write("edited.csv", lens.replacen("brass-260", "stainless-440c", 3));
     copy("edited.csv", "best.csv");
+    copy("DESIGN.toml", "my-lens.toml");
+    copy("lens.csv", "my-lens.csv");
+    desk.write("STUDY.toml", super::studies::STUDY);
     // Two studies that were run.
     for (name, seed) in [("a", "1"), ("b", "2")] {
         desk.write("study.toml", super::studies::STUDY);
@@ -128,14 +134,19 @@ fn the_commands_of_the_pages_do_what_they_say() {
     for page in pages {
         for mut command in commands(&std::fs::read_to_string(shipped(&page)).unwrap()) {
             let line = command.join(" ");
-            if LONG.iter().any(|long| line.starts_with(long)) {
+            if ELSEWHERE.iter().any(|elsewhere| line.starts_with(elsewhere)) {
+                continue;
+            }
+            if LONG.iter().any(|long| line.starts_with(long)) || line.contains("--gate") {
                 command.push("--dry-run".to_owned());
             }
             // What pages make twice is theirs.
             command.extend(["--force", "--quiet"].map(str::to_owned));
             let ran = desk.run(&command.iter().map(String::as_str).collect::<Vec<_>>());
             run += 1;
-            if ran.code != 0 {
+            // What a search asks for next is not there yet.
+            let asks = line.starts_with("study ask") && ran.code == 4;
+            if ran.code != 0 && !asks {
                 wrong.push(format!(
                     "{page}: granulens {line}: {} {}",
                     ran.code,

@@ -119,7 +119,7 @@ mod interrupted {
         assert_eq!(desk.names(), ["many.toml", "out.v2.interrupted", "out.v2.interrupted-2", "small.toml"]);
         assert_eq!(
             names(&desk.path("out.v2.interrupted-2")),
-            ["manifest.json", "numbers.csv", "numbers.json", "outcome.json"]
+            ["manifest.json", "numbers.csv", "numbers.json", "outcome.json", "spheres.csv"]
         );
         let rows = desk.read("out.v2.interrupted-2/numbers.csv").lines().count() - 1;
         assert!(rows > 0 && last.contains(&format!("{rows} of 2005 arrangements are finished")), "{last}");
