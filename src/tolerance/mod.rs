@@ -1,7 +1,7 @@
 //! Before it is built: what a layout is worth once a workshop has made it.
 //!
 //! In: a layout, its design, and [`Tolerances`], what may turn out otherwise and by how much. Out: how much each score changes with each
-//! quantity, which share of pieces does what is asked, and what to do about it. Every piece is a [`Piece`](piece::Piece), values and a seed, so that
+//! quantity, which share of pieces does what is asked, and what to do about it. Every piece is a [`Piece`], values and a seed, so that
 //! the k-th one is the same whoever makes it and whenever; pieces are simulated side by side.
 //!
 //! - `grade`: what makers of balls promise; `file`: tolerances as written; `quantity`: what may turn out otherwise
