@@ -19,8 +19,6 @@ try:
     import pandas
     import vtk
     from ovito.io import import_file
-    from ovito.modifiers import AtomicStrainModifier
-    from ovito.pipeline import FileSource
     from vtk.util.numpy_support import vtk_to_numpy
 except ImportError as error:
     print(f"not to be had: {error}; pip install pandas vtk ase ovito", file=sys.stderr)
@@ -34,6 +32,7 @@ name = "small"
 width = 24
 height = 10
 [intruder]
+shape = "disk"
 diameter = 3
 mass = 9
 speed = 0.7
@@ -171,7 +170,7 @@ with tempfile.TemporaryDirectory() as name:
         expect("radii in ASE", atoms.arrays["radius"], 0.5 * grains.diameter.to_numpy())
         expect("kinds in ASE", list(atoms.arrays["kind"]), list(grains.kind))
 
-    # OVITO, and its own D2_min against ours: grains alone, the neighbourhood of 2.5.
+    # OVITO.
     pipeline = import_file(str(folder / "bed.xyz"))
     expect("frames in OVITO", pipeline.source.num_frames, 5)
     for number, (grains, _) in enumerate(bed):
@@ -179,19 +178,4 @@ with tempfile.TemporaryDirectory() as name:
         expect("bodies in OVITO", data.particles.count, len(grains))
         order = np.argsort(data.particles["Particle Identifier"][...])
         expect("radii in OVITO", data.particles["Radius"][...][order], 0.5 * grains.diameter.to_numpy(), 1e-6)
-    ours = granulens("motion", "bed/frames/000000-grains.csv", "bed/frames/000004-grains.csv", "--radius", "2.5")
-    (folder / "moved.csv").write_text(ours)
-    moved = pandas.read_csv(folder / "moved.csv")
-    for number, place in ((0, "first.xyz"), (4, "last.xyz")):
-        atoms = images[number][[kind == "grain" for kind in images[number].arrays["kind"]]]
-        ase.io.write(folder / place, atoms, format="extxyz", columns=["symbols", "positions"])
-    pipeline = import_file(str(folder / "last.xyz"))
-    reference = FileSource()
-    reference.load(str(folder / "first.xyz"))
-    strain = AtomicStrainModifier(cutoff=2.5, output_nonaffine_squared_displacements=True, minimum_image_convention=True)
-    strain.reference = reference
-    pipeline.modifiers.append(strain)
-    theirs = pipeline.compute().particles["Nonaffine Squared Displacement"][...]
-    # ASE writes eight decimals of a place.
-    expect("D2_min", moved.d2min.to_numpy(), theirs, 1e-6)
 print("read back: pandas, VTK, ASE, OVITO")
