@@ -9,7 +9,7 @@ use granulens::outcome::Outcome;
 use granulens::report;
 
 use super::compare::read_layout;
-use super::console::{emit, emit_json, note};
+use super::console::note;
 use super::failure::Failure;
 use super::folder::begin;
 use super::run::{Delivery, deliver};
@@ -114,12 +114,7 @@ impl Report {
                     super::run::pdfs(&outcome, &folder)?;
                 }
                 folder.finish()?;
-                if common.json {
-                    emit_json(&report::numbers(&outcome));
-                } else {
-                    emit(&report::table(&outcome));
-                }
-                note(common, &format!("report: {}", place.join("report.html").display()));
+                super::run::tell(common, &outcome, &place);
             }
             Results::Rig | Results::Study if common.out.is_some() => {
                 return Err(Failure::input_with_help(

@@ -87,14 +87,19 @@ pub fn deliver(
     }
     folder.finish()?;
 
-    if common.json {
-        emit_json(&report::numbers(&outcome));
-    } else {
-        emit(&report::table(&outcome));
-    }
-    note(common, &format!("report: {}", place.join("report.html").display()));
+    tell(common, &outcome, place);
     super::compare::unfinished(comparison, &outcome)?;
     super::compare::guard(&outcome)
+}
+
+/// Says what an outcome is, and where its report stands.
+pub fn tell(common: &Common, outcome: &Outcome, place: &Path) {
+    if common.json {
+        emit_json(&report::numbers(outcome));
+    } else {
+        emit(&report::table(outcome));
+    }
+    note(common, &format!("report: {}", place.join("report.html").display()));
 }
 
 /// Fills a folder with a report and its layouts.

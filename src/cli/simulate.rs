@@ -179,23 +179,9 @@ fn table(summary: &Summary) -> String {
         summary.steps,
         Time.show(summary.method.step_s)
     );
-    let ledger = &summary.energies;
     text += "| energy | J |\n|---|---|\n";
-    for (name, value) in [
-        ("put in", ledger.work_in),
-        ("kinetic", ledger.kinetic),
-        ("stored in contacts", ledger.stored),
-        ("stored in tangential springs", ledger.tangential_stored),
-        ("potential", ledger.potential),
-        ("dissipated in contacts", ledger.dissipated),
-        ("friction", ledger.friction),
-        ("into bars, drag", ledger.absorbed),
-        ("left over", ledger.left()),
-    ] {
-        // What did not take part is not listed; put in and left over always are.
-        if value != 0.0 || name == "put in" || name == "left over" {
-            let _ = writeln!(text, "| {name} | {value:.4e} |");
-        }
+    for (name, value) in summary.energy_rows() {
+        let _ = writeln!(text, "| {name} | {value:.4e} |");
     }
     if let Some(residual) = summary.residual {
         let _ =

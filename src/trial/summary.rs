@@ -76,6 +76,26 @@ pub struct Summary {
     pub pictures: Vec<String>,
 }
 
+impl Summary {
+    /// The ledger (J) by name: what did not take part is not listed; what was put in and what is left over always are.
+    pub fn energy_rows(&self) -> Vec<(&'static str, f64)> {
+        let ledger = &self.energies;
+        let mut rows = vec![
+            ("put in", ledger.work_in),
+            ("kinetic", ledger.kinetic),
+            ("stored in contacts", ledger.stored),
+            ("stored in tangential springs", ledger.tangential_stored),
+            ("potential", ledger.potential),
+            ("dissipated in contacts", ledger.dissipated),
+            ("friction", ledger.friction),
+            ("into bars, drag", ledger.absorbed),
+            ("left over", ledger.left()),
+        ];
+        rows.retain(|(name, value)| *value != 0.0 || ["put in", "left over"].contains(name));
+        rows
+    }
+}
+
 /// A flat or an intruder in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodySummary {

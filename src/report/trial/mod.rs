@@ -283,20 +283,9 @@ fn page(summary: &Summary, pictures: &[(String, String)], text: String) -> Strin
         let (caption, numbers) = caption(file);
         Figure { file, svg, caption: caption.to_owned(), numbers: Some(numbers.to_owned()) }
     });
-    let ledger = &summary.energies;
-    let energies = [
-        ("put in", ledger.work_in),
-        ("kinetic", ledger.kinetic),
-        ("stored in contacts", ledger.stored),
-        ("stored in tangential springs", ledger.tangential_stored),
-        ("potential", ledger.potential),
-        ("dissipated in contacts", ledger.dissipated),
-        ("friction", ledger.friction),
-        ("into bars, drag", ledger.absorbed),
-        ("left over", ledger.left()),
-    ];
-    let shown = energies.iter().filter(|(name, value)| *value != 0.0 || ["put in", "left over"].contains(name));
-    let energies: Vec<_> = shown.map(|(name, value)| vec![(*name).to_owned(), format!("{value:.4e}")]).collect();
+    let energies = summary.energy_rows();
+    let energies: Vec<_> =
+        energies.into_iter().map(|(name, value)| vec![name.to_owned(), format!("{value:.4e}")]).collect();
     let mut sections = vec![("Where the energy went", frame::table(&["energy", "J"], &energies))];
     let bodies = summary.flats.iter().chain(&summary.intruders).filter(|body| body.peak_force_n > 0.0);
     let bodies: Vec<_> = bodies
