@@ -257,8 +257,9 @@ impl Study {
         for place in 0..study.rungs.len() {
             let plan = study.plan(place).map_err(|error| Failure::from(study.design.blame_plan(&error)))?;
             let mut rung = Rung::default();
-            for (choice, entry) in Key::new(study, &plan).own(study, &entries) {
-                if rung.get(&choice).is_none() {
+            let at = study.at(place);
+            for (choice, entry) in Key::new(&at, &plan).own(&at, &entries) {
+                if rung.get(&choice).is_none() && !entry.cut {
                     rung.add(study, &choice, entry.clone());
                 }
             }

@@ -8,8 +8,7 @@ use rayon::prelude::*;
 use super::blow::{Blow, Case, Field, Flaw};
 use super::{EvaluateError, Overrides, Plan, PlanError};
 use crate::dem::{
-    BatchError, Limit, OverlapAtRest, Stop, simulate, simulate_batch, simulate_batch_with_friction,
-    simulate_batch_within, simulate_with_friction,
+    BatchError, ForcePulse, Limit, OverlapAtRest, Stop, simulate, simulate_batch_under, simulate_with_friction,
 };
 use crate::design::Design;
 use crate::material::Material;
@@ -79,6 +78,8 @@ pub struct Evaluator<'a> {
     plan: Plan,
     /// What is simulated under each different blow.
     fields: Vec<Field>,
+    /// For each field the first one that differs from it in nothing but the pulse.
+    kin: Vec<usize>,
     /// For each member of the set its field and its flaw.
     cases: Vec<(usize, Flaw)>,
     palette: Vec<Material>,
@@ -194,11 +195,16 @@ impl<'a> Evaluator<'a> {
         }
         let plan = common_plan(design, &blows.iter().map(|(blow, _)| *blow).collect::<Vec<_>>(), overrides, &palette)?;
         let fields = blows.iter().map(|(blow, whole)| Field::new(design, &plan, blow, *whole)).collect::<Vec<_>>();
+        let alike = |(blow, whole): &(Blow, bool)| {
+            blows.iter().position(|(other, also)| also == whole && Blow { pulse: blow.pulse, ..*other } == *blow)
+        };
+        let kin = blows.iter().filter_map(alike).collect();
         Ok(Self {
             design: Cow::Borrowed(design),
             plan,
             uniform: vec![[0.0; 2]; fields.len()],
             fields,
+            kin,
             cases: members,
             palette,
             width: Width::widest(),
@@ -259,8 +265,8 @@ impl<'a> Evaluator<'a> {
         self.scores_up_to(layouts, None, interrupt)
     }
 
-    /// As [`scores`](Self::scores), where a run ends as soon as its P is above what is still of interest (J), given for each layout:
-    /// it has [`Stop::Beyond`] then, and F and P are lower bounds. A search that asks for a contrast C and knows that no F
+    /// As [`scores`](Self::scores), where a run ends as soon as its P is above what is still of interest (J), given for each layout
+    /// and each case: it has [`Stop::Beyond`] then, and F and P are lower bounds. A search that asks for a contrast C and knows that no F
     /// exceeds some F_max loses nothing with F_max/C. Without full records only.
     ///
     /// # Errors
@@ -268,20 +274,28 @@ impl<'a> Evaluator<'a> {
     pub fn scores_within(
         &self,
         layouts: &[Vec<u8>],
-        protected_mean: &[f64],
+        protected_mean: &[Vec<f64>],
         interrupt: &AtomicBool,
     ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
         self.scores_up_to(layouts, Some(protected_mean), interrupt)
     }
 
+    /// What a layout with given F and P (J) would score in one of the cases, by these alone.
+    pub fn related(&self, case: usize, focal_mean: f64, protected_mean: f64) -> Scores {
+        let mut scores = Scores { focal_mean, protected_mean, ..Scores::default() };
+        self.relate(&mut scores, self.cases[case].0);
+        scores
+    }
+
     fn scores_up_to(
         &self,
         layouts: &[Vec<u8>],
-        most: Option<&[f64]>,
+        most: Option<&[Vec<f64>]>,
         interrupt: &AtomicBool,
     ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
-        // What is built under one impact, each a case and a layout, stands side by side; spheres of unequal size cost more, so they
-        // stand together. Materials of a case's own make kinds of contacts of its own, of which the lanes tell sixteen apart.
+        // What is built under blows that differ in their pulse alone, each a case and a layout, stands side by side; spheres of unequal
+        // size cost more, so they stand together. Materials of a case's own make kinds of contacts of its own, of which the lanes tell
+        // sixteen apart.
         let lanes = if self.detail == Detail::Everything { 1 } else { self.width.lanes() };
         let kinds = self.palette.len() * (self.palette.len() + 1) / 2;
         let few = (16 / kinds.max(1)).clamp(1, lanes);
@@ -289,7 +303,7 @@ impl<'a> Evaluator<'a> {
             (0..self.cases.len()).flat_map(|case| (0..layouts.len()).map(move |layout| (case, layout))).collect();
         let kind = |case: usize| {
             let (field, flaw) = &self.cases[case];
-            (*field, !flaw.radii.is_empty(), !flaw.materials.is_empty())
+            (self.kin[*field], !flaw.radii.is_empty(), !flaw.materials.is_empty())
         };
         built.sort_by_key(|&(case, _)| kind(case));
         let together = |alike: &'_ [(usize, usize)]| if kind(alike[0].0).2 { few } else { lanes };
@@ -307,12 +321,12 @@ impl<'a> Evaluator<'a> {
         Ok(runs.into_iter().map(|of_layout| of_layout.into_iter().flatten().collect()).collect())
     }
 
-    /// Cases and layouts side by side, all under the same impact.
+    /// Cases and layouts side by side, all under the same impact but for its pulse.
     fn follow(
         &self,
         group: &[(usize, usize)],
         layouts: &[Vec<u8>],
-        most: Option<&[f64]>,
+        most: Option<&[Vec<f64>]>,
         interrupt: &AtomicBool,
     ) -> Result<Vec<Evaluated>, EvaluatorError> {
         let Some(&(first, _)) = group.first() else { return Ok(Vec::new()) };
@@ -335,14 +349,12 @@ impl<'a> Evaluator<'a> {
             let share = 0.5 / sites.len() as f64;
             // P is the mean over sites of the mean of a site and its image, which in the half are one.
             let spheres = sites.iter().flat_map(|&site| field.on(site)).map(|sphere| (sphere, share)).collect();
-            Limit { spheres, most: group.iter().map(|&(_, layout)| most[layout]).collect() }
+            Limit { spheres, most: group.iter().map(|&(case, layout)| most[layout][case]).collect() }
         });
-        let (impact, width) = (&field.impact, self.width);
-        let briefs = match (field.friction, &limit) {
-            (Some(mu), limit) => simulate_batch_with_friction(&samples, impact, mu, limit.as_ref(), width, interrupt)?,
-            (None, Some(limit)) => simulate_batch_within(&samples, impact, limit, width, interrupt)?,
-            (None, None) => simulate_batch(&samples, impact, width, interrupt)?,
-        };
+        let pulses: Vec<ForcePulse> =
+            group.iter().map(|&(case, _)| self.fields[self.cases[case].0].impact.pulse).collect();
+        let (impact, friction) = (&field.impact, field.friction);
+        let briefs = simulate_batch_under(&samples, impact, &pulses, friction, limit.as_ref(), self.width, interrupt)?;
         Ok(briefs
             .into_iter()
             .map(|brief| Evaluated { scores: self.energies(&field.folded(&brief.max_kinetic)), stop: brief.stop })

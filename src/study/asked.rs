@@ -155,7 +155,7 @@ impl<'a> Asking<'a> {
     pub fn open(study: &'a Study, folder: &Path) -> Result<(Self, Vec<String>), StudyError> {
         let (ledger, loaded) = Ledger::<Question>::open(&asked_in(folder))?;
         let keys = (0..study.rungs.len())
-            .map(|rung| Ok(Key::new(study, &study.plan(rung)?)))
+            .map(|rung| Ok(Key::new(&study.at(rung), &study.plan(rung)?)))
             .collect::<Result<_, StudyError>>()?;
         let round = loaded.entries.last().map_or(0, |question| question.round + 1);
         let known = loaded.entries.into_iter().map(|question| question.key).collect();

@@ -31,7 +31,8 @@ pub fn costs(study: &Study, interrupt: &AtomicBool) -> Result<Vec<StageCost>, St
     let rungs = (0..study.rungs.len())
         .map(|rung| {
             let overrides = study.overrides(rung);
-            let evaluator = Evaluator::new(&study.design, &study.cases(), study.palette.clone(), overrides, interrupt)?
+            let cases = study.at(rung).cases();
+            let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, interrupt)?
                 .recording(study.detail());
             let begun = Instant::now();
             match &one {
@@ -47,7 +48,9 @@ pub fn costs(study: &Study, interrupt: &AtomicBool) -> Result<Vec<StageCost>, St
         .map(|stage| {
             let (step, seconds) = rungs[stage.rung];
             let evaluations = stage.evaluations;
-            StageCost { method: stage.work.name(), evaluations, step, core_seconds: seconds * evaluations as f64 }
+            let judged = stage.most_evaluations() - evaluations;
+            let core_seconds = rungs[stage.screen].1 * evaluations as f64 + seconds * judged as f64;
+            StageCost { method: stage.work.name(), evaluations, step, core_seconds }
         })
         .collect())
 }

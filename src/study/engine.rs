@@ -21,6 +21,8 @@ pub trait Engine {
 
 /// This process, on the threads of the current pool: what a study's evaluations need besides the study, at each of its steps.
 pub struct Local {
+    /// For each rung the study with its forces.
+    pub(super) at: Vec<Study>,
     /// For each rung.
     pub(super) evaluators: Vec<Evaluator<'static>>,
     /// For each rung.
@@ -33,11 +35,11 @@ impl Local {
     /// # Errors
     /// A step or window with which nothing can be simulated; uniform crystals that a guard stops; a request to stop.
     pub fn new(study: &Study, interrupt: &AtomicBool) -> Result<Self, StudyError> {
+        let at: Vec<Study> = (0..study.rungs.len()).map(|rung| study.at(rung)).collect();
         let evaluators = (0..study.rungs.len())
             .map(|rung| {
-                let overrides = study.overrides(rung);
-                let evaluator =
-                    Evaluator::new(&study.design, &study.cases(), study.palette.clone(), overrides, interrupt)?;
+                let (overrides, cases) = (study.overrides(rung), at[rung].cases());
+                let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, interrupt)?;
                 let evaluator = evaluator.recording(study.detail());
                 if !study.has_rivals() {
                     return Ok(evaluator.into_owned());
@@ -46,8 +48,8 @@ impl Local {
                 Ok(evaluator.against(&rivals, interrupt)?.into_owned())
             })
             .collect::<Result<Vec<_>, StudyError>>()?;
-        let keys = evaluators.iter().map(|evaluator| Key::new(study, evaluator.plan())).collect();
-        let local = Self { evaluators, keys };
+        let keys = evaluators.iter().zip(&at).map(|(evaluator, study)| Key::new(study, evaluator.plan())).collect();
+        let local = Self { at, evaluators, keys };
         let asks_for_protection = study.objective.wishes.iter().any(|wish| wish.measure == Measure::Protection);
         match local.no_protection() {
             Some(missing) if asks_for_protection => Err(missing.clone().into()),
@@ -76,15 +78,30 @@ impl Local {
         choices: &[&Choice],
         interrupt: &AtomicBool,
     ) -> Result<Vec<Entry>, StudyError> {
+        self.entries_within(study, rung, choices, None, interrupt)
+    }
+
+    /// The same where runs end as soon as they are above a limit: see [`Evaluator::scores_within`].
+    pub(super) fn entries_within(
+        &self,
+        study: &Study,
+        rung: usize,
+        choices: &[&Choice],
+        limits: Option<&[Vec<f64>]>,
+        interrupt: &AtomicBool,
+    ) -> Result<Vec<Entry>, StudyError> {
         let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.layout(choice).materials).collect();
-        let runs = self.evaluators[rung].scores(&layouts, interrupt)?;
+        let runs = match limits {
+            None => self.evaluators[rung].scores(&layouts, interrupt)?,
+            Some(limits) => self.evaluators[rung].scores_within(&layouts, limits, interrupt)?,
+        };
         // Only what comes before the first interrupted one is kept, so that the journal's order is that of the search.
         let is_interrupted =
             |runs: &Vec<Evaluated>| runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. })));
         let whole = runs.iter().position(is_interrupted).unwrap_or(runs.len());
         let letters = study.letters.len() as u8;
         let entry = |((runs, layout), choice): ((&Vec<Evaluated>, &Vec<u8>), &&Choice)| {
-            Entry::new(self.keys[rung].of(layout), pack(choice, letters), &study.by_impact(runs))
+            Entry::new(self.keys[rung].of(layout), pack(choice, letters), &self.at[rung].by_impact(runs))
         };
         Ok(runs[..whole].iter().zip(&layouts).zip(choices).map(entry).collect())
     }

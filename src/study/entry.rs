@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::journal::{sealed, unsealed};
+use crate::dem::Stop;
 use crate::evaluate::Evaluated;
 use crate::score::{Measure, Scores, Spreads, over_forces};
 
@@ -21,6 +22,9 @@ pub struct Entry {
     pub over_forces: Vec<Spreads>,
     /// Why a run ended early, if one did.
     pub stop: Option<String>,
+    /// Whether a run was cut short because it had come above what was of interest: its scores are bounds.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub cut: bool,
 }
 
 /// The scores of a journal, whose lines are many: only what a study knows, below short keys.
@@ -138,9 +142,11 @@ impl Entry {
         };
         let runs = |runs: &&[Evaluated]| runs.iter().map(|run| sound(&run.scores)).collect::<Vec<_>>();
         let (scores, spreads): (Vec<_>, Vec<_>) = impacts.iter().map(|impact| over_forces(&runs(impact))).unzip();
-        let stop = impacts.iter().copied().flatten().find_map(|run| run.stop.as_ref()).map(ToString::to_string);
+        let stop = impacts.iter().copied().flatten().find_map(|run| run.stop.as_ref());
+        let cut = matches!(stop, Some(Stop::Beyond { .. }));
+        let stop = stop.map(ToString::to_string);
         let several = impacts.iter().any(|runs| runs.len() > 1);
-        Self { key, layout, impacts: scores, over_forces: if several { spreads } else { Vec::new() }, stop }
+        Self { key, layout, impacts: scores, over_forces: if several { spreads } else { Vec::new() }, stop, cut }
     }
 
     /// As a line of a journal, with its checksum and its end.

@@ -9,7 +9,7 @@ use super::over::Over;
 use super::prices;
 use super::set::{self, ImpactFile, Tolerance, ToleranceFile};
 use super::source::Source;
-use super::stage::{self, MOST_EVALUATIONS, Stage, StageFile, Work};
+use super::stage::{self, MOST_EVALUATIONS, Scoring, Stage, StageFile, Work};
 use super::start::{self, Start};
 use super::{Objective, StudyError};
 use crate::design::Design;
@@ -39,6 +39,8 @@ struct StudyFile {
     materials: Vec<String>,
     rows: [u32; 2],
     x: Option<[String; 2]>,
+    #[serde(default)]
+    free_scored_rows: bool,
     objective: toml::Table,
     budget: Option<u64>,
     #[serde(default = "one")]
@@ -107,6 +109,8 @@ pub struct Study {
     pub stages: Vec<Stage>,
     /// The different steps at which the stages simulate; none is the design's own.
     pub rungs: Vec<Option<f64>>,
+    /// For each of them the forces that layouts are judged over; none are the study's.
+    pub rung_forces: Vec<Option<Forces>>,
     /// The window, where it differs from the design's.
     pub window: Option<f64>,
     /// How long one run may take (s).
@@ -165,7 +169,15 @@ impl Study {
             );
             return Err(source.fail("rows", message));
         }
-        let (stages, rungs) = read_stages(&source, &file)?;
+        let forces = read_forces(&source, &file)?;
+        if let Some(row) = scored_row(&design, file.rows).filter(|_| !file.free_scored_rows) {
+            let message = format!(
+                "rows = [{first}, {last}] hold row {row} of a scored region: a search then changes the spheres that are scored, and C and G rise for nothing. Leave these rows out, or write free_scored_rows = true."
+            );
+            return Err(source.fail("rows", message));
+        }
+        let (stages, scorings) = read_stages(&source, &file)?;
+        let (rungs, rung_forces) = scorings.into_iter().unzip();
         let impacts = set::read_impacts(&source, &file.impact, &design)?;
         let impacts = set::under_laws(&source, &file.laws, impacts)?;
         let seed = seed.unwrap_or(file.seed);
@@ -240,7 +252,6 @@ impl Study {
         let prices = prices::read(&source, file.prices.as_ref(), &design, &palette, &objective)?;
         let counter =
             LayoutCounter::new(&lattice, Some(&free), &palette, |material| prices.get(&material.name).copied());
-        let forces = read_forces(&source, &file)?;
         let mut study = Self {
             path: path.to_owned(),
             design,
@@ -254,6 +265,7 @@ impl Study {
             objective,
             stages,
             rungs,
+            rung_forces,
             window,
             time,
             seed,
@@ -315,7 +327,14 @@ impl Study {
 
     /// Evaluations of all stages together.
     pub fn budget(&self) -> u64 {
-        self.stages.iter().map(|stage| stage.evaluations).sum()
+        self.stages.iter().map(Stage::most_evaluations).sum()
+    }
+
+    /// The study with one of its rungs' forces in place of its own.
+    #[must_use]
+    pub fn at(&self, rung: usize) -> Self {
+        let forces = self.rung_forces.get(rung).copied().flatten().unwrap_or(self.forces);
+        Self { forces, ..self.clone() }
     }
 
     /// Integrator, step and window of one of the rungs.
@@ -329,7 +348,7 @@ impl Study {
     /// # Errors
     /// A step or window with which an impact cannot be simulated.
     pub fn plan(&self, rung: usize) -> Result<Plan, PlanError> {
-        let blows: Vec<Blow> = self.cases().into_iter().map(|case| case.blow).collect();
+        let blows: Vec<Blow> = self.at(rung).cases().into_iter().map(|case| case.blow).collect();
         common_plan(&self.design, &blows, self.overrides(rung), &self.palette)
     }
 
@@ -367,14 +386,26 @@ impl Study {
     }
 }
 
+/// One of the rows that belong to a scored region. Whoever may change the scored spheres can change what counts instead of what
+/// happens.
+fn scored_row(design: &Design, [first, last]: [u32; 2]) -> Option<u32> {
+    let regions = design.target.foci.iter().map(|focus| &focus.region).chain([&design.target.protect]);
+    regions.flat_map(|region| region.rows[0]..=region.rows[1]).find(|row| (first..=last).contains(row))
+}
+
+/// How far forces lie from an impact's own, as a part of it.
+fn read_band(source: &Source<'_>, file: &StudyFile) -> Result<f64, StudyError> {
+    match &file.band {
+        Some(text) => source.quantity(Fraction, "band", text, |message| source.fail("band", message)),
+        None => Ok(Forces::USUAL.band()),
+    }
+}
+
 /// The forces about each impact's own.
 fn read_forces(source: &Source<'_>, file: &StudyFile) -> Result<Forces, StudyError> {
-    let band = match &file.band {
-        Some(text) => source.quantity(Fraction, "band", text, |message| source.fail("band", message))?,
-        None => Forces::USUAL.band(),
-    };
+    let band = read_band(source, file)?;
     let Some(count) = file.forces else {
-        let alone = file.band.is_some();
+        let alone = file.band.is_some() && file.stage.iter().all(|stage| stage.forces().is_none());
         let message = "band has no use without forces, such as forces = 8.";
         return if alone { Err(source.fail("band", message.to_owned())) } else { Ok(Forces::ONE) };
     };
@@ -382,7 +413,7 @@ fn read_forces(source: &Source<'_>, file: &StudyFile) -> Result<Forces, StudyErr
 }
 
 /// The stages, or the one that method, budget and step at the top stand for.
-fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec<Option<f64>>), StudyError> {
+fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec<Scoring>), StudyError> {
     let step = match &file.step {
         Some(text) => Some(source.quantity(Time, "step", text, |message| source.fail("step", message))?),
         None => None,
@@ -398,7 +429,7 @@ fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec
             let message = format!("budget = {budget} must be 1 to {MOST_EVALUATIONS} evaluations.");
             return Err(source.fail("budget", message));
         }
-        return Ok((vec![stage::single(method, budget)], vec![step]));
+        return Ok((vec![stage::single(method, budget)], vec![(step, None)]));
     }
     let above = [("method", file.method.is_some()), ("budget", file.budget.is_some()), ("step", step.is_some())];
     if let Some((key, _)) = above.into_iter().find(|(_, given)| *given) {
@@ -406,5 +437,5 @@ fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec
             format!("{key} stands above [[stage]]; give it in each stage (budget as evaluations), or no stages.");
         return Err(source.fail(key, message));
     }
-    stage::read(source, &file.stage)
+    stage::read(source, &file.stage, read_band(source, file)?)
 }

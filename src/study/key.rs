@@ -1,6 +1,6 @@
 //! What an evaluation depends on, hashed.
 
-use super::{Entry, Study};
+use super::{Entry, Stage, Study, Work};
 use crate::contact::LawKind;
 use crate::evaluate::{Detail, Plan};
 use crate::search::Choice;
@@ -115,8 +115,10 @@ impl Study {
     pub fn settings(&self) -> String {
         let mut key = Key(BEGIN);
         key.add(self.problem().as_bytes());
-        let stages: Vec<_> = self.stages.iter().map(|stage| super::Stage { evaluations: 0, ..*stage }).collect();
-        let looked = (self.seed, self.tolerance, &self.starts, &self.bases, stages, &self.rungs);
+        // How long a climb is decides about its temperature all along.
+        let length = |stage: &Stage| if stage.work == Work::Climb { stage.evaluations } else { 0 };
+        let stages: Vec<_> = self.stages.iter().map(|stage| Stage { evaluations: length(stage), ..*stage }).collect();
+        let looked = (self.seed, self.tolerance, &self.starts, &self.bases, stages, &self.rungs, &self.rung_forces);
         key.add(format!("{looked:?}").as_bytes());
         key.text()
     }

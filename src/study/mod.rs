@@ -10,20 +10,23 @@
 //! - `over`: scores under several impacts to one; `objective`: measures to one number, or to several that are traded
 //! - `set`: impacts, and crystals that are not built as drawn; `tolerance`: what a layout loses then; `prices`: what spheres cost
 //! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
-//! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with
+//! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with;
+//!   `finals`: the figures that the best is known by
 //! - `engine`: who evaluates; `asked`: what is asked of others, and how shards share it; `shard`: one shard, and how they are folded
 //! - `settings`: which study a folder holds; `report`: what it came to, as files; `bundle`: a study with all its files
 //! - `why`: which settings the evaluations of a journal belong to
-//! - `run`: ask, evaluate, write down, tell; `cost`: how long that will take
+//! - `run`: ask, evaluate, write down, tell; `climb`: the same where a cheap score screens for a costly one; `cost`: how long that will take
 
 mod asked;
 mod baselines;
 mod bundle;
+mod climb;
 mod cost;
 mod engine;
 mod entry;
 mod family;
 mod file;
+mod finals;
 mod journal;
 mod key;
 mod objective;
@@ -49,6 +52,7 @@ pub use cost::{StageCost, costs};
 pub use engine::{Engine, Local};
 pub use entry::{Entry, pack, unpack};
 pub use file::Study;
+pub use finals::Final;
 pub use journal::{Journal, Ledger, Line, Loaded};
 pub use key::Key;
 pub use objective::{Aim, Objective, Wish};

@@ -143,6 +143,19 @@ impl Objective {
         Some(loss)
     }
 
+    /// Whether the loss can only rise with P, and only fall with F, and depends on nothing else.
+    pub fn follows_energies(&self) -> bool {
+        self.wishes.iter().all(|wish| match wish.measure {
+            Measure::Contrast | Measure::FocalGain | Measure::FocalMean => {
+                wish.max.is_none() && matches!(wish.aim, None | Some(Aim::Maximise))
+            }
+            Measure::Protection | Measure::ProtectedMean => {
+                wish.min.is_none() && matches!(wish.aim, None | Some(Aim::Minimise))
+            }
+            _ => false,
+        })
+    }
+
     /// The measures with an aim, in the order of a loss's parts.
     pub fn aims(&self) -> impl Iterator<Item = &Wish> {
         self.wishes.iter().filter(|wish| wish.aim.is_some())

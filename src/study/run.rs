@@ -1,10 +1,11 @@
 //! Ask, evaluate, write down, tell: stage after stage.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::climb::above;
 use super::engine::{Engine, Local};
 use super::family::RayNotes;
 use super::rung::{Judged, Rung, order};
@@ -12,7 +13,7 @@ use super::stage::{Stage, Work};
 use super::state::{self, Ended, Found, RungState, StageState, State};
 use super::tolerance::{self, Loses};
 use super::why::Circumstances;
-use super::{Entry, Improvement, Journal, Study, StudyError, baselines};
+use super::{Entry, Final, Improvement, Journal, Study, StudyError, baselines, finals};
 use crate::search::{Choice, Dice, Loss, Method, Painter, Proof, Rounds, Search as _};
 
 /// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
@@ -71,14 +72,16 @@ fn go(
     loaded.warnings.iter().for_each(|warning| watch.warning(warning));
     for (rung, evaluator) in local.evaluators.iter().enumerate() {
         let plan = evaluator.plan();
-        Circumstances::note(study, plan, local.keys[rung], journal_path)?.iter().for_each(|told| watch.warning(told));
+        let told = Circumstances::note(&local.at[rung], plan, local.keys[rung], journal_path)?;
+        told.iter().for_each(|told| watch.warning(told));
     }
     if let Some(missing) = local.no_protection() {
         watch.warning(&format!("there is no Q under every impact: {missing}"));
     }
-    let cache: Vec<HashMap<Choice, &Entry>> =
-        local.keys.iter().map(|key| key.own(study, &loaded.entries).into_iter().collect()).collect();
-    let used: HashSet<&str> = cache.iter().flat_map(HashMap::values).map(|entry| entry.key.as_str()).collect();
+    let cache: Vec<HashMap<Choice, VecDeque<&Entry>>> =
+        local.keys.iter().zip(&local.at).map(|(key, study)| by_choice(key.own(study, &loaded.entries))).collect();
+    let used: HashSet<&str> =
+        cache.iter().flat_map(HashMap::values).flatten().map(|entry| entry.key.as_str()).collect();
     let others = loaded.entries.iter().filter(|entry| !used.contains(entry.key.as_str())).count();
     if others > 0 {
         watch.warning(&format!(
@@ -100,6 +103,7 @@ fn go(
         front: None,
         history: Vec::new(),
         baselines: Vec::new(),
+        finals: Vec::new(),
         tolerance: None,
     };
     let first = study.first();
@@ -109,22 +113,29 @@ fn go(
     run.go(watch)
 }
 
+/// A journal's entries by choice, those of one choice in their order.
+fn by_choice(own: Vec<(Choice, &Entry)>) -> HashMap<Choice, VecDeque<&Entry>> {
+    let mut all: HashMap<Choice, VecDeque<&Entry>> = HashMap::new();
+    own.into_iter().for_each(|(choice, entry)| all.entry(choice).or_default().push_back(entry));
+    all
+}
+
 /// A study that is under way.
-struct Run<'a, 'e> {
-    study: &'a Study,
-    local: Local,
+pub(super) struct Run<'a, 'e> {
+    pub study: &'a Study,
+    pub local: Local,
     /// Who evaluates, where others do.
     engine: Option<&'e mut dyn Engine>,
     /// Step of each rung (s).
     steps: Vec<f64>,
     journal: Journal,
-    /// For each rung what the journal holds.
-    cache: Vec<HashMap<Choice, &'a Entry>>,
-    rungs: Vec<Rung>,
+    /// For each rung what the journal holds and has not been asked for yet.
+    cache: Vec<HashMap<Choice, VecDeque<&'a Entry>>>,
+    pub rungs: Vec<Rung>,
     first: Vec<Choice>,
     interrupt: &'a AtomicBool,
     deadline: Option<Instant>,
-    state: State,
+    pub state: State,
     /// What rays say of lenses that were asked for.
     rays: RayNotes,
     /// Rung, choice and loss of the best or nearest.
@@ -178,17 +189,20 @@ impl Run<'_, '_> {
             .map(|rung| {
                 let (rank_correlation, shared) = self.rungs[rung].correlation(&self.rungs[finest]);
                 let evaluations = self.rungs[rung].all().len() as u64;
-                RungState { step: self.steps[rung], evaluations, rank_correlation, shared: shared as u64 }
+                let forces = self.local.at[rung].forces.count() as u64;
+                RungState { step: self.steps[rung], forces, evaluations, rank_correlation, shared: shared as u64 }
             })
             .collect();
         let start = self.rungs[finest].get(&self.first[0]).or_else(|| self.rungs[0].get(&self.first[0]));
         self.state.front = state::front_of(self.study, &self.rungs[finest], start);
         if !self.state.ended.goes_on() {
-            let baselines = baselines::evaluate(self.study, &self.local.evaluators[finest], self.interrupt)?;
+            let evaluator = &self.local.evaluators[finest];
+            let baselines = baselines::evaluate(&self.local.at[finest], evaluator, self.interrupt)?;
             if self.interrupt.load(Ordering::Relaxed) {
                 self.state.ended = Ended::Interrupted;
             } else {
                 self.state.baselines = baselines;
+                self.state.finals = self.finals(finest)?;
                 self.state.tolerance = self.tolerance(finest)?;
                 self.state.glances = self.rungs[finest].glances(self.study, &self.rays);
             }
@@ -196,12 +210,25 @@ impl Run<'_, '_> {
         Ok(self.state)
     }
 
+    /// The best or nearest layout.
+    fn found(&self) -> Option<Choice> {
+        self.state.found()?.entry.choice(self.study.free.len(), self.study.letters.len() as u8)
+    }
+
+    /// The figures of the best or nearest layout.
+    fn finals(&mut self, finest: usize) -> Result<Vec<Final>, StudyError> {
+        let Some(choice) = self.found() else { return Ok(Vec::new()) };
+        let finals = finals::evaluate(self.study, &choice, self.steps[finest], self.interrupt)?;
+        if self.interrupt.load(Ordering::Relaxed) {
+            self.state.ended = Ended::Interrupted;
+        }
+        Ok(finals)
+    }
+
     /// What the best or nearest layout loses where it is not built as drawn.
     fn tolerance(&mut self, finest: usize) -> Result<Option<Loses>, StudyError> {
-        let Some(found) = self.state.found() else { return Ok(None) };
-        let letters = self.study.letters.len() as u8;
-        let Some(choice) = found.entry.choice(self.study.free.len(), letters) else { return Ok(None) };
-        let loses = tolerance::evaluate(self.study, &choice, finest, self.interrupt)?;
+        let Some(choice) = self.found() else { return Ok(None) };
+        let loses = tolerance::evaluate(&self.local.at[finest], &choice, finest, self.interrupt)?;
         if self.interrupt.load(Ordering::Relaxed) {
             self.state.ended = Ended::Interrupted;
             return Ok(None);
@@ -211,9 +238,14 @@ impl Run<'_, '_> {
 
     /// The best `count` of the stages before this one, at the step of the last of them; the starts before there is any.
     fn promoted(&self, k: usize) -> Vec<Choice> {
+        self.promoted_of(k, self.study.stages[k].promote)
+    }
+
+    /// The same with another number of them.
+    pub fn promoted_of(&self, k: usize, count: usize) -> Vec<Choice> {
         let Some(before) = k.checked_sub(1) else { return self.first.clone() };
         let ranked = self.rungs[self.study.stages[before].rung].ranked();
-        ranked.iter().take(self.study.stages[k].promote).map(|judged| judged.choice.clone()).collect()
+        ranked.iter().take(count).map(|judged| judged.choice.clone()).collect()
     }
 
     /// Evenly over the ranks behind those that are promoted.
@@ -231,9 +263,13 @@ impl Run<'_, '_> {
             step: self.steps[stage.rung],
             evaluations: 0,
             rounds: 0,
+            judged: 0,
             best: None,
             within_limits: false,
         });
+        if stage.work == Work::Climb {
+            return self.climb(k, seed, watch);
+        }
         let starts = self.promoted(k);
         let mut search = match stage.work {
             Work::Search(method) => {
@@ -248,16 +284,13 @@ impl Run<'_, '_> {
                 };
                 Some(Rounds::new(method, &space, starts.clone(), painter, seed))
             }
-            Work::Rescore => None,
+            Work::Climb | Work::Rescore => None,
         };
         let mut list = if search.is_none() { [starts, self.sample(k)].concat() } else { Vec::new() };
         let mut stale = 0;
         let ended = loop {
-            if self.interrupt.load(Ordering::Relaxed) {
-                break Ended::Interrupted;
-            }
-            if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                break Ended::Time;
+            if let Some(ended) = self.is_over() {
+                break ended;
             }
             let asked = match &mut search {
                 Some(search) => search.ask(),
@@ -290,6 +323,57 @@ impl Run<'_, '_> {
         Ok(ended)
     }
 
+    /// Whether what is not there has been asked of others.
+    pub fn waits(&self) -> bool {
+        self.engine.is_some() && !self.interrupt.load(Ordering::Relaxed)
+    }
+
+    /// Why nothing more is to be done, if so.
+    pub fn is_over(&self) -> Option<Ended> {
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Some(Ended::Interrupted);
+        }
+        self.deadline.filter(|deadline| Instant::now() >= *deadline).map(|_| Ended::Time)
+    }
+
+    /// What the journal holds of a choice and has not given yet. An entry that was cut short serves only where it is above one of the
+    /// limits.
+    fn held(&mut self, rung: usize, choice: &Choice, limits: Option<&Vec<f64>>) -> Option<Entry> {
+        let held = self.cache[rung].get_mut(choice)?;
+        while let Some(entry) = held.pop_front() {
+            if !entry.cut || limits.is_some_and(|limits| above(entry, limits)) {
+                return Some(entry.clone());
+            }
+        }
+        None
+    }
+
+    /// Entries of choices, from the journal or by simulation: all, or those before the first that was interrupted, so that the journal's
+    /// order is that of the search; and how many were simulated.
+    pub fn entries(
+        &mut self,
+        rung: usize,
+        choices: &[&Choice],
+        limits: Option<&[Vec<f64>]>,
+    ) -> Result<(Vec<Entry>, usize), StudyError> {
+        let of = |k: usize| limits.map(|limits| &limits[k]);
+        let held: Vec<Option<Entry>> = (0..choices.len()).map(|k| self.held(rung, choices[k], of(k))).collect();
+        let unknown: Vec<usize> = (0..choices.len()).filter(|&k| held[k].is_none()).collect();
+        let asked: Vec<&Choice> = unknown.iter().map(|&k| choices[k]).collect();
+        let limits: Option<Vec<Vec<f64>>> =
+            limits.map(|limits| unknown.iter().map(|&k| limits[k].clone()).collect());
+        let new = match &mut self.engine {
+            _ if asked.is_empty() => Vec::new(),
+            None => self.local.entries_within(self.study, rung, &asked, limits.as_deref(), self.interrupt)?,
+            // Others know of no limits and answer in full.
+            Some(engine) => answers(self.study, &self.local, rung, &asked, engine.entries(rung, &asked)?)?,
+        };
+        self.journal.append(&new)?;
+        let simulated = new.len();
+        let mut new = new.into_iter();
+        Ok((held.into_iter().map_while(|held| held.or_else(|| new.next())).collect(), simulated))
+    }
+
     /// Evaluates what is new of a batch, within the stage's evaluations; and how many of it were simulated.
     fn batch(&mut self, k: usize, asked: &[Choice]) -> Result<(Batch, usize), StudyError> {
         let Stage { rung, evaluations, .. } = self.study.stages[k];
@@ -304,30 +388,14 @@ impl Run<'_, '_> {
         let cut = fresh.len() > left;
         fresh.truncate(left);
 
-        let unknown: Vec<&Choice> =
-            fresh.iter().copied().filter(|choice| !self.cache[rung].contains_key(*choice)).collect();
-        let new = match &mut self.engine {
-            _ if unknown.is_empty() => Vec::new(),
-            None => self.local.entries(self.study, rung, &unknown, self.interrupt)?,
-            Some(engine) => answers(self.study, &self.local, rung, &unknown, engine.entries(rung, &unknown)?)?,
-        };
-        let whole = new.len() == unknown.len();
-        self.journal.append(&new)?;
-        let simulated = new.len();
-        let mut new = new.into_iter();
-        for choice in fresh {
-            let entry = match self.cache[rung].get(choice) {
-                Some(&entry) => entry.clone(),
-                None => match new.next() {
-                    Some(entry) => entry,
-                    None => break,
-                },
-            };
-            self.judge(k, choice, entry);
+        let (entries, simulated) = self.entries(rung, &fresh, None)?;
+        let whole = entries.len() == fresh.len();
+        for (choice, entry) in fresh.into_iter().zip(entries) {
+            self.count(k, &entry);
+            self.judge(rung, choice, entry);
         }
         if !whole {
-            let asked = self.engine.is_some() && !self.interrupt.load(Ordering::Relaxed);
-            return Ok((if asked { Batch::Asked } else { Batch::Interrupted }, simulated));
+            return Ok((if self.waits() { Batch::Asked } else { Batch::Interrupted }, simulated));
         }
         let losses =
             asked.iter().map(|choice| self.rungs[rung].get(choice).map(|judged| judged.loss.clone())).collect();
@@ -335,22 +403,26 @@ impl Run<'_, '_> {
         Ok((if cut { None } else { losses }.map_or(Batch::Spent, Batch::Whole), simulated))
     }
 
-    /// Takes down one evaluation.
-    fn judge(&mut self, k: usize, choice: &Choice, entry: Entry) {
-        let rung = self.study.stages[k].rung;
+    /// Counts one evaluation of a stage.
+    pub fn count(&mut self, k: usize, entry: &Entry) {
         self.state.evaluations += 1;
         self.state.stages[k].evaluations += 1;
-        self.state.stopped += u64::from(entry.stop.is_some());
+        self.state.stopped += u64::from(entry.stop.is_some() && !entry.cut);
+    }
+
+    /// Takes down one evaluation.
+    pub fn judge(&mut self, rung: usize, choice: &Choice, entry: Entry) {
         let judged = self.rungs[rung].add(self.study, choice, entry);
         let loss = judged.loss.clone();
-        if k == 0 && *choice == self.first[0] {
+        if self.state.start.is_none() && *choice == self.first[0] {
             let judged = judged.clone();
             self.state.start = Some(Found::new(self.study, &self.rungs[rung], &judged, Proof::None));
         }
-        // A finer step's word counts more than any coarser one's.
+        // The word of a finer step, or of more forces, counts more than any coarser one's.
+        let fineness = |rung: usize| (-self.steps[rung], self.local.at[rung].forces.count());
         let better = loss.is_finite()
             && self.top.as_ref().is_none_or(|(at, _, least)| {
-                self.steps[rung] < self.steps[*at] || (rung == *at && order(&loss) < order(least))
+                fineness(rung) > fineness(*at) || (rung == *at && order(&loss) < order(least))
             });
         if better {
             let (evaluations, step) = (self.state.evaluations, self.steps[rung]);
@@ -366,7 +438,7 @@ impl Run<'_, '_> {
         if same { proof } else { Proof::None }
     }
 
-    fn show_best(&mut self, proof: Proof) {
+    pub fn show_best(&mut self, proof: Proof) {
         let Some((rung, choice, _)) = &self.top else { return };
         let rung = &self.rungs[*rung];
         let Some(judged) = rung.get(choice) else { return };
@@ -375,7 +447,7 @@ impl Run<'_, '_> {
             if found.within_limits { (Some(found), None) } else { (None, Some(found)) };
     }
 
-    fn show_stage(&mut self, k: usize) {
+    pub fn show_stage(&mut self, k: usize) {
         let best: Option<&Judged> = self.rungs[self.study.stages[k].rung]
             .all()
             .iter()

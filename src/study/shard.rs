@@ -69,7 +69,7 @@ pub fn evaluate_shard(
     let asked = Ledger::<Question>::read(&asked_in(folder))?;
     let mut done = ShardDone { warnings: asked.warnings, ..ShardDone::default() };
     let keys: Vec<Key> = (0..study.rungs.len())
-        .map(|rung| Ok(Key::new(study, &study.plan(rung)?)))
+        .map(|rung| Ok(Key::new(&study.at(rung), &study.plan(rung)?)))
         .collect::<Result<_, StudyError>>()?;
     let ours = |question: &Question| {
         let choice = question.choice(study)?;

@@ -4,7 +4,8 @@ use serde::Deserialize;
 
 use super::StudyError;
 use super::source::Source;
-use crate::search::{BATCH, Method, MethodError, ORDER};
+use crate::evaluate::Forces;
+use crate::search::{BATCH, Method, MethodError, ORDER, TEMPERATURES};
 use crate::units::Dimension::Time;
 
 /// More is taken for a slip: all evaluations are held in memory.
@@ -21,15 +22,27 @@ const MOST_BATCH: usize = 64;
 pub enum Work {
     /// Searches, from the best layouts so far.
     Search(Method),
+    /// Anneals at low temperature, screened at a coarse step before scores at its own decide.
+    Climb,
     /// Evaluates anew, at its own step, the best layouts so far and a sample of the others.
     Rescore,
 }
+
+/// The name of [`Work::Climb`].
+const CLIMB: &str = "climb";
+
+/// Layouts that a climb begins with where nobody says how many.
+const BASINS: usize = 4;
+
+/// Of the screened proposals of a climb about one in so many is judged.
+const JUDGED: u64 = 16;
 
 impl Work {
     /// The name as it is written in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Search(method) => method.name(),
+            Self::Climb => CLIMB,
             Self::Rescore => "rescore",
         }
     }
@@ -40,10 +53,14 @@ impl Work {
 pub struct Stage {
     /// What it does.
     pub work: Work,
-    /// Evaluations of layouts that are new at its step.
+    /// Evaluations of layouts that are new at its step; of a climb proposals that are screened.
     pub evaluations: u64,
-    /// Place of its step among the study's rungs.
+    /// Place of its step, and of how many forces it judges by, among the study's rungs.
     pub rung: usize,
+    /// The same of a climb's screen; else its own.
+    pub screen: usize,
+    /// First and last temperature of a climb, in ln C where C alone counts.
+    pub temperatures: [f64; 2],
     /// How many of the best layouts of the stages before it is given.
     pub promote: usize,
     /// How many layouts, evenly over the ranks of what the stages before evaluated, are evaluated with them, so that the rank
@@ -65,33 +82,92 @@ pub(super) struct StageFile {
     sample: Option<usize>,
     order: Option<usize>,
     batch: Option<usize>,
+    screen: Option<String>,
+    forces: Option<usize>,
+    temperature: Option<[f64; 2]>,
 }
 
-/// Stages, and the different steps at which they simulate (s), none being the design's own; in order of first use.
-pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stage>, Vec<Option<f64>>), StudyError> {
-    let mut rungs: Vec<Option<f64>> = Vec::new();
+impl StageFile {
+    /// How many forces it judges by, where it says.
+    pub fn forces(&self) -> Option<usize> {
+        self.forces
+    }
+}
+
+impl Stage {
+    /// About how many evaluations there will be at most, at any step.
+    pub fn most_evaluations(&self) -> u64 {
+        self.evaluations + if self.work == Work::Climb { self.evaluations / JUDGED } else { 0 }
+    }
+}
+
+/// A step (s), none being the design's own, and the forces that layouts are judged over at it, none being the study's.
+pub(super) type Scoring = (Option<f64>, Option<Forces>);
+
+/// Stages, and the different steps and forces by which they score, in order of first use. `band` is how far forces lie from an
+/// impact's own.
+pub(super) fn read(
+    source: &Source<'_>,
+    files: &[StageFile],
+    band: f64,
+) -> Result<(Vec<Stage>, Vec<Scoring>), StudyError> {
+    let mut rungs: Vec<Scoring> = Vec::new();
     let mut stages: Vec<Stage> = Vec::new();
     for (k, file) in files.iter().enumerate() {
         let fail = |key: &str, message: String| source.fail_in("stage", k, key, message);
-        let step = match &file.step {
-            Some(text) => Some(source.quantity(Time, "step", text, |message| fail("step", message))?),
-            None => None,
+        let time = |key: &'static str, text: &Option<String>| match text {
+            Some(text) => source.quantity(Time, key, text, |message| fail(key, message)).map(Some),
+            None => Ok(None),
         };
-        let rung = rungs.iter().position(|&known| known == step).unwrap_or_else(|| {
-            rungs.push(step);
-            rungs.len() - 1
-        });
+        let step = time("step", &file.step)?;
+        let forces = file.forces.map(|count| Forces::new(count, band)).transpose();
+        let forces = forces.map_err(|error| fail("forces", format!("forces: {error}.")))?;
+        let mut place = |scoring: Scoring| {
+            rungs.iter().position(|&known| known == scoring).unwrap_or_else(|| {
+                rungs.push(scoring);
+                rungs.len() - 1
+            })
+        };
         let work = match file.method.as_str() {
+            CLIMB => Work::Climb,
             "rescore" => Work::Rescore,
             name => match name.parse() {
                 Ok(method) => Work::Search(method),
-                Err(error @ MethodError::Unknown(_)) => return Err(fail("method", format!("{error}, rescore."))),
+                Err(error @ MethodError::Unknown(_)) => {
+                    return Err(fail("method", format!("{error}, climb, rescore.")));
+                }
                 Err(error) => return Err(fail("method", format!("{error}."))),
             },
         };
+        let (screen, rung) = if work == Work::Climb {
+            let Some(screen) = time("screen", &file.screen)? else {
+                let message = "a climb needs a screen, such as screen = \"5e-7 s\", beside its step.";
+                return Err(fail("method", message.to_owned()));
+            };
+            // First the coarse one, as stages use them.
+            let screen = place((Some(screen), Some(Forces::ONE)));
+            (screen, place((step, forces)))
+        } else {
+            if file.screen.is_some() || file.temperature.is_some() {
+                let key = if file.screen.is_some() { "screen" } else { "temperature" };
+                return Err(fail(key, format!("{key} belongs to stages with method = \"climb\".")));
+            }
+            let rung = place((step, forces));
+            (rung, rung)
+        };
+        let temperatures = file.temperature.unwrap_or(TEMPERATURES);
+        if !(temperatures[1] > 0.0 && temperatures[0] >= temperatures[1] && temperatures[0] <= 1.0) {
+            let message =
+                "temperature must be the first and the last, from 1 down to more than 0, such as [0.002, 0.0005].";
+            return Err(fail("temperature", message.to_owned()));
+        }
         let several =
             matches!(work, Work::Search(Method::Genetic | Method::GeneticLocal | Method::Nsga) | Work::Rescore);
-        let promote = file.promote.unwrap_or(if several { 16 } else { 1 });
+        let promote = file.promote.unwrap_or(match work {
+            Work::Climb => BASINS,
+            _ if several => 16,
+            _ => 1,
+        });
         let sample = file.sample.unwrap_or(0);
         if work == Work::Rescore && k == 0 {
             return Err(fail(
@@ -134,12 +210,23 @@ pub(super) fn read(source: &Source<'_>, files: &[StageFile]) -> Result<(Vec<Stag
         if !(1..=MOST_EVALUATIONS).contains(&evaluations) {
             return Err(fail("evaluations", format!("evaluations = {evaluations} must be 1 to {MOST_EVALUATIONS}.")));
         }
-        stages.push(Stage { work, evaluations, rung, promote: promote.max(1), sample, order, batch });
+        let promote = promote.max(1);
+        stages.push(Stage { work, evaluations, rung, screen, temperatures, promote, sample, order, batch });
     }
     Ok((stages, rungs))
 }
 
 /// The one stage of a study that names its method at the top.
 pub(super) fn single(method: Method, evaluations: u64) -> Stage {
-    Stage { work: Work::Search(method), evaluations, rung: 0, promote: 1, sample: 0, order: ORDER, batch: BATCH }
+    Stage {
+        work: Work::Search(method),
+        evaluations,
+        rung: 0,
+        screen: 0,
+        temperatures: TEMPERATURES,
+        promote: 1,
+        sample: 0,
+        order: ORDER,
+        batch: BATCH,
+    }
 }

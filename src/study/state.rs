@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::rung::{Judged, Rung};
-use super::{BaselineScores, Entry, Loses, Study};
+use super::{BaselineScores, Entry, Final, Loses, Study};
 use crate::score::Scores;
 use crate::search::{Proof, front, hypervolume, knee};
 
@@ -74,8 +74,11 @@ pub struct StageState {
     /// Its step (s).
     #[serde(rename = "step_s")]
     pub step: f64,
-    /// Evaluations of layouts that were new at this step.
+    /// Evaluations of layouts that were new at this step; of a climb at its screen's too.
     pub evaluations: u64,
+    /// How many layouts a climb has judged at this step.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub judged: u64,
     /// Rounds of the method that have ended.
     pub rounds: u64,
     /// The best layout at this step when the stage ended.
@@ -84,12 +87,23 @@ pub struct StageState {
     pub within_limits: bool,
 }
 
+fn is_none(count: &u64) -> bool {
+    *count == 0
+}
+
+fn one() -> u64 {
+    1
+}
+
 /// What a step is worth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RungState {
     /// The step (s).
     #[serde(rename = "step_s")]
     pub step: f64,
+    /// Over how many forces layouts are judged.
+    #[serde(default = "one")]
+    pub forces: u64,
     /// Layouts evaluated at it.
     pub evaluations: u64,
     /// Spearman's rank correlation of the objective with that at the finest step, over the layouts evaluated at both.
@@ -166,6 +180,9 @@ pub struct State {
     pub history: Vec<Improvement>,
     /// What layouts are compared with, at the finest step that is reached; simulated at the end.
     pub baselines: Vec<BaselineScores>,
+    /// The figures of the best layout, or the nearest, at the finest step that is reached and at half of it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub finals: Vec<Final>,
     /// What the best layout, or the nearest, loses where it is not built as drawn, at the finest step that is reached.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Loses>,

@@ -186,6 +186,7 @@ pub fn why(study: &Study, journal: &Path) -> Result<Vec<Why>, StudyError> {
     let now = (0..study.rungs.len())
         .map(|rung| {
             let plan = study.plan(rung)?;
+            let study = &study.at(rung);
             Ok(Circumstances::now(study, &plan, Key::new(study, &plan)))
         })
         .collect::<Result<Vec<_>, StudyError>>()?;

@@ -84,7 +84,7 @@ fn every_command_says_the_same_of_a_layout() {
         desk.write("layout.csv", layout::write(&layout));
         let materials: Vec<String> = layout.palette.iter().map(|m| format!("\"{}\"", m.name)).collect();
         let study = format!(
-            "format = 1\ndesign = \"design.toml\"\nmaterials = [{}]\nrows = [1, {}]\nstart = \"layout.csv\"\nmethod = \"local\"\n\
+            "format = 1\ndesign = \"design.toml\"\nmaterials = [{}]\nrows = [1, {}]\nfree_scored_rows = true\nstart = \"layout.csv\"\nmethod = \"local\"\n\
              budget = 1\nstep = \"{STEP}\"\nwindow = \"{WINDOW}\"\nobjective = {{ contrast = {{ maximise = 1 }} }}\n",
             materials.join(", "),
             read.lattice.rows(),

@@ -14,6 +14,7 @@ fn wrong_study_files_hear_their_line() {
         ("brass-260", "bras-260", "study.toml:3: materials: unknown material \"bras-260\" (did you mean"),
         ("rows = [3, 5]", "rows = [5, 3]", "study.toml:4: rows = [5, 3] must be"),
         ("rows = [3, 5]", "rows = [3, 9]", "of rows 1 to 8"),
+        ("rows = [3, 5]", "rows = [3, 7]", "study.toml:4: rows = [3, 7] hold row 7 of a scored region"),
         ("rows = [3, 5]", "rows = [3, 5]\nx = [\"2 D\", \"1 D\"]", "study.toml:5: x holds no sphere of these rows"),
         ("rows = [3, 5]", "rows = [3, 5]\nx = [\"2\", \"1 D\"]", "study.toml:5: x:"),
         ("maximise", "minimize", "study.toml:5: objective.contrast: unknown field `minimize`"),

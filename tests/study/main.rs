@@ -2,6 +2,7 @@
 //!
 //! - `bayes`: Bayesian optimisation, and a build without it
 //! - `optimum`: every method finds what brute force finds, within the limits
+//! - `climb`: annealing screened at a coarse step; the figures a study ends with
 //! - `stages`: several impacts, several steps, one after the other
 //! - `resume`: the same bits whatever ends a run and on any number of threads
 //! - `kill`: the program itself, killed while it writes
@@ -13,6 +14,7 @@
 //! - `stored`: the layouts in `studies/`, against what is said about them
 
 mod bayes;
+mod climb;
 mod files;
 mod journal;
 mod kill;

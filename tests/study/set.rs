@@ -147,7 +147,8 @@ fn a_run_ends_when_its_limit_is_out_of_reach() {
     // Every second one may come to what it does come to, the others to half of it.
     let most: Vec<f64> =
         whole.iter().zip(0..).map(|(of, k)| of[0].scores.protected_mean * [1.001, 0.5][k % 2]).collect();
-    let within = evaluator.scores_within(&layouts, &most, &never).unwrap();
+    let within =
+        evaluator.scores_within(&layouts, &most.iter().map(|&most| vec![most]).collect::<Vec<_>>(), &never).unwrap();
     for (k, (whole, within)) in whole.iter().zip(&within).enumerate() {
         if k % 2 == 0 {
             assert_eq!(within, whole);

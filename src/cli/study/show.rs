@@ -40,12 +40,14 @@ pub fn find(path: &Path, forces: &Band, common: &Common) -> Result<Known, Failur
     let study = read(path, forces, common)?;
     let loaded = Journal::read(&folder(common, &study).join("journal.jsonl"))?;
     let mut rungs = Vec::new();
-    let mut own = 0;
+    let (mut own, mut cut) = (0, 0);
     for place in 0..study.rungs.len() {
         let plan = study.plan(place).map_err(StudyError::from)?;
         let mut rung = Rung::default();
-        for (choice, entry) in Key::new(&study, &plan).own(&study, &loaded.entries) {
-            if rung.get(&choice).is_none() {
+        let at = study.at(place);
+        for (choice, entry) in Key::new(&at, &plan).own(&at, &loaded.entries) {
+            cut += usize::from(entry.cut);
+            if rung.get(&choice).is_none() && !entry.cut {
                 rung.add(&study, &choice, entry.clone());
             }
         }
@@ -67,7 +69,7 @@ pub fn find(path: &Path, forces: &Band, common: &Common) -> Result<Known, Failur
         note(common, &format!("note: {warning}"));
         warnings.push(warning);
     }
-    let others = loaded.entries.len() - own;
+    let others = loaded.entries.len().saturating_sub(own + cut);
     Ok(Known { study, rungs, best, others, warnings })
 }
 

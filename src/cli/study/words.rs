@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
+use granulens::evaluate::Forces;
 use granulens::score::{Measure, Scores, Spreads};
-use granulens::study::{BaselineScores, Ended, Found, GlanceState, Loses, Quantiles, Spread, StageState, State};
-use granulens::units::Dimension::Time;
+use granulens::study::{BaselineScores, Ended, Final, Found, GlanceState, Loses, Quantiles, Spread, StageState, State};
+use granulens::units::Dimension::{Fraction, Time};
 
 /// What a study has come to.
 pub fn words(state: &State) -> String {
@@ -21,7 +22,9 @@ pub fn words(state: &State) -> String {
             let best = stage.best.as_ref().map_or_else(|| "-".to_owned(), |best| scores(best, None));
             let missed = if stage.within_limits { "" } else { "  (misses a limit)" };
             let StageState { method, evaluations, .. } = stage;
-            let _ = writeln!(text, "  {method:13} {:>8} {evaluations:>7}  {best}{missed}", Time.show(stage.step));
+            let judged = if stage.judged > 0 { format!("  ({} of them judged)", stage.judged) } else { String::new() };
+            let step = Time.show(stage.step);
+            let _ = writeln!(text, "  {method:13} {step:>8} {evaluations:>7}  {best}{missed}{judged}");
         }
     }
     if let Some(start) = &state.start {
@@ -75,8 +78,47 @@ pub fn words(state: &State) -> String {
     if let Some(loses) = &state.tolerance {
         text.push_str(&loses_words(loses));
     }
+    for figures in &state.finals {
+        text.push_str(&final_words(figures));
+    }
+    if let Some(strip) = best_strip(&state.baselines) {
+        let gain = state.found().and_then(|found| found.scores.focal_gain);
+        let gain = gain.map_or_else(|| "-".to_owned(), |gain| format!("{gain:.4}"));
+        let _ = writeln!(text, "G {gain}; of uniform strips over the same rows the most is that of {strip}");
+    }
     state.baselines.iter().for_each(|baseline| text.push_str(&baseline_words(baseline)));
     text
+}
+
+/// Two lines: at the force itself, and over forces about it.
+fn final_words(figures: &Final) -> String {
+    let Final { step, window, exact, smoothed, scatter } = figures;
+    let each = [Measure::Contrast, Measure::FocalGain, Measure::Protection];
+    let smoothed: Vec<String> = each
+        .iter()
+        .zip(scatter)
+        .filter_map(|(measure, scatter)| {
+            let scatter = scatter.map_or(String::new(), |scatter| format!(" ± {scatter:.4}"));
+            Some(format!("{} {:.4}{scatter}", measure.symbol(), smoothed.get(*measure)?))
+        })
+        .collect();
+    let (forces, band) = (Forces::USUAL.count(), Fraction.show(Forces::USUAL.band()));
+    format!(
+        "at {} to {}, the force itself   {}\n  over {forces} forces within {band}   {}\n",
+        Time.show(*step),
+        Time.show(*window),
+        scores(exact, None),
+        smoothed.join("  ")
+    )
+}
+
+/// G and Q of the strip with the most G, and its name: what there is for nothing.
+fn best_strip(baselines: &[BaselineScores]) -> Option<String> {
+    let gain = |baseline: &BaselineScores| baseline.focal_gain.map_or(f64::NEG_INFINITY, |gain| gain.mean);
+    let strips = baselines.iter().filter(|baseline| baseline.name.starts_with("strip-"));
+    let best = strips.max_by(|a, b| gain(a).total_cmp(&gain(b)))?;
+    let protection = best.protection.map_or_else(|| "-".to_owned(), |q| format!("{:.4}", q.mean));
+    Some(format!("{}, G {:.4}, Q {protection}", best.name, gain(best)))
 }
 
 /// A line for a baseline: means with their 95 % confidence intervals where several seeds were taken.
