@@ -282,7 +282,8 @@ impl<'a> Evaluator<'a> {
 
     /// What a layout with given F and P (J) would score in one of the cases, by these alone.
     pub fn related(&self, case: usize, focal_mean: f64, protected_mean: f64) -> Scores {
-        let mut scores = Scores { focal_mean, protected_mean, ..Scores::default() };
+        let contrast = crate::score::ratio(focal_mean, protected_mean);
+        let mut scores = Scores { focal_mean, protected_mean, contrast, ..Scores::default() };
         self.relate(&mut scores, self.cases[case].0);
         scores
     }

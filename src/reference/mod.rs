@@ -269,7 +269,7 @@ impl Choices {
                 "families" => Family::ALL.iter().map(|family| family.name()).collect(),
                 "rasters" => Raster::ALL.iter().map(|raster| raster.name()).collect(),
                 "methods" => methods().collect(),
-                "stage methods" => methods().chain(["rescore"]).collect(),
+                "stage methods" => methods().chain(["climb", "rescore"]).collect(),
                 "packings" => {
                     let chains = Cell::<1>::ALL.iter().map(|cell| cell.name());
                     let sheets = Cell::<2>::ALL.iter().map(|cell| cell.name());

@@ -107,10 +107,8 @@ pub struct Study {
     pub objective: Objective,
     /// What is done, one after the other.
     pub stages: Vec<Stage>,
-    /// The different steps at which the stages simulate; none is the design's own.
-    pub rungs: Vec<Option<f64>>,
-    /// For each of them the forces that layouts are judged over; none are the study's.
-    pub rung_forces: Vec<Option<Forces>>,
+    /// The different ways in which the stages score, which are called rungs.
+    pub rungs: Vec<Scoring>,
     /// The window, where it differs from the design's.
     pub window: Option<f64>,
     /// How long one run may take (s).
@@ -176,8 +174,7 @@ impl Study {
             );
             return Err(source.fail("rows", message));
         }
-        let (stages, scorings) = read_stages(&source, &file)?;
-        let (rungs, rung_forces) = scorings.into_iter().unzip();
+        let (stages, rungs) = read_stages(&source, &file, forces)?;
         let impacts = set::read_impacts(&source, &file.impact, &design)?;
         let impacts = set::under_laws(&source, &file.laws, impacts)?;
         let seed = seed.unwrap_or(file.seed);
@@ -265,7 +262,6 @@ impl Study {
             objective,
             stages,
             rungs,
-            rung_forces,
             window,
             time,
             seed,
@@ -333,14 +329,14 @@ impl Study {
     /// The study with one of its rungs' forces in place of its own.
     #[must_use]
     pub fn at(&self, rung: usize) -> Self {
-        let forces = self.rung_forces.get(rung).copied().flatten().unwrap_or(self.forces);
+        let forces = self.rungs.get(rung).and_then(|scoring| scoring.forces).unwrap_or(self.forces);
         Self { forces, ..self.clone() }
     }
 
     /// Integrator, step and window of one of the rungs.
     pub fn overrides(&self, rung: usize) -> Overrides {
-        let step = self.rungs.get(rung).copied().flatten();
-        Overrides { step, window: self.window, ..Overrides::default() }
+        let Scoring { step, window, .. } = self.rungs.get(rung).copied().unwrap_or_default();
+        Overrides { step, window: window.or(self.window), ..Overrides::default() }
     }
 
     /// Step and window of one of the rungs.
@@ -413,7 +409,11 @@ fn read_forces(source: &Source<'_>, file: &StudyFile) -> Result<Forces, StudyErr
 }
 
 /// The stages, or the one that method, budget and step at the top stand for.
-fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec<Scoring>), StudyError> {
+fn read_stages(
+    source: &Source<'_>,
+    file: &StudyFile,
+    forces: Forces,
+) -> Result<(Vec<Stage>, Vec<Scoring>), StudyError> {
     let step = match &file.step {
         Some(text) => Some(source.quantity(Time, "step", text, |message| source.fail("step", message))?),
         None => None,
@@ -429,7 +429,7 @@ fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec
             let message = format!("budget = {budget} must be 1 to {MOST_EVALUATIONS} evaluations.");
             return Err(source.fail("budget", message));
         }
-        return Ok((vec![stage::single(method, budget)], vec![(step, None)]));
+        return Ok((vec![stage::single(method, budget)], vec![Scoring { step, ..Scoring::default() }]));
     }
     let above = [("method", file.method.is_some()), ("budget", file.budget.is_some()), ("step", step.is_some())];
     if let Some((key, _)) = above.into_iter().find(|(_, given)| *given) {
@@ -437,5 +437,5 @@ fn read_stages(source: &Source<'_>, file: &StudyFile) -> Result<(Vec<Stage>, Vec
             format!("{key} stands above [[stage]]; give it in each stage (budget as evaluations), or no stages.");
         return Err(source.fail(key, message));
     }
-    stage::read(source, &file.stage, read_band(source, file)?)
+    stage::read(source, &file.stage, read_band(source, file)?, forces)
 }

@@ -118,7 +118,7 @@ impl Study {
         // How long a climb is decides about its temperature all along.
         let length = |stage: &Stage| if stage.work == Work::Climb { stage.evaluations } else { 0 };
         let stages: Vec<_> = self.stages.iter().map(|stage| Stage { evaluations: length(stage), ..*stage }).collect();
-        let looked = (self.seed, self.tolerance, &self.starts, &self.bases, stages, &self.rungs, &self.rung_forces);
+        let looked = (self.seed, self.tolerance, &self.starts, &self.bases, stages, &self.rungs);
         key.add(format!("{looked:?}").as_bytes());
         key.text()
     }

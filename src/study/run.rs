@@ -360,8 +360,7 @@ impl Run<'_, '_> {
         let held: Vec<Option<Entry>> = (0..choices.len()).map(|k| self.held(rung, choices[k], of(k))).collect();
         let unknown: Vec<usize> = (0..choices.len()).filter(|&k| held[k].is_none()).collect();
         let asked: Vec<&Choice> = unknown.iter().map(|&k| choices[k]).collect();
-        let limits: Option<Vec<Vec<f64>>> =
-            limits.map(|limits| unknown.iter().map(|&k| limits[k].clone()).collect());
+        let limits: Option<Vec<Vec<f64>>> = limits.map(|limits| unknown.iter().map(|&k| limits[k].clone()).collect());
         let new = match &mut self.engine {
             _ if asked.is_empty() => Vec::new(),
             None => self.local.entries_within(self.study, rung, &asked, limits.as_deref(), self.interrupt)?,

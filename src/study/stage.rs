@@ -83,6 +83,7 @@ pub(super) struct StageFile {
     order: Option<usize>,
     batch: Option<usize>,
     screen: Option<String>,
+    screen_window: Option<String>,
     forces: Option<usize>,
     temperature: Option<[f64; 2]>,
 }
@@ -101,15 +102,24 @@ impl Stage {
     }
 }
 
-/// A step (s), none being the design's own, and the forces that layouts are judged over at it, none being the study's.
-pub(super) type Scoring = (Option<f64>, Option<Forces>);
+/// How layouts are scored; what is left out is the study's, or the design's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scoring {
+    /// The step (s).
+    pub step: Option<f64>,
+    /// The forces that layouts are judged over.
+    pub forces: Option<Forces>,
+    /// The window (s).
+    pub window: Option<f64>,
+}
 
-/// Stages, and the different steps and forces by which they score, in order of first use. `band` is how far forces lie from an
-/// impact's own.
+/// Stages, and the different ways in which they score, in order of first use. `band` is how far forces lie from an
+/// impact's own, `usual` are the study's forces.
 pub(super) fn read(
     source: &Source<'_>,
     files: &[StageFile],
     band: f64,
+    usual: Forces,
 ) -> Result<(Vec<Stage>, Vec<Scoring>), StudyError> {
     let mut rungs: Vec<Scoring> = Vec::new();
     let mut stages: Vec<Stage> = Vec::new();
@@ -123,6 +133,8 @@ pub(super) fn read(
         let forces = file.forces.map(|count| Forces::new(count, band)).transpose();
         let forces = forces.map_err(|error| fail("forces", format!("forces: {error}.")))?;
         let mut place = |scoring: Scoring| {
+            // What is alike is one rung, however it is written.
+            let scoring = Scoring { forces: scoring.forces.filter(|forces| *forces != usual), ..scoring };
             rungs.iter().position(|&known| known == scoring).unwrap_or_else(|| {
                 rungs.push(scoring);
                 rungs.len() - 1
@@ -145,14 +157,19 @@ pub(super) fn read(
                 return Err(fail("method", message.to_owned()));
             };
             // First the coarse one, as stages use them.
-            let screen = place((Some(screen), Some(Forces::ONE)));
-            (screen, place((step, forces)))
+            let window = time("screen_window", &file.screen_window)?;
+            let screen = place(Scoring { step: Some(screen), forces: Some(Forces::ONE), window });
+            (screen, place(Scoring { step, forces, window: None }))
         } else {
-            if file.screen.is_some() || file.temperature.is_some() {
-                let key = if file.screen.is_some() { "screen" } else { "temperature" };
+            let own = [
+                ("screen", file.screen.is_some()),
+                ("screen_window", file.screen_window.is_some()),
+                ("temperature", file.temperature.is_some()),
+            ];
+            if let Some((key, _)) = own.into_iter().find(|(_, given)| *given) {
                 return Err(fail(key, format!("{key} belongs to stages with method = \"climb\".")));
             }
-            let rung = place((step, forces));
+            let rung = place(Scoring { step, forces, window: None });
             (rung, rung)
         };
         let temperatures = file.temperature.unwrap_or(TEMPERATURES);
