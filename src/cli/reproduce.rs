@@ -13,7 +13,7 @@ use super::folder::{probe, write_file, write_json};
 /// Compute what Burgoyne 2016 says, and give a verdict on each number and claim
 ///
 /// Rows named K are of Kondic et al. 2012. All take some minutes on two cores; name a row (5.3.3-gain), a section (5.3.2) or a chapter
-/// (4, K) to run only these. Exits with 1 where a row does not come to the verdict it is expected to come to. With --out, the table is written too: as JSON if the name ends
+/// (4, K, optimum) to run only these. Exits with 1 where a row does not come to the verdict it is expected to come to. With --out, the table is written too: as JSON if the name ends
 /// in .json, else in Markdown.
 #[derive(clap::Args)]
 pub struct Reproduce {

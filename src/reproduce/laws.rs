@@ -66,7 +66,7 @@ fn layouts() -> Result<Vec<Layout>, RowError> {
 }
 
 /// A stored layout on the lattice of the lens.
-fn stored(lens: &Layout, text: &str) -> Result<Layout, RowError> {
+pub(super) fn stored(lens: &Layout, text: &str) -> Result<Layout, RowError> {
     let mut palette = lens.palette.clone();
     let mut materials = vec![u8::MAX; lens.lattice.len()];
     for line in text.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit())) {

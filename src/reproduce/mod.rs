@@ -8,7 +8,8 @@
 //! - `chapter3`: the contact law; `chapter4`: chains; `uniform`: sheets and close packings (5.2); `guided`: stripes and wedges
 //!   (5.3.1, 5.3.2); `lens`: the impact lens (5.3.3)
 //! - `crystals`: uniform and layered crystals, struck; `wedge`: the angle by which an interface bends a wave
-//! - `kondic`: impacts on granular beds; `laws`: the lens under other contact laws
+//! - `kondic`: impacts on granular beds; `laws`: the lens under other contact laws;
+//!   `optimum`: the best layouts that were found
 //!
 //! Source of the claims: Burgoyne 2016, by section, figure and equation; those named K are of Kondic et al. 2012.
 
@@ -19,6 +20,7 @@ mod guided;
 mod kondic;
 mod laws;
 mod lens;
+mod optimum;
 mod table;
 mod uniform;
 mod wedge;
@@ -257,11 +259,11 @@ impl From<OverlapAtRest> for RowError {
 /// All rows, in the order of the source.
 pub fn rows() -> Vec<&'static Row> {
     let of_burgoyne = [chapter3::ROWS, chapter4::ROWS, uniform::ROWS, guided::ROWS, lens::ROWS];
-    of_burgoyne.into_iter().chain([kondic::ROWS, laws::ROWS]).flatten().collect()
+    of_burgoyne.into_iter().chain([kondic::ROWS, laws::ROWS, optimum::ROWS]).flatten().collect()
 }
 
 /// The rows that `name` means: one by its whole name, or all of a chapter or section, as `4` or `5.3.2`; `K` and `K-3` are those of
-/// Kondic et al. 2012, `laws` those of the lens under other contact laws.
+/// Kondic et al. 2012, `laws` those of the lens under other contact laws, `optimum` the best layouts that were found.
 pub fn select(name: &str) -> Vec<&'static Row> {
     let all = rows();
     // A row's name may begin another's.
@@ -271,7 +273,7 @@ pub fn select(name: &str) -> Vec<&'static Row> {
     let within = |row: &&'static Row| row.id.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '-']));
     let numbered = match name.strip_prefix('K') {
         Some(section) => section.strip_prefix('-').is_none_or(|rest| !rest.contains('-')),
-        None if name == "laws" => true,
+        None if ["laws", "optimum"].contains(&name) => true,
         None => name.starts_with(|c: char| c.is_ascii_digit()) && !name.contains('-'),
     };
     all.into_iter().filter(|row| numbered && within(row)).collect()

@@ -38,11 +38,27 @@ fn names_are_unique_and_sections_select_their_rows() {
         assert!(all[..k].iter().all(|other| other.id != row.id), "{} is there twice", row.id);
         assert_eq!(select(row.id).len(), 1, "{}", row.id);
     }
-    let chapters: usize = ["3", "4", "5", "K", "laws"].iter().map(|chapter| select(chapter).len()).sum();
+    let chapters: usize = ["3", "4", "5", "K", "laws", "optimum"].iter().map(|chapter| select(chapter).len()).sum();
     assert_eq!(chapters, all.len());
     assert!(select("5.3").len() > select("5.3.2").len());
     // A section is no prefix of a number: 4.2 is not meant by "4.".
     assert!(select("5.3.").is_empty() && select("").is_empty() && select("53").is_empty());
+}
+
+/// Every layout of `designs/optimum/` is as good as `figures.csv` says, but for those that are only where a search began.
+#[test]
+fn the_best_layouts_are_as_good_as_is_said() {
+    let findings = run(&select("optimum"), &GO, |_| ());
+    let deviations: Vec<String> = findings.iter().filter_map(Finding::deviates).collect();
+    assert!(deviations.is_empty(), "{deviations:#?}\n{}", markdown(&findings));
+    let scored: Vec<&Part> = findings.iter().flat_map(|finding| finding.parts.as_ref().unwrap()).collect();
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/optimum");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name.ends_with(".csv") && !name.ends_with("-start.csv") && name != "figures.csv" {
+            assert!(scored.iter().any(|part| part.what == format!("{name}, C")), "{name} is not scored");
+        }
+    }
 }
 
 /// A verdict follows from the parts, and another than the expected one is said.
