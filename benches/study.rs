@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use granulens::evaluate::Evaluator;
 use granulens::search::Dice;
-use granulens::study::{State, Study, Watch, Work, run};
+use granulens::study::{Scoring, State, Study, Watch, Work, run};
 
 /// Evaluations of one measurement.
 const EVALUATIONS: u64 = 320;
@@ -42,7 +42,7 @@ fn repository() -> Study {
     study.stages.truncate(1);
     study.stages[0].evaluations = EVALUATIONS;
     study.stages[0].rung = 0;
-    study.rungs = vec![Some(4e-7)];
+    study.rungs = vec![Scoring { step: Some(4e-7), ..Scoring::default() }];
     study
 }
 
