@@ -9,7 +9,7 @@ use super::body::Grains;
 use super::boundary::Mirror;
 use super::clock::{Clock, Phase, Phases};
 use super::contacts::{Contacts, Laws, Sweep};
-use super::guard::{self, Stop};
+use super::guard::{Stop, Watch};
 use super::impact::{Impact, steps_in};
 use super::load::ForcePulse;
 use super::neighbour::{OverlapAtRest, Touching};
@@ -133,6 +133,7 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
         strangers.begin(&grains, vigilance);
         let mut fastest = Fastest::new(spheres, strangers.size);
         let mut observer = observer();
+        let mut watch = Watch::new(dimension);
         let mut stops: Vec<Option<Stop>> = vec![None; samples.len()];
         let mut goes_on = vec![true; samples.len()];
         // A design that has been stopped is carried along; what it felt until then is kept.
@@ -157,9 +158,9 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
                 stepper.clock.lap(Phase::Watching);
             }
             let interrupted = interrupt.load(Ordering::Relaxed);
-            let carrying = guard::carrying(&contacts);
+            let all_finite = watch.look(&grains, &contacts);
             for (lane, stop) in stops.iter_mut().enumerate().filter(|(_, stop)| stop.is_none()) {
-                *stop = guard::check(&stepper, &grains, &contacts, &carrying, &*laws, (lane, dimension)).err();
+                *stop = watch.judge(&stepper, &grains, &contacts, &*laws, all_finite, lane).err();
                 if stop.is_none() && too_fast {
                     *stop = Some(Stop::Leap { step_s: impact.step });
                 }

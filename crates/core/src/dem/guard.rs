@@ -111,50 +111,90 @@ fn stable(dimension: usize, stiffness: f64, mass: f64) -> f64 {
 /// neighbours do, I ω² = 12 k_t r², so ω² = 30 k_t/m against 6 K/m; and Mindlin's k_t is at most K (for ν = 0).
 const TURNING: f64 = 0.447;
 
-/// Contacts that have carried force in any of the designs: of others there is nothing to check.
-#[inline(always)]
-pub(super) fn carrying<V: Lanes, const D: usize>(contacts: &Contacts<'_, V, D>) -> Vec<usize> {
-    let carries = |&c: &usize| V::any(V::splat(0.0).lt(contacts.history[c].force_max));
-    (0..contacts.history.len()).filter(carries).collect()
+/// Looks at a run in progress, again and again.
+pub(super) struct Watch<V> {
+    /// The greatest overlap and force of each contact when last looked at: what has not grown since need not be judged again.
+    judged: Vec<(V, V)>,
+    /// Contacts to be judged at this look.
+    grown: Vec<usize>,
+    /// Dimensions for which the step's stability is judged.
+    dimension: usize,
 }
 
-/// Checks one design of a run in progress, of whose contacts those that are `carrying`; stability is judged as in so many dimensions.
-pub(super) fn check<V: Lanes, const D: usize>(
-    stepper: &Stepper<V, D>,
-    grains: &Grains<V, D>,
-    contacts: &Contacts<'_, V, D>,
-    carrying: &[usize],
-    laws: &dyn Laws<V, D>,
-    (lane, dimension): (usize, usize),
-) -> Result<(), Stop> {
-    let (time_s, step_s) = (stepper.time(), stepper.step);
-    if let Some(i) = (0..grains.reached).find(|&i| !grains.speed_squared(i).lane(lane).is_finite()) {
-        return Err(Stop::NotFinite { sphere: i + 1, time_s });
+impl<V: Lanes> Watch<V> {
+    pub fn new(dimension: usize) -> Self {
+        Self { judged: Vec::new(), grown: Vec::new(), dimension }
     }
-    for &c in carrying {
-        let (overlap_max, force_max) = contacts.greatest(c, lane);
-        if force_max <= 0.0 {
-            continue;
+
+    /// Finds which contacts are to be judged, and whether all spheres of all designs have speeds.
+    #[inline(always)]
+    pub fn look<const D: usize>(&mut self, grains: &Grains<V, D>, contacts: &Contacts<'_, V, D>) -> AllFinite {
+        let mut nothing = V::splat(0.0);
+        for i in 0..grains.reached {
+            nothing = nothing + (grains.speed_squared(i) - grains.speed_squared(i));
         }
-        let [a, b] = contacts.list.spheres(c);
-        let spheres = [a + 1, b + 1];
-        let overlap_ratio = overlap_max / contacts.reach(c, lane);
-        // No law has a lower limit; few contacts are asked for theirs.
-        if overlap_ratio > OVERLAP_LIMIT {
-            let limit = laws.one(c, lane).overlap_limit();
-            if overlap_ratio > limit {
-                return Err(Stop::Overlap { spheres, overlap_ratio, limit, time_s });
+        let zero = V::splat(0.0);
+        let history = &contacts.history;
+        // Contacts are renumbered when some are taken up.
+        if self.judged.len() != history.len() {
+            self.judged = vec![(zero, zero); history.len()];
+        }
+        self.grown.clear();
+        for c in 0..history.len() {
+            let (overlap, force) = (history[c].overlap_max, history[c].force_max);
+            let (overlap_judged, force_judged) = self.judged[c];
+            if V::any(V::or(overlap_judged.lt(overlap), force_judged.lt(force))) {
+                self.judged[c] = (overlap, force);
+                self.grown.push(c);
             }
         }
-        let stiffness = contacts.stiffness(laws, c, lane);
-        let lighter = 1.0 / grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));
-        let mut limit_s = stepper.integrator.stability() * stable(dimension, stiffness, lighter);
-        if contacts.friction.is_some() {
-            limit_s *= TURNING;
-        }
-        if step_s > limit_s {
-            return Err(Stop::Step { step_s, limit_s, stiffness, spheres, time_s });
-        }
+        AllFinite((0..V::LANES).all(|lane| nothing.lane(lane) == 0.0))
     }
-    Ok(())
+
+    /// Judges one design.
+    pub fn judge<const D: usize>(
+        &self,
+        stepper: &Stepper<V, D>,
+        grains: &Grains<V, D>,
+        contacts: &Contacts<'_, V, D>,
+        laws: &dyn Laws<V, D>,
+        AllFinite(all_finite): AllFinite,
+        lane: usize,
+    ) -> Result<(), Stop> {
+        let (time_s, step_s) = (stepper.time(), stepper.step);
+        let is_finite = |i: &usize| grains.speed_squared(*i).lane(lane).is_finite();
+        if let Some(i) = (0..if all_finite { 0 } else { grains.reached }).find(|i| !is_finite(i)) {
+            return Err(Stop::NotFinite { sphere: i + 1, time_s });
+        }
+        for &c in &self.grown {
+            let (overlap_max, force_max) = contacts.greatest(c, lane);
+            if force_max <= 0.0 {
+                continue;
+            }
+            let [a, b] = contacts.list.spheres(c);
+            let spheres = [a + 1, b + 1];
+            let overlap_ratio = overlap_max / contacts.reach(c, lane);
+            // No law has a lower limit; few contacts are asked for theirs.
+            if overlap_ratio > OVERLAP_LIMIT {
+                let limit = laws.one(c, lane).overlap_limit();
+                if overlap_ratio > limit {
+                    return Err(Stop::Overlap { spheres, overlap_ratio, limit, time_s });
+                }
+            }
+            let stiffness = contacts.stiffness(laws, c, lane);
+            let lighter = 1.0 / grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));
+            let mut limit_s = stepper.integrator.stability() * stable(self.dimension, stiffness, lighter);
+            if contacts.friction.is_some() {
+                limit_s *= TURNING;
+            }
+            if step_s > limit_s {
+                return Err(Stop::Step { step_s, limit_s, stiffness, spheres, time_s });
+            }
+        }
+        Ok(())
+    }
 }
+
+/// Whether no speed of any design is infinite or no number.
+#[derive(Clone, Copy)]
+pub(super) struct AllFinite(bool);

@@ -219,6 +219,17 @@ impl<const D: usize> Strangers<D> {
         block * self.size..((block + 1) * self.size).min(self.centres.len())
     }
 
+    /// Square of the distance of two centres (m²). No closure: it would not be compiled for a register's instructions.
+    #[inline(always)]
+    fn squared<V: Lanes>(&self, [i, j]: [usize; 2], grains: &Grains<V, D>) -> V {
+        let mut between = [V::splat(0.0); D];
+        for k in 0..D {
+            between[k] = V::splat(self.centres[j][k] - self.centres[i][k])
+                + (grains.displacement[j][k] - grains.displacement[i][k]);
+        }
+        square::<V, D>(&between)
+    }
+
     /// Adds the strangers of two blocks whose surfaces are nearer than `near` (m), and gives the least gap of the others.
     #[inline(always)]
     fn look<V: Lanes>(
@@ -230,13 +241,6 @@ impl<const D: usize> Strangers<D> {
         grains: &Grains<V, D>,
         pairs: &mut Vec<[usize; 2]>,
     ) -> f64 {
-        let squared = |i: usize, j: usize| {
-            let between = std::array::from_fn(|k| {
-                V::splat(self.centres[j][k] - self.centres[i][k])
-                    + (grains.displacement[j][k] - grains.displacement[i][k])
-            });
-            square::<V, D>(&between)
-        };
         let mut clear = f64::INFINITY;
         for i in self.block(a).filter(|&i| self.radius[i] > 0.0) {
             let others = self.block(b);
@@ -247,7 +251,7 @@ impl<const D: usize> Strangers<D> {
             for partner in partners {
                 for j in from..partner {
                     // Empty sites lie there too, and then it is looked at more closely below.
-                    least = squared(i, j).min(least);
+                    least = self.squared([i, j], grains).min(least);
                 }
                 from = partner + 1;
             }
@@ -262,7 +266,7 @@ impl<const D: usize> Strangers<D> {
                 if partners.next_if_eq(&j).is_some() || self.radius[j] == 0.0 {
                     continue;
                 }
-                let squared = squared(i, j);
+                let squared = self.squared([i, j], grains);
                 let least = lanes.clone().map(|lane| squared.lane(lane)).fold(f64::INFINITY, f64::min);
                 let gap = least.sqrt() - self.radius[i] - self.radius[j];
                 if gap < near {
