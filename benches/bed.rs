@@ -9,7 +9,7 @@ use granulens::bed::{Bed, BedImpact, Body, Disk, Grains, Intruder, Outline, stri
 
 /// The reference bed of the tests.
 fn bed() -> Bed {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/beds/bed1.csv");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/beds/bed1.csv");
     let text = std::fs::read_to_string(path).expect("the reference bed");
     let mut bed = Bed { grains: Vec::new(), walls: Vec::new(), width: 100.0, periodic: true };
     for line in text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())) {

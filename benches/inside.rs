@@ -1,7 +1,7 @@
 //! All measures of one frame, one core: a hexagonal bed of 6000 and of 90 000 grains with forces drawn at random. Wanted: under 50 ms
 //! and under a second.
 //!
-//!     cargo bench --bench inside
+//!     cargo bench -p granulens-benches --bench inside
 
 use std::hint::black_box;
 use std::time::Instant;

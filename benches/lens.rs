@@ -1,6 +1,6 @@
 //! The lens problem, one design at a time and in batches of eight: milliseconds per design and core. Proposals of lenses.
 //!
-//! `cargo bench --bench lens`. What the figures mean and what bounds them: `benches/README.md`.
+//! `cargo bench -p granulens-benches --bench lens`. What the figures mean and what bounds them: `benches/README.md`.
 
 #[path = "../crates/core/tests/physics/problem.rs"]
 #[expect(dead_code, reason = "shared with the physics tests, which use all of it")]

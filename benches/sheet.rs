@@ -1,6 +1,6 @@
 //! Elastic hexagonal sheets: million sphere-steps per second of processor time.
 //!
-//! `cargo bench --bench sheet`, or `cargo bench --bench sheet -- 20000 1000000` for sizes of one's own, or with
+//! `cargo bench -p granulens-benches --bench sheet`, or `cargo bench --bench sheet -- 20000 1000000` for sizes of one's own, or with
 //! `--case NAME` for one case. With `--export FOLDER STEPS closed|impact SIZE` a crystal is written for LAMMPS, and
 //! where its spheres are after so many steps, for `benches/against_lammps.py`. What the figures mean: `benches/README.md`.
 

@@ -1,6 +1,6 @@
 //! Evaluations inside a study against the bare batch: what asking, judging, writing down and telling cost.
 //!
-//! `cargo bench --bench study`. What the figures mean: `benches/README.md`.
+//! `cargo bench -p granulens-benches --bench study`. What the figures mean: `benches/README.md`.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -37,7 +37,7 @@ impl Watch for Clock {
 }
 
 fn repository() -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/two-materials.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/two-materials.toml");
     let mut study = Study::read(&path, None).unwrap();
     study.stages.truncate(1);
     study.stages[0].evaluations = EVALUATIONS;
