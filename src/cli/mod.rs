@@ -32,6 +32,7 @@ mod picture;
 mod report;
 mod reproduce;
 mod run;
+mod sensitivity;
 mod shell;
 mod simulate;
 mod speed;
@@ -118,6 +119,7 @@ enum Command {
     Measured(measured::Measured),
     Build(build::Build),
     Tolerance(tolerance::Tolerance),
+    Sensitivity(sensitivity::SensitivityOf),
     Materials(materials::Materials),
     Contact(contact::Contact),
     Speed(speed::Speed),
@@ -147,6 +149,7 @@ impl Command {
             Self::Run(_) | Self::Simulate(_) | Self::Check(_) | Self::Compare(_) => true,
             Self::Reproduce(_) | Self::Export(_) | Self::Impact(_) => true,
             Self::Diff(_) | Self::Build(_) | Self::Measured(_) | Self::Tolerance(_) => true,
+            Self::Sensitivity(_) => true,
             Self::Design(_) | Self::Modes(_) | Self::Trace(_) | Self::Materials(_) | Self::Contact(_) => false,
             Self::Speed(_) | Self::Surface(_) | Self::Bench(_) => false,
             Self::Network(_) | Self::Motion(_) | Self::Explore(_) => false,
@@ -194,6 +197,7 @@ pub fn main() -> ExitCode {
         Command::Measured(command) => command.run(common),
         Command::Build(command) => command.run(common),
         Command::Tolerance(command) => command.run(common),
+        Command::Sensitivity(command) => command.run(common),
         Command::Materials(command) => command.run(common),
         Command::Contact(command) => command.run(common),
         Command::Speed(command) => command.run(common),

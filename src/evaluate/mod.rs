@@ -10,6 +10,7 @@
 //! - `glance`: what is guessed without a simulation; `glimpse`: a comparison by energies alone, as fast as it can be
 //! - `laws`: one layout under several contact laws; `rank`: which material and family
 //! - `held`: the whole piece between mirrors, or in a frame; `settle`: how unequal spheres lie in it under gravity
+//! - `sensitivity`: how scores change with every sphere, by the adjoint
 //! - `whole`: pieces whose halves differ
 //! - `made`: laws that gave back more than was put in
 
@@ -26,6 +27,7 @@ mod laws;
 mod made;
 mod plan;
 mod rank;
+mod sensitivity;
 mod settle;
 mod stiffest;
 mod traced;
@@ -44,6 +46,7 @@ pub use held::{Frame, HeldError, HeldSphere, held_energies, held_spheres, settle
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use plan::{Overrides, Plan, PlanError};
 pub use rank::{Ranked, rank};
+pub use sensitivity::{MEASURES, SECANT, Sensitivities, Sensitivity, SensitivityError, sensitivities};
 pub use settle::SettleError;
 pub use traced::{trace_arrivals, trace_fronts, trace_lens};
 pub use whole::Subject;

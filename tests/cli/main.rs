@@ -7,6 +7,7 @@
 //! - `laws`: materials, contact and speed; `surface`: design surfaces; `trace`: rays
 //! - `simulate`: rigs; `modes`: small vibrations; `impact`: granular beds
 //! - `network`: network and motion, of files of any program
+//! - `sensitivity`: how scores change with every sphere
 //! - `tolerance`: pieces as made, and the gate
 //! - `cost`: what --dry-run says; `documents`: what README and docs promise; `truth`: the same numbers from every command
 //! - `figures`: figures for papers, and pages
@@ -29,6 +30,7 @@ mod measured;
 mod modes;
 mod network;
 mod refusals;
+mod sensitivity;
 mod shards;
 mod simulate;
 mod studies;

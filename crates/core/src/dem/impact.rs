@@ -4,12 +4,14 @@ use std::any::Any;
 use std::sync::atomic::AtomicBool;
 
 use super::batch::Brief;
+use super::body::Grains;
 use super::boundary::Mirror;
 use super::clock::Phases;
 use super::contacts::Sweep;
 use super::follow::{Group, Run, Terms, follow};
 use super::guard::{RESIDUAL_LIMIT, Stop};
 use super::ledger::Ledger;
+use super::list::List;
 use super::load::ForcePulse;
 use super::neighbour::OverlapAtRest;
 use super::record::Felt;
@@ -205,6 +207,21 @@ pub(super) fn alone<const D: usize>(
     terms: &Terms,
     records: bool,
 ) -> Result<Alone<D>, OverlapAtRest> {
+    let mut outcome = None;
+    followed(sample, terms, records, &mut |run| {
+        let brief = run.briefs(&[sample]).remove(0);
+        outcome = Some(Alone { brief, phases: run.phases(), record: records.then(|| record(sample, run)) });
+    })?;
+    Ok(outcome.expect("a run that was followed has been looked at"))
+}
+
+/// A run of one design, to be looked at once it has ended. All such runs are compiled here.
+fn followed<const D: usize>(
+    sample: &Sample<D>,
+    terms: &Terms,
+    records: bool,
+    look: &mut dyn FnMut(&Run<'_, f64, D, Option<Felt<D>>>),
+) -> Result<(), OverlapAtRest> {
     let samples = [sample];
     let group = Group::new(&samples, terms)?;
     let impact = terms.impact;
@@ -215,8 +232,21 @@ pub(super) fn alone<const D: usize>(
         if records { Sweep::AcceptAndAccount } else { Sweep::Accept },
     )
     .expect("a table for one design has room for every law, and its last attempt ends");
-    let brief = run.briefs(&samples).remove(0);
-    Ok(Alone { brief, phases: run.phases(), record: records.then(|| record(sample, &run)) })
+    look(&run);
+    Ok(())
+}
+
+/// Every contact that comes up in a run, in order, with the spheres that they are between, and why the run ended early.
+pub(super) fn contacts_found(
+    sample: &Sample<2>,
+    impact: &Impact,
+    interrupt: &AtomicBool,
+) -> Result<(List<2>, Grains<f64, 2>, Option<Stop>), OverlapAtRest> {
+    let mut found = None;
+    followed(sample, &terms(impact, interrupt, 2), false, &mut |run| {
+        found = Some((run.contacts.list.clone(), run.grains.clone(), run.stops[0].clone()));
+    })?;
+    Ok(found.expect("a run that was followed has been looked at"))
 }
 
 fn record<const D: usize>(sample: &Sample<D>, run: &Run<'_, f64, D, Option<Felt<D>>>) -> Record<D> {

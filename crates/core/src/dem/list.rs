@@ -8,6 +8,7 @@ use crate::sample::Sample;
 
 /// The contacts of a packing: pairs, then images. They are in order of their spheres, and new ones are put in between, so that forces
 /// are added in the same order whenever a contact has come up.
+#[derive(Clone)]
 pub(super) struct List<const D: usize> {
     pub pairs: Vec<Touch<D>>,
     pub images: Vec<SelfTouch>,

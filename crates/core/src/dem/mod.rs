@@ -11,6 +11,7 @@
 //! - `record`, `ledger`: what was felt, where the energy went
 //! - `guard`: what stops a run; `clock`: where its time goes
 //! - `follow`: a run from start to end; `impact`: of one design, with what is recorded; `batch`: of many on one lattice at once
+//! - `adjoint`: how scores change with each sphere: derivatives of a run
 //! - `share`: long loops on several threads
 //! - `sheet`: large hexagonal sheets of elastic spheres, by a stencil in place of lists
 //! - `rig`: everything else that a lab can build: contacts that come and go, flats, bars, friction, gravity
@@ -18,6 +19,7 @@
 //! Only spheres that the wave has reached are stepped. Those beyond are exactly at rest (displacements are held, not
 //! positions), so leaving them out changes no bit.
 
+mod adjoint;
 mod batch;
 mod body;
 mod boundary;
@@ -40,6 +42,7 @@ mod step;
 mod strangers;
 mod table;
 
+pub use adjoint::{Gradient, GradientError, Gradients, gradient};
 pub use batch::{
     BatchError, Brief, Limit, screen_batch, simulate_batch, simulate_batch_timed, simulate_batch_under,
     simulate_batch_with_friction, simulate_batch_within,

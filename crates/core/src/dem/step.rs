@@ -7,7 +7,8 @@
 
 mod multistep;
 
-use multistep::{Coefficients, Past};
+pub(super) use multistep::Coefficients;
+use multistep::Past;
 
 use super::Integrator;
 use super::body::Grains;

@@ -28,9 +28,9 @@ use crate::real::Lanes;
 
 /// The table of a scheme, each entry times the step.
 #[derive(Clone, Copy)]
-pub(super) struct Coefficients {
+pub(in crate::dem) struct Coefficients {
     /// s₁ h, s₂ h
-    displacement: [f64; 2],
+    pub displacement: [f64; 2],
     /// b₁ h, b₂ h
     pub velocity: [f64; 2],
     /// m₂ h, m₃ h

@@ -1,0 +1,204 @@
+//! `granulens sensitivity`: how scores change with every sphere.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use granulens::design::Design;
+use granulens::evaluate::{
+    MEASURES, Plan, Sensitivities, Sensitivity, SensitivityError, impact, method, sensitivities,
+};
+use granulens::layout::Layout;
+use granulens::outcome::{FORMAT, Method};
+use granulens::score::Measure;
+use serde_json::{Value, json};
+
+use super::compare::read_layout;
+use super::console::{emit, emit_json, interrupt, note};
+use super::cost::{Part, arrangement, tell};
+use super::failure::Failure;
+use super::folder::{probe, write_file};
+use super::{Common, Motion};
+
+/// How scores change with every sphere: derivatives by the adjoint of the run, each beside a secant that says how far it holds
+///
+/// Derivatives are of the logarithm of a measure by the logarithms of density, Young's modulus, yield stress and radius of each sphere: -0.5 says that
+/// one per cent more of the quantity takes 0.5 % off the measure. Where the secant, over one per cent of density, says otherwise the derivative is
+/// called not linear: it is right, and useless. With --out a table, a line for each sphere and measure.
+#[derive(clap::Args)]
+pub struct SensitivityOf {
+    /// Layout, CSV with the header row,column,x,z,diameter,material
+    layout: PathBuf,
+    /// Design file: everything but the materials
+    #[arg(long, value_name = "FILE")]
+    design: PathBuf,
+    /// Of which measures: focal_mean, protected_mean, contrast, focal_gain, protection
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "focal_mean,protected_mean,contrast")]
+    #[arg(value_parser = measure)]
+    of: Vec<Measure>,
+    #[command(flatten)]
+    motion: Motion,
+}
+
+fn measure(name: &str) -> Result<Measure, String> {
+    let known = || MEASURES.map(Measure::name).join(", ");
+    let found = Measure::find(name).filter(|measure| MEASURES.contains(measure));
+    found.ok_or_else(|| format!("there are derivatives of {}", known()))
+}
+
+/// Columns of the table.
+const HEADER: &str =
+    "row,column,x,z,material,measure,d_density,d_youngs_modulus,d_yield_stress,d_radius,secant_density,linear";
+
+/// How many spheres the words name.
+const NAMED: usize = 8;
+
+impl SensitivityOf {
+    pub fn run(self, common: &Common) -> Result<(), Failure> {
+        let design = Design::read(&self.design)?;
+        let layout = read_layout(common, &design, &self.layout)?;
+        let overrides = self.motion.overrides(common);
+        let plan = Plan::new(&design, overrides, &layout.palette)
+            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
+        if common.dry_run {
+            let alone = arrangement(&layout.sample(), &impact(&design, &plan))?;
+            let sites = layout.materials.len() as u64;
+            return tell(
+                common,
+                &[
+                    Part::new("derivatives", 1, Some(8.0 * alone)),
+                    Part::new("secants, a crystal for each sphere", sites, Some(alone * sites as f64 / 5.0)),
+                ],
+            );
+        }
+        probe(common, common.out.as_ref())?;
+        let how = method(&design, &plan);
+        note(common, &how.words());
+        plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        let found = sensitivities(&design, &layout, &plan, &self.of, interrupt()).map_err(|error| failure(&error))?;
+        if let Some(path) = &common.out {
+            write_file(common, path, &table(&layout, &found.of))?;
+        }
+        if common.json {
+            emit_json(&self.told(&design, &layout, &found, &how));
+        } else {
+            emit(&words(&layout, &found));
+        }
+        Ok(())
+    }
+
+    fn told(&self, design: &Design, layout: &Layout, found: &Sensitivities, how: &Method) -> Value {
+        let sites = layout.lattice.sites();
+        let of = found.of.iter().map(|one| {
+            let each = |values: &[f64]| values.to_vec();
+            json!({
+                "measure": one.measure.name(),
+                "d_force": one.force,
+                "d_density": each(&one.density),
+                "d_youngs_modulus": each(&one.youngs_modulus),
+                "d_yield_stress": each(&one.yield_stress),
+                "d_radius": each(&one.radius),
+                "secant_density": each(&one.secant_density),
+                "linear": (0..sites.len()).map(|site| one.is_linear(site)).collect::<Vec<_>>(),
+                "linear_share": one.linear_share(),
+            })
+        });
+        let mut told = json!(how);
+        let rest = json!({
+            "format": FORMAT,
+            "design": design.name,
+            "layout": self.layout.display().to_string(),
+            "focal_mean_J": found.means[0],
+            "protected_mean_J": found.means[1],
+            "bytes": found.bytes,
+            "sites": (0..sites.len()).map(|i| json!({
+                "row": sites[i].row, "column": sites[i].column, "x": sites[i].x, "z": sites[i].z,
+                "material": layout.palette[usize::from(layout.materials[i])].name,
+            })).collect::<Vec<_>>(),
+            "sensitivities": of.collect::<Vec<_>>(),
+        });
+        if let (Value::Object(told), Value::Object(rest)) = (&mut told, rest) {
+            told.extend(rest);
+        }
+        told
+    }
+}
+
+fn failure(error: &SensitivityError) -> Failure {
+    let help = match error {
+        SensitivityError::Friction => {
+            "Leave impact.friction out of the design, or ask granulens tolerance, which has friction."
+        }
+        SensitivityError::Nothing(_) => "Take a longer --window, so that the wave reaches the region.",
+        SensitivityError::Gradient(granulens::dem::GradientError::RungeKutta) => {
+            "Leave --integrator out, or name adams or verlet."
+        }
+        SensitivityError::Measure(_) => "Ask for focal_mean, protected_mean, contrast, focal_gain or protection.",
+        SensitivityError::Gradient(_) | SensitivityError::Batch(_) | SensitivityError::Stopped(_) => {
+            "granulens check says what stops the run."
+        }
+    };
+    Failure::input_with_help(error.to_string(), help)
+}
+
+/// A line for each sphere and measure.
+fn table(layout: &Layout, of: &[Sensitivity]) -> String {
+    let sites = layout.lattice.sites();
+    let mut text = format!("{HEADER}\n");
+    for one in of {
+        for (i, site) in sites.iter().enumerate() {
+            let material = &layout.palette[usize::from(layout.materials[i])].name;
+            let numbers =
+                [one.density[i], one.youngs_modulus[i], one.yield_stress[i], one.radius[i], one.secant_density[i]];
+            let numbers = numbers.map(|number| format!("{number:e}")).join(",");
+            let _ = writeln!(
+                text,
+                "{},{},{},{},{material},{},{numbers},{}",
+                site.row,
+                site.column,
+                site.x,
+                site.z,
+                one.measure.name(),
+                one.is_linear(i)
+            );
+        }
+    }
+    text
+}
+
+fn words(layout: &Layout, found: &Sensitivities) -> String {
+    let sites = layout.lattice.sites();
+    let mut text = String::new();
+    for one in &found.of {
+        let share = one.linear_share().map_or("no sphere matters".to_owned(), |share| {
+            format!(
+                "linear over {} % of density at {:.0} % of the spheres that matter",
+                100.0 * granulens::evaluate::SECANT,
+                100.0 * share
+            )
+        });
+        let _ = writeln!(text, "{}: {share}; by the impact's force {:+.3}", one.measure.name(), one.force);
+        let mut order: Vec<usize> = (0..sites.len()).collect();
+        order.sort_by(|&a, &b| one.secant_density[b].abs().total_cmp(&one.secant_density[a].abs()));
+        let _ = writeln!(
+            text,
+            "  {:>4} {:>6} {:<16} {:>10} {:>10} {:>10} {:>10} {:>10}  linear",
+            "row", "column", "material", "density", "secant", "modulus", "yield", "radius"
+        );
+        for &i in order.iter().take(NAMED) {
+            let _ = writeln!(
+                text,
+                "  {:>4} {:>6} {:<16} {:>+10.4} {:>+10.4} {:>+10.4} {:>+10.4} {:>+10.4}  {}",
+                sites[i].row,
+                sites[i].column,
+                layout.palette[usize::from(layout.materials[i])].name,
+                one.density[i],
+                one.secant_density[i],
+                one.youngs_modulus[i],
+                one.yield_stress[i],
+                one.radius[i],
+                if one.is_linear(i) { "yes" } else { "no" }
+            );
+        }
+    }
+    text
+}

@@ -1,0 +1,74 @@
+//! How scores change with every sphere.
+
+use serde_json::Value;
+
+use super::{Desk, SMALL};
+
+fn told(desk: &Desk, more: &[&str]) -> Value {
+    desk.run(&[&["sensitivity", "small.csv", "--design", "small.toml", "--json"], more].concat()).ok().json()
+}
+
+#[test]
+fn sensitivities_are_of_what_check_says_and_the_ratios_of_those_of_their_parts() {
+    let desk = Desk::with_layout();
+    let told = told(&desk, &["--of", "focal_mean,protected_mean,contrast,focal_gain"]);
+    let checked = desk.run(&["check", "small.csv", "--design", "small.toml", "--json"]).ok().json();
+    for key in ["focal_mean_J", "protected_mean_J", "step_s", "window_s", "law", "integrator"] {
+        assert_eq!(told[key], checked[key], "{key}");
+    }
+    let of = |which: usize, key: &str, site: usize| told["sensitivities"][which][key][site].as_f64().unwrap();
+    let sites = told["sites"].as_array().unwrap().len();
+    for key in ["d_density", "d_youngs_modulus", "d_yield_stress", "d_radius", "secant_density"] {
+        for site in 0..sites {
+            let [focal, protected, contrast, gain] = [0, 1, 2, 3].map(|which| of(which, key, site));
+            assert!((focal - protected - contrast).abs() <= 1e-12 * (focal.abs() + protected.abs()), "{key}, {site}");
+            assert_eq!(focal, gain, "G is F over that of another crystal");
+        }
+    }
+    let matters = (0..sites).any(|site| of(0, "d_density", site).abs() > 0.01);
+    assert!(matters, "a wave comes through spheres");
+}
+
+/// Over a window in which each sphere is met once nothing has become chaotic: secants and derivatives say the same.
+#[test]
+fn derivatives_hold_over_a_hundredth_while_the_wave_passes_once() {
+    let desk = Desk::with_layout();
+    let told = told(&desk, &["--of", "focal_mean", "--window", "45 us"]);
+    let share = told["sensitivities"][0]["linear_share"].as_f64().unwrap();
+    assert!(share > 0.9, "linear at {share} of the spheres");
+}
+
+#[test]
+fn the_table_has_a_line_for_each_sphere_and_measure() {
+    let desk = Desk::with_layout();
+    let of = "focal_mean,contrast";
+    desk.run(&["sensitivity", "small.csv", "--design", "small.toml", "--of", of, "--out", "d.csv"]).ok();
+    let text = desk.read("d.csv");
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some(
+            "row,column,x,z,material,measure,d_density,d_youngs_modulus,d_yield_stress,d_radius,secant_density,linear"
+        )
+    );
+    let layout = desk.read("small.csv");
+    let sites = layout.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).count();
+    assert_eq!(lines.clone().count(), 2 * sites);
+    assert!(lines.all(|line| line.split(',').count() == 12 && (line.ends_with("true") || line.ends_with("false"))));
+}
+
+#[test]
+fn what_has_no_derivative_is_refused_in_words() {
+    let desk = Desk::with_layout();
+    desk.write("rubbing.toml", SMALL.replace("sides =", "friction = 0.1\nsides ="));
+    for (more, words) in [
+        (["--design", "rubbing.toml", "--step", "1e-7 s"], "without friction"),
+        (["--design", "small.toml", "--integrator", "rk4"], "adams and verlet"),
+        (["--design", "small.toml", "--of", "half_mass"], "there are derivatives of"),
+        (["--design", "small.toml", "--window", "21 us"], "zero within this window"),
+    ] {
+        let ran = desk.run(&[&["sensitivity", "small.csv", "--json"], &more[..]].concat());
+        assert_eq!(ran.code, 2, "{}", ran.stderr);
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    }
+}
