@@ -23,6 +23,7 @@ pub struct Dual<V, const N: usize> {
 
 impl<V: Number, const N: usize> Dual<V, N> {
     /// The quantity number `which` itself: its derivative with respect to itself is one.
+    #[inline(always)]
     pub fn variable(value: V, which: usize) -> Self {
         let mut slopes = [V::splat(0.0); N];
         slopes[which] = V::splat(1.0);
@@ -30,6 +31,7 @@ impl<V: Number, const N: usize> Dual<V, N> {
     }
 
     /// A number that depends on nothing.
+    #[inline(always)]
     pub fn constant(value: V) -> Self {
         Self { value, slopes: [V::splat(0.0); N] }
     }
@@ -37,7 +39,11 @@ impl<V: Number, const N: usize> Dual<V, N> {
     /// A function's value, with its derivative with respect to this number.
     #[inline(always)]
     fn chain(self, value: V, derivative: V) -> Self {
-        Self { value, slopes: self.slopes.map(|slope| slope * derivative) }
+        let mut slopes = self.slopes;
+        for slope in &mut slopes {
+            *slope = *slope * derivative;
+        }
+        Self { value, slopes }
     }
 
     #[inline(always)]
@@ -89,7 +95,11 @@ impl<V: Number, const N: usize> Neg for Dual<V, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: -self.value, slopes: self.slopes.map(|slope| -slope) }
+        let mut slopes = self.slopes;
+        for slope in &mut slopes {
+            *slope = -*slope;
+        }
+        Self { value: -self.value, slopes }
     }
 }
 

@@ -4,6 +4,7 @@ use super::Gradient;
 use super::contact::{Make, Place, QUANTITIES, Sloped, slopes};
 use super::model::{Frame, Model, Scratch, State, motion};
 use crate::dem::contacts::CLOSED;
+use crate::real::{Kernel, Lanes, Width};
 
 /// What an objective gains by the state at one moment, and what it has gained by the spheres' quantities since.
 pub(super) struct Adjoint {
@@ -70,34 +71,38 @@ pub(super) struct Back<'a> {
     pub plain: &'a Model<f64>,
     /// Makes of contacts, with their slopes.
     pub sloped: &'a [Make<Sloped>],
+    /// Slopes of a contact fill registers of this width.
+    pub width: Width,
 }
 
-impl Back<'_> {
-    /// Turns what objectives gain by the state `after` a step into what they gain by that `before` it.
-    pub fn step(
-        &self,
-        before: &State<f64>,
-        after: &State<f64>,
-        load: f64,
-        adjoints: &mut [Adjoint],
-        scratch: &mut Scratch<f64>,
-    ) {
-        let frame = self.frame;
-        let mut glided = before.clone();
-        frame.glide(self.plain, &mut glided, load, scratch);
-        for adjoint in &mut *adjoints {
-            self.correct(after, adjoint);
-        }
+/// The part of a step at contacts, compiled for a register's instructions, though what stands side by side are not designs but slopes.
+struct AtContacts<'a, 'b> {
+    back: &'a Back<'a>,
+    /// The state before the step, displacements after it and the velocities in the force.
+    at: (&'a State<f64>, &'a [[f64; 2]], &'a [[f64; 2]]),
+    adjoints: &'b mut [Adjoint],
+}
+
+impl Kernel for AtContacts<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        let Self { back: &Back { frame, sloped, .. }, at: (before, displacement, predicted), adjoints } = self;
         for c in frame.contacts_of(before.reached) {
             let (place, [a, b]) = (&frame.places[c], frame.ends[c]);
-            let motion = motion(place, [a, b], &glided.displacement, &scratch.predicted);
-            let make = &self.sloped[frame.kind[c]];
-            let Some(slopes) = slopes(place, make, &motion, &before.history[c], CLOSED) else { continue };
+            let motion = motion(place, [a, b], displacement, predicted);
+            let Some(slopes) = slopes(place, &sloped[frame.kind[c]], &motion, &before.history[c], CLOSED) else {
+                continue;
+            };
             for adjoint in &mut *adjoints {
                 let (of_a, of_b) = (adjoint.force[a], adjoint.force[b]);
                 let is_pair = matches!(place, Place::Pair(_));
                 let weight = frame.weight[c];
-                let force = if is_pair { [0, 1].map(|k| weight * (of_b[k] - of_a[k])) } else { of_a };
+                let force = match is_pair {
+                    true => [weight * (of_b[0] - of_a[0]), weight * (of_b[1] - of_a[1])],
+                    false => of_a,
+                };
                 let gains = slopes.transposed(force, adjoint.history[c]);
                 adjoint.history[c] = gains.history;
                 for k in 0..2 {
@@ -117,6 +122,27 @@ impl Back<'_> {
                 }
             }
         }
+    }
+}
+
+impl Back<'_> {
+    /// Turns what objectives gain by the state `after` a step into what they gain by that `before` it.
+    pub fn step(
+        &self,
+        before: &State<f64>,
+        after: &State<f64>,
+        load: f64,
+        adjoints: &mut [Adjoint],
+        scratch: &mut Scratch<f64>,
+    ) {
+        let frame = self.frame;
+        let mut glided = before.clone();
+        frame.glide(self.plain, &mut glided, load, scratch);
+        for adjoint in &mut *adjoints {
+            self.correct(after, adjoint);
+        }
+        let at = (before, &glided.displacement[..], &scratch.predicted[..]);
+        self.width.run(AtContacts { back: self, at, adjoints: &mut *adjoints });
         for adjoint in &mut *adjoints {
             self.predict(before.reached, load, adjoint);
         }

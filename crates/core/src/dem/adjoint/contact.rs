@@ -30,6 +30,16 @@ pub(super) struct Motion<N> {
     pub approach: [N; 2],
 }
 
+/// What a contact answers. The two laws that lenses are designed with are compiled into the loop around, others stand apart.
+#[inline(always)]
+fn under<N: Number>(law: &AnyLaw<N>, overlap: N, closing_speed: N, history: &History<N>) -> (N, History<N>) {
+    match law {
+        AnyLaw::Thesis(law) | AnyLaw::ThesisStatic(law) => law.respond(overlap, closing_speed, history),
+        AnyLaw::Consistent(law) | AnyLaw::ConsistentStatic(law) => law.respond(overlap, closing_speed, history),
+        other => other.respond(overlap, closing_speed, history),
+    }
+}
+
 /// The force on the second sphere, or on the one with an image (N), and what the contact remembers then. None while it is open.
 /// The same operations in the same order as the sweep of a run, so that their bits are the same.
 #[inline(always)]
@@ -64,8 +74,8 @@ pub(super) fn respond<N: Number>(
                 between[k] = between[k] * inverse;
                 closing_speed = closing_speed + motion.approach[k] * between[k];
             }
-            let (push, history) = make.law.respond(overlap, closing_speed, history);
-            Some((between.map(|normal| push * normal), history))
+            let (push, history) = under(&make.law, overlap, closing_speed, history);
+            Some(([push * between[0], push * between[1]], history))
         }
         Place::Image(touch) => {
             let (two, inward) = (N::splat(2.0), N::splat(touch.inward));
@@ -74,7 +84,7 @@ pub(super) fn respond<N: Number>(
                 return None;
             }
             let closing_speed = -(two * inward * motion.approach[touch.axis]);
-            let (push, history) = make.law.respond(overlap, closing_speed, history);
+            let (push, history) = under(&make.law, overlap, closing_speed, history);
             let mut force = [zero; 2];
             force[touch.axis] = inward * push;
             Some((force, history))

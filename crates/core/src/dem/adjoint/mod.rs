@@ -31,6 +31,7 @@ use super::Integrator;
 use super::guard::Stop;
 use super::impact::{Impact, contacts_found, steps_in};
 use super::neighbour::OverlapAtRest;
+use crate::real::Width;
 use crate::sample::Sample;
 
 /// Derivatives of a weighted sum of greatest kinetic energies (J), with respect to the logarithms of quantities of each sphere: what the sum
@@ -80,7 +81,7 @@ pub enum GradientError {
 
 /// Derivatives of sums of greatest kinetic energies over an impact's window: each sum is given by its spheres and their weights.
 ///
-/// Takes the time of a few runs, whatever the number of spheres and however many quantities, and memory as the square root of the steps.
+/// Takes the time of ten runs or so, whatever the number of spheres, quantities and sums, and memory as the square root of the steps.
 ///
 /// # Errors
 /// A packing that cannot be simulated, a run that was stopped or interrupted, or an integrator without a transposed step.
@@ -128,7 +129,7 @@ pub fn gradient(
     // And back.
     let max_kinetic: Vec<f64> = (0..spheres).map(|i| 0.5 * sample.mass(i) * fastest.squared[i]).collect();
     let mut adjoints: Vec<Adjoint> = sums.iter().map(|_| Adjoint::new(&frame)).collect();
-    let back = Back { frame: &frame, plain: &plain, sloped: &sloped };
+    let back = Back { frame: &frame, plain: &plain, sloped: &sloped, width: Width::widest() };
     let mut bytes = 0;
     for block in &blocks {
         let mut states = kept.pop().into_iter().collect::<Vec<State<f64>>>();
