@@ -9,8 +9,16 @@ use super::network::SQUARES;
 use super::{Desk, names, shipped};
 
 /// Commands that take more than some seconds; their files are read and checked, and their cost is told.
-const LONG: [&str; 7] =
-    ["run designs/gallery", "study run", "reproduce", "impact", "simulate designs/drop", "simulate LONG", "tolerance"];
+const LONG: [&str; 8] = [
+    "run designs/gallery",
+    "study run",
+    "reproduce",
+    "impact",
+    "simulate designs/drop",
+    "simulate LONG",
+    "tolerance",
+    "sensitivity",
+];
 
 /// The page of explore serves until it is stopped: tests/browser opens it. Frames of a bed are those of a run that is only counted here.
 const ELSEWHERE: [&str; 2] = ["explore", "export reports/NAME"];
