@@ -215,12 +215,15 @@ pub(super) fn alone<const D: usize>(
     Ok(outcome.expect("a run that was followed has been looked at"))
 }
 
+/// A run of one design that has ended, with what was felt in it where that was asked for.
+type Ended<'a, const D: usize> = Run<'a, f64, D, Option<Felt<D>>>;
+
 /// A run of one design, to be looked at once it has ended. All such runs are compiled here.
 fn followed<const D: usize>(
     sample: &Sample<D>,
     terms: &Terms,
     records: bool,
-    look: &mut dyn FnMut(&Run<'_, f64, D, Option<Felt<D>>>),
+    look: &mut dyn FnMut(&Ended<'_, D>),
 ) -> Result<(), OverlapAtRest> {
     let samples = [sample];
     let group = Group::new(&samples, terms)?;
@@ -249,7 +252,7 @@ pub(super) fn contacts_found(
     Ok(found.expect("a run that was followed has been looked at"))
 }
 
-fn record<const D: usize>(sample: &Sample<D>, run: &Run<'_, f64, D, Option<Felt<D>>>) -> Record<D> {
+fn record<const D: usize>(sample: &Sample<D>, run: &Ended<'_, D>) -> Record<D> {
     let ledger = Ledger::close(&run.grains, &run.contacts, &*run.laws, run.work);
     let mut stop = run.stops[0].clone();
     if stop.is_none() && ledger.residual().is_some_and(|residual| residual.abs() > RESIDUAL_LIMIT) {
@@ -263,7 +266,7 @@ pub fn steps_in(window: f64, step: f64) -> u64 {
     (window / step + 1e-9).floor() as u64
 }
 
-fn collect<const D: usize>(sample: &Sample<D>, run: &Run<'_, f64, D, Option<Felt<D>>>) -> Record<D> {
+fn collect<const D: usize>(sample: &Sample<D>, run: &Ended<'_, D>) -> Record<D> {
     let Run { grains, contacts, laws, stepper, observer, .. } = run;
     let felt = observer.as_ref().expect("what is recorded was felt");
     let spheres = sample.spheres.len();
