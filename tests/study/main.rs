@@ -33,26 +33,7 @@ use granulens::evaluate::Evaluator;
 use granulens::study::{State, Study, StudyError, Watch, run};
 
 /// A crystal of 32 spheres, of which 12 may change: what is quickest to simulate.
-const DESIGN: &str = r#"format = 1
-name = "tiny"
-[crystal]
-packing = "hexagonal-2d"
-diameter = "6.35 mm"
-rows = 8
-half_width = 3.5
-sides = "mirror"
-host = "stainless-440c"
-[impact]
-kind = "force-pulse"
-force = "16 kN"
-duration = "20 us"
-[target]
-focus = { rows = [7, 8], x = ["0 D", "1 D"] }
-protect = { rows = [7, 8], x = ["2.5 D", "3.5 D"] }
-[run]
-step = "4e-7 s"
-window = "80 us"
-"#;
+const DESIGN: &str = include_str!("../tiny.toml");
 
 /// A crystal with room for a lens that still takes milliseconds; `lens` is its section.
 fn lensed(name: &str, lens: &str) -> String {

@@ -122,7 +122,7 @@ fn flaws_are_what_they_say() {
     swapped[site] = 1 - swapped[site];
     let nominal = Flaw { radii: vec![1.0; drawn.len()], ..Flaw::default() };
     let smaller = Flaw { radii: (0..drawn.len()).map(|i| 1.0 - 1e-4 * (i % 7) as f64).collect(), ..Flaw::default() };
-    let cases = [Flaw::default(), wrong, nominal, smaller].map(|flaw| Case { blow: PULSE.into(), flaw });
+    let cases = [Flaw::default(), wrong, nominal, smaller].map(|flaw| Case { flaw, ..Case::from(PULSE) });
     let of = scores(&study, &drawn, &cases, Detail::Energies);
     assert_eq!(of[1], scores(&study, &swapped, &cases[..1], Detail::Energies)[0]);
     assert_ne!(of[1], of[0]);
@@ -130,6 +130,42 @@ fn flaws_are_what_they_say() {
     // Gaps of some micrometres change something, and not everything.
     let change = (of[3].contrast.unwrap() / of[0].contrast.unwrap() - 1.0).abs();
     assert!(change > 1e-4 && change < 0.5, "{change}");
+}
+
+/// Layouts of crystals whose radii scatter, with friction and without, stand side by side in the lanes: each has the bits that it has alone.
+#[test]
+fn scattered_radii_and_friction_have_the_bits_of_one_by_one() {
+    let desk = Desk::new(STUDY);
+    let study = desk.study();
+    let never = AtomicBool::new(false);
+    let sites = study.design.lattice.len();
+    let scattered = |k: usize| Flaw {
+        radii: (0..sites).map(|i| 1.0 - 1e-4 * ((7 * i + k) % 11) as f64).collect(),
+        ..Flaw::default()
+    };
+    let cases: Vec<Case> = [None, Some(0.2)]
+        .into_iter()
+        .flat_map(|friction| {
+            let blow = Blow { friction, ..Blow::from(PULSE) };
+            (0..3).map(move |k| (blow, k))
+        })
+        .map(|(blow, k)| Case { flaw: scattered(k), ..Case::from(blow) })
+        .collect();
+    // More than a vector register holds.
+    let layouts: Vec<Vec<u8>> = (0..11)
+        .map(|k| study.layout(&std::array::from_fn::<u8, 12, _>(|i| u8::from(i % 5 == k % 5 || i == k))).materials)
+        .collect();
+    let of = |cases: &[Case]| {
+        Evaluator::new(&study.design, cases, study.palette.clone(), study.overrides(0), &never).unwrap()
+    };
+    let together = of(&cases).scores(&layouts, &never).unwrap();
+    for (k, case) in cases.iter().enumerate() {
+        let alone = of(std::slice::from_ref(case));
+        for (layout, runs) in layouts.iter().zip(&together) {
+            let one = alone.scores(std::slice::from_ref(layout), &never).unwrap();
+            assert_eq!(one[0][0], runs[k], "case {k}");
+        }
+    }
 }
 
 /// A run that has come above its limit is one that ends above it; the others are not touched by that.
