@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 
 use super::prices::PricesFile;
-use crate::document::{OneOrSeveral, OwnMaterials, Section, Written, section};
+use super::threshold::THRESHOLDS;
+use crate::document::{OneOrSeveral, OwnMaterials, Section, Written, joined, section};
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -52,7 +53,9 @@ pub(crate) type ThresholdsFile = BTreeMap<Spanned<String>, Section<BoundsFile>>;
 section!(BoundsFile: Written { min, max });
 
 /// How each key is written, for messages.
-pub(crate) const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &joined::<{ OWN.len() + THRESHOLDS.len() }>(OWN, THRESHOLDS);
+
+const OWN: &[&str] = &[
     "format = 1",
     "name = \"thesis-lens\"",
     "crystal.packing = \"hexagonal-2d\"",
@@ -100,13 +103,6 @@ pub(crate) const EXAMPLES: &[&str] = &[
     "compare.seeds = 5",
     "compare.first_seed = 1",
     "compare.material = \"brass-260\"",
-    "thresholds.contrast = { min = 2.0 }",
-    "thresholds.focal_gain = { min = 1.5 }",
-    "thresholds.protection = { max = 0.8 }",
-    "thresholds.focal_mean = { min = \"0.3 J\" }",
-    "thresholds.protected_mean = { max = \"0.1 J\" }",
-    "thresholds.dissipated = { max = \"40 J\" }",
-    "thresholds.residual = { min = -0.01, max = 0.01 }",
 ];
 
 #[cfg(test)]

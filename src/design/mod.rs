@@ -32,7 +32,7 @@ pub(crate) use file::ThresholdsFile;
 pub(crate) use prices::add as add_price;
 pub use shelf::Shelf;
 pub use threshold::Threshold;
-pub(crate) use threshold::read as thresholds;
+pub(crate) use threshold::{THRESHOLDS, read as thresholds};
 pub(crate) use tuning::tuning;
 
 use crate::contact::{Constants, LawKind};

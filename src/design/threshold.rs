@@ -1,9 +1,20 @@
 //! The section [thresholds]: what `check --strict` asks of the scores.
 
 use super::DesignError;
-use super::file::{BoundsFile, EXAMPLES, ThresholdsFile};
+use super::file::{BoundsFile, ThresholdsFile};
 use crate::document::{Entry, Scope, did_you_mean, example, nearest};
 use crate::score::Measure;
+
+/// How thresholds are written, for messages: of designs and of tolerances.
+pub(crate) const THRESHOLDS: &[&str] = &[
+    "thresholds.contrast = { min = 2.0 }",
+    "thresholds.focal_gain = { min = 1.5 }",
+    "thresholds.protection = { max = 0.8 }",
+    "thresholds.focal_mean = { min = \"0.3 J\" }",
+    "thresholds.protected_mean = { max = \"0.1 J\" }",
+    "thresholds.dissipated = { max = \"40 J\" }",
+    "thresholds.residual = { min = -0.01, max = 0.01 }",
+];
 
 /// Bounds on one score, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +66,7 @@ fn threshold(measure: Measure, (scope, file): &(Scope, &BoundsFile)) -> Result<T
             Err(scope.fail("can never be met: min is greater than max", "Exchange them, or leave one out."))
         }
         (None, None) => {
-            let example = example(EXAMPLES, &format!("thresholds.{}", measure.name()))
+            let example = example(THRESHOLDS, &format!("thresholds.{}", measure.name()))
                 .unwrap_or_else(|| format!("{} = {{ min = 1 }}", measure.name()));
             Err(scope.fail("has neither min nor max", &format!("Write it like {example}.")))
         }

@@ -54,6 +54,20 @@ fn unnumbered(key: &str) -> String {
     key.split('[').map(|part| part.split_once(']').map_or(part, |(_, rest)| rest)).collect()
 }
 
+/// Two lists of examples as one, for files that share sections.
+pub(crate) const fn joined<const N: usize>(
+    first: &'static [&'static str],
+    second: &'static [&'static str],
+) -> [&'static str; N] {
+    let mut all = [""; N];
+    let mut k = 0;
+    while k < N {
+        all[k] = if k < first.len() { first[k] } else { second[k - first.len()] };
+        k += 1;
+    }
+    all
+}
+
 /// How a key, given with its sections, is written below the header of its section.
 pub(crate) fn example(examples: &[&str], key: &str) -> Option<String> {
     let key = &unnumbered(key);

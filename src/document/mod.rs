@@ -23,7 +23,7 @@ pub(crate) use all::{all, others};
 pub(crate) use error::{Source, did_you_mean, nearest};
 #[cfg(test)]
 pub(crate) use keys::assert_examples;
-pub(crate) use keys::{OneOrSeveral, Section, Sections, Written, example, read, section};
+pub(crate) use keys::{OneOrSeveral, Section, Sections, Written, example, joined, read, section};
 pub(crate) use kind::{Kind, expect};
 pub(crate) use own::{OwnMaterials, chosen, materials};
 pub(crate) use syntax::{key_at, parse, place};

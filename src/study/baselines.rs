@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use super::over::summary;
-use super::{Entry, Study, StudyError};
+use super::over::of_runs;
+use super::{Study, StudyError};
 use crate::chance::Mean;
 use crate::evaluate::Evaluator;
 use crate::layout::{Baseline, Layout};
@@ -91,14 +91,8 @@ pub(super) fn evaluate(
     let named = layouts(study);
     let layouts: Vec<Vec<u8>> = named.iter().map(|(_, layout)| layout.clone()).collect();
     let runs = evaluator.scores(&layouts, interrupt)?;
-    let summaries: Vec<Option<Scores>> = runs
-        .iter()
-        .zip(&layouts)
-        .map(|(runs, layout)| {
-            let entry = Entry::new(String::new(), String::new(), &study.by_impact(runs));
-            entry.stop.is_none().then(|| summary(&entry, &study.counter.stats(layout), study.objective.over))
-        })
-        .collect();
+    let summaries: Vec<Option<Scores>> =
+        runs.iter().zip(&layouts).map(|(runs, layout)| of_runs(study, runs, &study.counter.stats(layout))).collect();
     let mut names: Vec<&String> = named.iter().map(|(name, _)| name).collect();
     names.dedup();
     let scores = |name: &String| {

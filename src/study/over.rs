@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Entry;
+use super::{Entry, Study};
+use crate::evaluate::Evaluated;
 use crate::layout::LayoutStats;
 use crate::score::{Better, Measure, Needs, Scores};
 
@@ -49,4 +50,10 @@ pub fn summary(entry: &Entry, stats: &LayoutStats, over: Over) -> Scores {
         scores.set(measure, value(measure, entry, stats, over, side));
     }
     scores
+}
+
+/// The same of a layout's runs under all impacts and forces; none where a guard stopped one of them.
+pub(super) fn of_runs(study: &Study, runs: &[Evaluated], stats: &LayoutStats) -> Option<Scores> {
+    let entry = Entry::new(String::new(), String::new(), &study.by_impact(runs));
+    entry.stop.is_none().then(|| summary(&entry, stats, study.objective.over))
 }

@@ -4,9 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use super::over::summary;
-use super::{Entry, Study, StudyError};
-use crate::evaluate::{Evaluated, Evaluator, Flaw};
+use super::over::of_runs;
+use super::{Study, StudyError};
+use crate::evaluate::{Evaluator, Flaw};
 use crate::score::{Measure, Scores};
 
 /// Losses over crystals that are built with flaws, each a part of what the crystal as drawn has; negative where something is
@@ -63,11 +63,8 @@ pub(super) fn evaluate(
     let layout = study.layout(choice).materials;
     let runs = evaluator.scores(std::slice::from_ref(&layout), interrupt)?.concat();
     let stats = study.counter.stats(&layout);
-    let scores = |runs: &[Evaluated]| {
-        let entry = Entry::new(String::new(), String::new(), &study.by_impact(runs));
-        entry.stop.is_none().then(|| summary(&entry, &stats, study.objective.over))
-    };
-    let mut built = runs.chunks(study.impacts.len() * study.forces.count()).map(scores);
+    let of_crystals = runs.chunks(study.impacts.len() * study.forces.count());
+    let mut built = of_crystals.map(|runs| of_runs(study, runs, &stats));
     let Some(drawn) = built.next().flatten() else { return Ok(None) };
     let built: Vec<Option<Scores>> = built.collect();
     let losses = |measure: Measure, lost: fn(f64) -> f64| {

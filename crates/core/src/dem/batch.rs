@@ -42,6 +42,11 @@ pub struct Limit {
 }
 
 impl Limit {
+    /// That there is one for each of so many samples, where there are limits.
+    fn assert_each(limit: Option<&Self>, samples: usize) {
+        assert!(limit.is_none_or(|limit| limit.most.len() >= samples), "a limit for each of {samples} samples");
+    }
+
     /// The part for some of the samples.
     fn of(&self, samples: std::ops::Range<usize>) -> Self {
         Self { spheres: self.spheres.clone(), most: self.most[samples].to_vec() }
@@ -89,7 +94,7 @@ pub fn simulate_batch_within<const D: usize>(
     width: Width,
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
-    assert!(limit.most.len() >= samples.len(), "a limit for each of {} samples", samples.len());
+    Limit::assert_each(Some(limit), samples.len());
     Ok(dispatch(samples, width, &Terms { limit: Some(limit), ..terms(impact, interrupt) })?.0)
 }
 
@@ -122,11 +127,7 @@ pub fn simulate_batch_with_friction(
     width: Width,
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
-    assert!(
-        limit.is_none_or(|limit| limit.most.len() >= samples.len()),
-        "a limit for each of {} samples",
-        samples.len()
-    );
+    Limit::assert_each(limit, samples.len());
     Ok(side_by_side(samples, width, &Terms { limit, friction: Some(coefficient), ..terms(impact, interrupt) })?.0)
 }
 
@@ -147,11 +148,7 @@ pub fn simulate_batch_under(
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
     assert!(pulses.len() >= samples.len(), "a pulse for each of {} samples", samples.len());
-    assert!(
-        limit.is_none_or(|limit| limit.most.len() >= samples.len()),
-        "a limit for each of {} samples",
-        samples.len()
-    );
+    Limit::assert_each(limit, samples.len());
     Ok(side_by_side(samples, width, &Terms { pulses, limit, friction, ..terms(impact, interrupt) })?.0)
 }
 
@@ -269,11 +266,7 @@ pub fn screen_batch(
     limit: Option<&Limit>,
     interrupt: &AtomicBool,
 ) -> Result<Vec<Brief>, BatchError> {
-    assert!(
-        limit.is_none_or(|limit| limit.most.len() >= samples.len()),
-        "a limit for each of {} samples",
-        samples.len()
-    );
+    Limit::assert_each(limit, samples.len());
     let whole = Terms { limit, ..terms(impact, interrupt) };
     let mut briefs = Vec::with_capacity(samples.len());
     for (group, start) in samples.chunks(16).zip((0..).step_by(16)) {

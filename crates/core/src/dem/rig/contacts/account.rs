@@ -71,6 +71,12 @@ pub struct AccountRows<'a> {
     pub power: &'a mut [f64],
 }
 
+/// Row c of the five columns.
+#[inline(always)]
+fn row([overlap, force, work, friction_work, power]: [&[f64]; 5], c: usize) -> Account {
+    Account { overlap: overlap[c], force: force[c], work: work[c], friction_work: friction_work[c], power: power[c] }
+}
+
 impl Accounts {
     /// The rows that stood in these places; see [`inherited`].
     pub fn inherited(&self, from: &[u32]) -> Self {
@@ -87,13 +93,7 @@ impl Accounts {
     /// Row c.
     pub fn at(&self, c: usize) -> Account {
         let Self { overlap, force, work, friction_work, power } = self;
-        Account {
-            overlap: overlap[c],
-            force: force[c],
-            work: work[c],
-            friction_work: friction_work[c],
-            power: power[c],
-        }
+        row([overlap, force, work, friction_work, power], c)
     }
 
     /// Replaces row c.
@@ -125,13 +125,7 @@ impl<'a> AccountRows<'a> {
     #[inline(always)]
     pub fn at(&self, c: usize) -> Account {
         let Self { overlap, force, work, friction_work, power } = self;
-        Account {
-            overlap: overlap[c],
-            force: force[c],
-            work: work[c],
-            friction_work: friction_work[c],
-            power: power[c],
-        }
+        row([overlap, force, work, friction_work, power], c)
     }
 
     /// Replaces row c.

@@ -6,13 +6,13 @@
 
 use crate::dem::rig::bodies::{Bodies, cross, dot, spin_cross};
 use crate::dem::rig::dashpot::Ended;
-use crate::dem::rig::law::{Begun, Bond, Bonding};
+use crate::dem::rig::law::{Begun, Bond, Bonding, Slip};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::turns::Turns;
 use crate::real::Lanes;
 
 use super::account::Account;
-use super::friction::{Grip, Held, coulomb, spread};
+use super::friction::{Grip, Held, Rub, Rubbed, coulomb, spread};
 
 /// The velocities at which forces are asked for, and the step that led here.
 #[derive(Clone, Copy)]
@@ -278,13 +278,7 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
         let slip = &bond.slip;
         let damping = slip.rate * reduced;
         if by_grip::<D, L>() {
-            let grip = Grip { coefficient: slip.coefficient, stiffness: slip.stiffness, damping };
-            let (plane, mut spring) = (meeting.in_plane(), [stretch[0], stretch[D - 1]]);
-            let rub = match slip.stiffness > 0.0 {
-                true => grip.rub::<true>(&plane, push, &mut spring, step),
-                false => grip.rub::<false>(&plane, push, &mut spring, step),
-            };
-            (stretch[0], stretch[D - 1]) = (spring[0], spring[1]);
+            let rub = gripped(slip, damping, meeting, push, (&mut stretch, step));
             (force[0], force[D - 1]) = (force[0] + rub.drag[0], force[D - 1] + rub.drag[1]);
             twist[2] = rub.twist;
             account.rub(rub.power, step);
@@ -295,13 +289,7 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
                 false => 1.0,
             };
             let slipped = (push, &way.map(|x| since * x));
-            let mut rubbed = match held.springs(slip) {
-                Some(springs) => spread(slip, (*overlap, normal), slipped, &account, springs),
-                None => coulomb(slip, (*overlap, normal), slipped, (&account, &stretch)),
-            };
-            if damping > 0.0 {
-                rubbed.damp(slip.coefficient * push.abs(), damping, &meeting.sliding(), (account.power, step));
-            }
+            let rubbed = sprung(slip, damping, meeting, slipped, (&stretch, &account), (&mut *held, step));
             for k in 0..D {
                 force[k] += rubbed.drag[k];
             }
@@ -337,25 +325,52 @@ pub fn friction<const D: usize, L: Bonding>(
     let slip = &bond.slip;
     let damping = slip.rate * reduced;
     if by_grip::<D, L>() {
-        let grip = Grip { coefficient: slip.coefficient, stiffness: slip.stiffness, damping };
-        let (plane, mut spring) = (meeting.in_plane(), [stretch[0], stretch[D - 1]]);
-        let rub = match slip.stiffness > 0.0 {
-            true => grip.rub::<true>(&plane, push, &mut spring, 0.0),
-            false => grip.rub::<false>(&plane, push, &mut spring, 0.0),
-        };
+        let rub = gripped(slip, damping, meeting, push, (&mut { *stretch }, 0.0));
         let mut drag = [0.0; D];
         (drag[0], drag[D - 1]) = (rub.drag[0], rub.drag[1]);
         return drag;
     }
-    let (place, slipped) = ((meeting.overlap, &meeting.normal), (push, &[0.0; D]));
+    sprung(slip, damping, meeting, (push, &[0.0; D]), (stretch, account), (&mut held, 0.0)).drag
+}
+
+/// Friction by [`Grip`], in the plane, over a step (s) at whose end the spring is stretched by what stands in `stretch` then.
+#[inline(always)]
+fn gripped<const D: usize>(
+    slip: &Slip,
+    damping: f64,
+    meeting: &Meeting<f64, D>,
+    push: f64,
+    (stretch, step): (&mut [f64; D], f64),
+) -> Rub<f64> {
+    let grip = Grip { coefficient: slip.coefficient, stiffness: slip.stiffness, damping };
+    let (plane, mut spring) = (meeting.in_plane(), [stretch[0], stretch[D - 1]]);
+    let rub = match slip.stiffness > 0.0 {
+        true => grip.rub::<true>(&plane, push, &mut spring, step),
+        false => grip.rub::<false>(&plane, push, &mut spring, step),
+    };
+    (stretch[0], stretch[D - 1]) = (spring[0], spring[1]);
+    rub
+}
+
+/// Friction by springs in any dimension, of a contact whose ends slid by `way` (m) under the normal force `push`.
+#[inline(always)]
+fn sprung<const D: usize>(
+    slip: &Slip,
+    damping: f64,
+    meeting: &Meeting<f64, D>,
+    (push, way): (f64, &[f64; D]),
+    (stretch, account): (&[f64; D], &Account),
+    (held, step): (&mut Held<'_>, f64),
+) -> Rubbed<D> {
+    let place = (meeting.overlap, &meeting.normal);
     let mut rubbed = match held.springs(slip) {
-        Some(springs) => spread(slip, place, slipped, account, springs),
-        None => coulomb(slip, place, slipped, (account, stretch)),
+        Some(springs) => spread(slip, place, (push, way), account, springs),
+        None => coulomb(slip, place, (push, way), (account, stretch)),
     };
     if damping > 0.0 {
-        rubbed.damp(slip.coefficient * push.abs(), damping, &meeting.sliding(), (0.0, 0.0));
+        rubbed.damp(slip.coefficient * push.abs(), damping, &meeting.sliding(), (account.power, step));
     }
-    rubbed.drag
+    rubbed
 }
 
 impl<const D: usize> Meeting<f64, D> {
