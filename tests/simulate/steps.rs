@@ -83,8 +83,7 @@ enum Place {
     Flat,
 }
 
-/// All that a file can name but the four published laws, whose force ends with a jump after a blow below yield (the residual overlap is below zero):
-/// where in its step that comes moves the balance by up to ω h of the blow's energy, which the guard does not let pass.
+/// All that a file can name but the four published laws, which have a test of their own: their force ends with a jump after a blow below yield.
 fn laws() -> Vec<&'static str> {
     let named = LawKind::ALL.iter().filter(|law| !law.makes_energy()).map(|law| law.name());
     named.chain([SpringDashpot::NAME]).collect()
@@ -96,8 +95,12 @@ const METALS: [[&str; 2]; 7] =
 const DIAMETER: f64 = 0.02;
 const STIFFNESS: f64 = 2e7;
 
-fn trials() -> Vec<Trial> {
-    let laws = laws();
+/// The four published laws.
+fn published() -> Vec<&'static str> {
+    LawKind::ALL.iter().filter(|law| law.makes_energy()).map(|law| law.name()).collect()
+}
+
+fn trials(laws: &[&'static str]) -> Vec<Trial> {
     let trial = |n: usize| {
         // Every law in every place, with either class.
         let round = n / laws.len();
@@ -210,17 +213,21 @@ impl Trial {
     }
 
     /// What the chosen step gives, what is right, and how that is known.
-    fn measure(&self) -> (Result<Blow, RigStop>, Blow) {
+    ///
+    /// `residual` is the part of the energy that the ledger may miss, where it is not the rig's own.
+    fn measure(&self, residual: Option<f64>) -> (Result<Blow, RigStop>, Blow) {
         let (text, free) = self.text();
-        fn both<const D: usize>(bench: &Bench<D>, free: f64) -> (Result<Blow, RigStop>, Blow) {
+        fn both<const D: usize>(bench: &Bench<D>, free: f64, residual: Option<f64>) -> (Result<Blow, RigStop>, Blow) {
             let (step, steps) = (bench.plan.step, bench.plan.steps());
-            let tenth = Rig { resolution: None, ..bench.rig.clone() };
+            let mut rig = bench.rig.clone();
+            rig.residual_limit = residual.unwrap_or(rig.residual_limit);
+            let tenth = Rig { resolution: None, ..rig.clone() };
             let finer = blow(tenth, 0.1 * step, 10 * steps, free);
-            (blow(bench.rig.clone(), step, steps, free), finer.unwrap_or(Blow { peak: f64::NAN, lasts: f64::NAN }))
+            (blow(rig, step, steps, free), finer.unwrap_or(Blow { peak: f64::NAN, lasts: f64::NAN }))
         }
         let (found, finer) = match Setup::parse("blow.toml", &text).unwrap() {
-            Setup::One(bench) => both(&bench, free),
-            Setup::Two(bench) => both(&bench, free),
+            Setup::One(bench) => both(&bench, free, residual),
+            Setup::Two(bench) => both(&bench, free, residual),
             Setup::Three(_) => unreachable!(),
         };
         // In an oblique blow the normal turns as the spheres pass.
@@ -238,7 +245,7 @@ impl Trial {
 /// peak force and duration are those of the closed form, or of a tenth of the step, within the accuracy class.
 #[test]
 fn three_hundred_blows_hold_their_class() {
-    let found: Vec<_> = trials().into_par_iter().map(|trial| (trial, trial.measure())).collect();
+    let found: Vec<_> = trials(&laws()).into_par_iter().map(|trial| (trial, trial.measure(None))).collect();
     let mut wrong = Vec::new();
     for (trial, (found, right)) in &found {
         let Ok(found) = found else {
@@ -251,6 +258,45 @@ fn three_hundred_blows_hold_their_class() {
         }
     }
     assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), found.len(), wrong.join("\n"));
+}
+
+/// As many blows under the four published laws. From three times the yield force on they hold their class as all laws do. In gentler blows the force jumps where unloading begins
+/// and where the contact ends, since the overlap at which it would be zero is below zero: at which moment of a step that comes is not seen, so that balance, duration and peak are off
+/// by up to a step's part of the blow, to first order in ω h, whatever the scheme; the guard of the balance may stop a run for that, and no other guard does.
+#[test]
+fn blows_under_the_published_laws_hold_their_class_but_for_the_jump_at_their_end() {
+    let found: Vec<_> = trials(&published()).into_par_iter().map(|trial| (trial, trial.measure(Some(1.0)))).collect();
+    let (mut wrong, mut below) = (Vec::new(), 0);
+    for (trial, (found, right)) in &found {
+        let Ok(found) = found else {
+            wrong.push(format!("{trial:?}: {found:?}"));
+            continue;
+        };
+        let [a, b] = trial.metals.map(|name| find(name, &[]).unwrap());
+        let pair = Pair::new([&a, &b], [0.5 * DIAMETER; 2], Constants::Code);
+        let is_gentle = right.peak < 3.0 * pair.regions(1.0).yield_force;
+        below += usize::from(is_gentle);
+        // The class asks for ω h; a contact's duration is 2.9 times its 1/ω or more.
+        let first_order = if trial.class > 5e-3 { 0.25 } else { 0.08 };
+        let most = if is_gentle { first_order } else { trial.class };
+        let errors = [found.peak / right.peak - 1.0, found.lasts / right.lasts - 1.0];
+        if errors.iter().any(|error| error.is_nan() || error.abs() > most) {
+            wrong.push(format!("{trial:?}, gentle {is_gentle}: peak {:+.2e}, duration {:+.2e}", errors[0], errors[1]));
+        }
+    }
+    assert!((10..290).contains(&below), "{below} gentle blows");
+    assert!(wrong.is_empty(), "{} of {}, {below} of them gentle:\n{}", wrong.len(), found.len(), wrong.join("\n"));
+    // With the guard as it is nothing but the balance stops a blow, missed by the first order of a step.
+    for (trial, (found, _)) in
+        trials(&published()).into_par_iter().map(|trial| (trial, trial.measure(None))).collect::<Vec<_>>()
+    {
+        let misses = match &found {
+            Ok(_) => 0.0,
+            Err(RigStop::Residual { residual, .. }) => residual.abs(),
+            Err(other) => panic!("{trial:?}: {other}"),
+        };
+        assert!(misses < if trial.class > 5e-3 { 0.25 } else { 0.08 }, "{trial:?}: {found:?}");
+    }
 }
 
 /// Chung and Ooi (2011), tests 1 and 2: 10.697 kN, 274.1 um, 40.3 us of two glass balls at 10 m/s each; 11.370 kN, 731.7 us of an aluminium
