@@ -259,15 +259,15 @@ pub struct ArrangementOutcome {
     /// How it was simulated, where that is not as the manifest says: integrator and step (s) of a run that had to find its contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulated: Option<(String, f64)>,
-    /// For each site an index into the outcome's materials.
+    /// For each site an index into the outcome's materials; of a piece whose halves differ then for each site's image.
     pub layout: Vec<u8>,
-    /// What each sphere felt, in the order of the sites.
+    /// What each sphere felt, in the order of `layout`.
     pub record: SphereRecord,
     /// Why the run is not to be trusted, if so: which guard stopped it.
     pub stop: Option<Stop>,
 }
 
-/// What each sphere felt, in the order of the sites.
+/// What each sphere felt, in the order of its arrangement's layout.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SphereRecord {
     /// Greatest kinetic energy (J).

@@ -1,12 +1,12 @@
 //! What differs between two layouts of one lattice.
 
+use crate::evaluate::Subject;
 use crate::lattice::Site;
-use crate::layout::Layout;
 
 /// A site that holds another material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
-    /// Where, in the simulated half.
+    /// Where, in the simulated half or, at negative x, at the image of a site of it.
     pub site: Site,
     /// Spheres of the piece that it stands for: one on the axis, else two.
     pub spheres: usize,
@@ -16,20 +16,30 @@ pub struct Change {
     pub to: String,
 }
 
-/// All changes, in the lattice's order; none where the lattices differ.
-pub fn changes(a: &Layout, b: &Layout) -> Option<Vec<Change>> {
-    if a.lattice != b.lattice {
+/// All changes, in the lattice's order; none where the lattices differ. Where the halves of one of the two differ every sphere is told for
+/// itself, those left of the axis, at negative x with the column of their image, behind the others.
+pub fn changes(a: Subject<'_>, b: Subject<'_>) -> Option<Vec<Change>> {
+    if a.layout.lattice != b.layout.lattice {
         return None;
     }
-    let name = |layout: &Layout, k: usize| layout.palette[usize::from(layout.materials[k])].name.clone();
-    let sites = a.lattice.sites();
+    let drawn = [a.drawn(), b.drawn()];
+    let halves_differ = a.left.is_some() || b.left.is_some();
+    let sites = a.layout.lattice.sites();
+    let name = |which: usize, k: usize| {
+        let (layout, drawn) = ([a, b][which].layout, &drawn[which]);
+        layout.palette[usize::from(drawn[k % drawn.len()])].name.clone()
+    };
+    let images = (sites.len()..2 * sites.len()).filter(|k| halves_differ && sites[k % sites.len()].x > 0.0);
     Some(
         (0..sites.len())
-            .map(|k| Change {
-                site: sites[k],
-                spheres: if sites[k].x > 0.0 { 2 } else { 1 },
-                from: name(a, k),
-                to: name(b, k),
+            .chain(images)
+            .map(|k| {
+                let mut site = sites[k % sites.len()];
+                if k >= sites.len() {
+                    site.x = -site.x;
+                }
+                let spheres = if site.x > 0.0 && !halves_differ { 2 } else { 1 };
+                Change { site, spheres, from: name(0, k), to: name(1, k) }
             })
             .filter(|change| change.from != change.to)
             .collect(),

@@ -54,7 +54,10 @@ pub fn dxf(piece: &Piece) -> String {
     let [left, top, right, bottom] = piece.extent();
     tags.put(
         999,
-        format!("{}: assembly map, lengths in millimetres; x = 0 is the lens axis, y = 0 row 1, -y depth", piece.name),
+        format!(
+            "{}: assembly map, lengths in millimetres; x = 0 is the crystal's axis, y = 0 row 1, -y depth",
+            piece.name
+        ),
     );
     tags.put(0, "SECTION");
     tags.put(2, "HEADER");

@@ -41,7 +41,7 @@ impl Frame {
         outer * self.floor + (outer - inner) * self.height
     }
 
-    /// The surface: x across from the lens axis, y along the wave from row 1, z up from the floor on which the spheres lie.
+    /// The surface: x across from the crystal's axis, y along the wave from row 1, z up from the floor on which the spheres lie.
     pub fn solid(&self) -> Solid {
         let half = 0.5 * self.width;
         let planes = [

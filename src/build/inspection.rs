@@ -18,11 +18,15 @@ pub struct Inspected {
     pub energy: f64,
 }
 
-/// All spheres of the piece, those that matter most first; `max_kinetic` is by site of the simulated half (J).
-pub fn inspection(piece: &Piece, max_kinetic: &[f64]) -> Vec<Inspected> {
-    let mut list: Vec<Inspected> = (0..piece.spheres.len())
-        .map(|sphere| Inspected { sphere, energy: max_kinetic[piece.spheres[sphere].site] })
-        .collect();
+/// All spheres of the piece, those that matter most first; `max_kinetic` is by site of the simulated half, or then by the sites' images
+/// too (J).
+pub fn inspection(piece: &Piece, max_kinetic: &[f64], sites: usize) -> Vec<Inspected> {
+    let place = |sphere: usize| {
+        let at = &piece.spheres[sphere];
+        if at.x < 0.0 && max_kinetic.len() > sites { sites + at.site } else { at.site }
+    };
+    let mut list: Vec<Inspected> =
+        (0..piece.spheres.len()).map(|sphere| Inspected { sphere, energy: max_kinetic[place(sphere)] }).collect();
     // A stable sort: of equals, mirror images among them, in order of rows and columns.
     list.sort_by(|a, b| a.energy.total_cmp(&b.energy));
     list

@@ -10,7 +10,7 @@ const MARGIN: Point = [11.0, 12.0];
 /// Columns between two that carry their number: rows are counted off in fives.
 pub const COUNTED: u32 = 5;
 
-/// The map, its origin at the lens axis on row 1, and the box that holds it: left, top, right, bottom (mm).
+/// The map, its origin at the crystal's axis on row 1, and the box that holds it: left, top, right, bottom (mm).
 pub fn map(piece: &Piece) -> (Drawing, [f64; 4]) {
     let [left, top, right, bottom] = piece.extent();
     let diameter = piece.diameter;
@@ -48,7 +48,12 @@ pub fn map(piece: &Piece) -> (Drawing, [f64; 4]) {
         drawing.text([left - 2.0, y], size, Anchor::End, seen.to_string());
         drawing.text([right + 2.0, y], size, Anchor::Start, seen.to_string());
     }
-    drawing.text([3.0, top - 2.5], 2.8, Anchor::Start, "IMPACT on row 1, from above; lens axis at the dashed strokes");
+    drawing.text(
+        [3.0, top - 2.5],
+        2.8,
+        Anchor::Start,
+        "IMPACT on row 1, from above; crystal's axis at the dashed strokes",
+    );
     drawing.text(
         [3.0, bottom + 4.6],
         2.4,

@@ -1,15 +1,15 @@
 //! What a workshop gets: from a layout to drawings, lists and a frame.
 //!
 //! In: a [`Piece`], the layout as it is to be built, with the letter and the hatching of each material. Out: the texts and bytes of
-//! files; nothing here writes one. Lengths of drawings are in millimetres, x to the right from the lens axis and y down from row 1, as
+//! files; nothing here writes one. Lengths of drawings are in millimetres, x to the right from the crystal's axis and y down from row 1, as
 //! z is.
 //!
 //! - `piece`: what is built, and how its materials are told apart
 //! - `drawing`: shapes on paper; `pdf`, `svg`: the same shapes as files; `glyphs`: widths of letters
 //! - `map`: the assembly map at 1:1; `pages`: the map cut into sheets of paper
 //! - `dxf`: the map for CAD
-//! - `parts`: how many of what; `placement`: row by row, to tick
-//! - `frame`: the walls that stand for the mirror lines, as a solid; `walls`: what they change
+//! - `parts`: how many of what, `spares`: and how many besides; `placement`: row by row, to tick
+//! - `frame`: the walls that stand for the mirror lines, as a solid, `three_mf`: as slicers take it; `walls`: what they change
 //! - `inspection`: which spheres to measure first; `sorted`: which sphere of a measured batch goes where
 //! - `diff`: what differs between two layouts
 
@@ -26,7 +26,9 @@ mod pdf;
 mod piece;
 mod placement;
 mod sorted;
+mod spares;
 mod svg;
+mod three_mf;
 mod walls;
 
 pub use diff::{Change, changes};
@@ -39,4 +41,5 @@ pub use parts::{Part, parts, parts_csv, total_cost};
 pub use piece::{Hatch, Mark, Piece};
 pub use placement::{placement_csv, placement_pdf};
 pub use sorted::{Ball, BatchError, Placing, placings, placings_csv, read_batch};
+pub use spares::{Spares, Yield};
 pub use walls::{WallEffect, in_walls};

@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::piece::Piece;
+use super::spares::Spares;
 use crate::design::Design;
-use crate::layout::Layout;
+use crate::evaluate::Subject;
 
 /// One line of the list.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -29,13 +30,13 @@ pub struct Part {
     pub cost: Option<f64>,
 }
 
-/// What the piece is made of; spares are a fraction of each count, rounded up, and never none.
-pub fn parts(piece: &Piece, layout: &Layout, design: &Design, spares: f64) -> Vec<Part> {
-    let bill = layout.piece(|material| design.price(material));
+/// What the piece is made of.
+pub fn parts(piece: &Piece, subject: Subject<'_>, design: &Design, spares: &Spares) -> Vec<Part> {
+    let layout = subject.layout;
+    let bill = subject.piece(|material| design.price(material));
     let part = |(k, mark): (usize, &super::Mark)| {
         let (count, material) = (bill.counts[k] as usize, &layout.palette[k]);
-        // A product such as 0.05 × 1200 must not be rounded up for its last bit.
-        let spares = ((count as f64 * spares - 1e-9).ceil() as usize).max(1);
+        let spares = spares.of(count);
         let price = design.price(material);
         Part {
             letter: mark.letter.clone(),

@@ -1,6 +1,7 @@
 //! What is built, and how its materials are told apart: by letter, by colour and by hatching, each of which would do alone.
 
-use crate::layout::{Layout, PieceSphere, whole};
+use crate::evaluate::Subject;
+use crate::layout::PieceSphere;
 use crate::report::material_colour;
 
 /// A layout as it is to be built.
@@ -91,9 +92,10 @@ fn pale(hex: &str) -> [u8; 3] {
 }
 
 impl Piece {
-    /// The whole piece of a layout. Materials that do not occur take no letter.
-    pub fn new(name: &str, layout: &Layout) -> Self {
-        let spheres = whole(layout);
+    /// The whole piece of a layout, or one whose halves differ. Materials that do not occur take no letter.
+    pub fn new<'a>(name: &str, of: impl Into<Subject<'a>>) -> Self {
+        let subject: Subject<'_> = of.into();
+        let (layout, spheres) = (subject.layout, subject.spheres());
         let count = |material: usize| spheres.iter().filter(|s| usize::from(s.material) == material).count();
         let mut used = 0;
         let marks = layout.palette.iter().enumerate().map(|(k, material)| {

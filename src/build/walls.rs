@@ -9,8 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::design::Design;
-use crate::evaluate::{Blow, Frame, HeldError, Plan, held_energies, held_spheres};
-use crate::layout::Layout;
+use crate::evaluate::{Blow, Frame, HeldError, Plan, Subject, held_energies, held_spheres};
 use crate::score::{means, ratio};
 
 /// F, P and C of one way of holding the piece.
@@ -34,7 +33,7 @@ pub struct WallEffect {
 /// See [`HeldError`].
 pub fn in_walls(
     design: &Design,
-    layout: &Layout,
+    subject: Subject<'_>,
     plan: &Plan,
     interrupt: &AtomicBool,
 ) -> Result<Vec<WallEffect>, HeldError> {
@@ -47,8 +46,9 @@ pub fn in_walls(
     let blow = Blow::from(design.impact);
     ways.into_par_iter()
         .map(|(held, frame)| {
-            let spheres = held_spheres(layout);
-            let energies = held_energies((design, plan), &layout.palette, spheres, (frame, &blow), interrupt)?;
+            let spheres = held_spheres(subject);
+            let energies =
+                held_energies((design, plan), &subject.layout.palette, spheres, (frame, &blow, None), interrupt)?;
             let [focal_mean, protected_mean] = means(&energies, &design.lattice, &design.target);
             Ok(WallEffect { held, focal_mean, protected_mean, contrast: ratio(focal_mean, protected_mean) })
         })

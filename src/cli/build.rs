@@ -3,18 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use granulens::build::{self, BatchError, Frame, Inspected, Paper, Part, Piece, WallEffect, inspection, read_batch};
+use granulens::build::{
+    self, BatchError, Frame, Inspected, Paper, Part, Piece, Spares, WallEffect, Yield, inspection, read_batch,
+};
 use granulens::dem::Integrator;
 use granulens::dem::rig::RigStop;
 use granulens::design::Design;
-use granulens::evaluate::{HeldError, Overrides, Plan, evaluate, impact, method};
-use granulens::layout::{Layout, write_full};
+use granulens::evaluate::{HeldError, Overrides, Plan, Subject, impact, method};
+use granulens::input;
+use granulens::layout::{Layout, write_piece};
 use granulens::outcome::{FORMAT, Manifest};
 use granulens::units::Dimension;
 use granulens::units::Dimension::{Energy, Length, Mass};
 use serde_json::json;
 
-use super::compare::read_layout;
+use super::compare::read_piece;
 use super::console::{emit, emit_json, interrupt, note, pretty};
 use super::cost::{arrangement, tell};
 use super::failure::Failure;
@@ -24,7 +27,7 @@ use super::{Common, Motion, command_line, cost};
 /// Drawings, lists and a frame for the workshop that builds a layout
 ///
 /// The folder, builds/NAME unless --out names another, holds the assembly map at 1:1 (PDF for A4, A3 and Letter, SVG, DXF), the
-/// placement list, the parts list, the frame as STL, and which spheres to measure first.
+/// placement list, the parts list, the frame as STL and 3MF, and which spheres to measure first.
 #[derive(clap::Args)]
 pub struct Build {
     /// Layout, CSV with the header row,column,x,z,diameter,material
@@ -38,6 +41,9 @@ pub struct Build {
     /// Spheres of each material to order besides, as a part of those that are built in
     #[arg(long, value_name = "PART", default_value = "5 %", allow_hyphen_values = true, value_parser = part)]
     spares: f64,
+    /// What granulens tolerance found of this layout, its folder or tolerance.json: spares are then whole sets too, as many as a piece that does what is asked takes with 95 %
+    #[arg(long = "yield", value_name = "FILE")]
+    from_yield: Option<PathBuf>,
     /// Room between the piece and each wall of the frame
     #[arg(long, value_name = "LENGTH", default_value = "0 mm", allow_hyphen_values = true, value_parser = room)]
     clearance: f64,
@@ -68,7 +74,8 @@ const RANKED: &str = "ranked by the greatest kinetic energy of each sphere in a 
 impl Build {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
-        let layout = read_layout(common, &design, &self.layout)?;
+        let read = read_piece(common, &design, &self.layout)?;
+        let (layout, subject) = (&read.layout, Subject::from(&read));
         let overrides = self.motion.overrides(common);
         let plan = Plan::new(&design, overrides, &layout.palette)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
@@ -87,29 +94,31 @@ impl Build {
             ];
             return tell(common, &parts);
         }
+        let spares = self.spares(common, &design)?;
         let place = common.out.clone().unwrap_or_else(|| Path::new("builds").join(&design.name));
         let folder = begin(common, &place)?;
-        let piece = Piece::new(&design.name, &layout);
+        let piece = Piece::new(&design.name, subject);
         let batch = match &self.sorted {
             Some(path) => Some((path, read_batch(path, &design.own_materials, piece.diameter)?)),
             None => None,
         };
 
         let (begun, started) = (Instant::now(), SystemTime::now());
-        let evaluation = evaluate(&design, &layout, &plan, interrupt())?;
+        let evaluation = subject.evaluate(&design, &plan, interrupt())?;
         if let Some(stop) = &evaluation.record.stop {
             return Err(match stop {
                 granulens::dem::Stop::Interrupted { .. } => Failure::Interrupted("nothing is written".to_owned()),
                 stop => Failure::Guard(vec![format!("the layout cannot be ranked: {stop}")]),
             });
         }
-        let list = inspection(&piece, &evaluation.record.max_kinetic);
-        let walls = build::in_walls(&design, &layout, &rig_plan, interrupt())?;
+        let felt = subject.on_places(&evaluation.record.max_kinetic);
+        let list = inspection(&piece, &felt, layout.materials.len());
+        let walls = build::in_walls(&design, subject, &rig_plan, interrupt())?;
 
         let mm = |length: f64| 1e3 * length;
         let frame = Frame::new(&piece, mm(self.clearance), mm(self.wall), mm(self.floor));
-        let parts = build::parts(&piece, &layout, &design, self.spares);
-        let mut files = files(&piece, &layout, &parts, &frame, &list);
+        let parts = build::parts(&piece, subject, &design, &spares);
+        let mut files = files(&piece, layout, &parts, &frame, &list)?;
         if let Some((path, balls)) = &batch {
             let placing = build::placings(&piece, &list, balls, path)?;
             files.push(("sorted.csv".to_owned(), build::placings_csv(&piece, balls, &placing).into_bytes()));
@@ -121,6 +130,7 @@ impl Build {
             "spheres": piece.spheres.len(),
             "parts": parts,
             "cost": build::total_cost(&parts),
+            "spares": spares,
             "frame_mm": { "width": frame.width, "depth": frame.depth, "height": frame.height, "wall": frame.wall, "floor": frame.floor },
             "walls": walls,
             "walls_method": method(&design, &rig_plan),
@@ -136,31 +146,60 @@ impl Build {
         if common.json {
             emit_json(&told);
         } else {
-            emit(&words(&piece, &parts, &frame, &walls));
+            emit(&(words(&piece, &parts, &frame, &walls) + &spares.words()));
         }
         note(common, &format!("for the workshop: {}", place.display()));
         Ok(())
     }
+
+    /// What is ordered besides.
+    fn spares(&self, common: &Common, design: &Design) -> Result<Spares, Failure> {
+        let Some(path) = &self.from_yield else { return Ok(Spares::part(self.spares)) };
+        let path = if path.is_dir() { path.join("tolerance.json") } else { path.clone() };
+        let text = input::text(&path).map_err(|error| Failure::of_file(&path, None, &error.to_string()))?;
+        let help = "granulens tolerance LAYOUT --design DESIGN --out FOLDER writes FOLDER/tolerance.json.";
+        let from = Yield::parse(&path, &text).map_err(|message| Failure::input_with_help(message, help))?;
+        let [known, layout] = &from.found_for;
+        if *known != design.name {
+            let message = format!("{}: holds the yield of the design {known}, not of {}", path.display(), design.name);
+            return Err(Failure::input_with_help(message, help));
+        }
+        if *layout != self.layout.display().to_string() {
+            note(common, &format!("note: the yield was found for {layout}; make sure that it is this layout"));
+        }
+        Spares::of_yield(self.spares, from).map_err(|message| {
+            Failure::input_with_help(message, "Take a finer grade: granulens tolerance --for \"95 %\" says which.")
+        })
+    }
 }
 
 /// Everything that is drawn or listed, by the name of its file.
-fn files(piece: &Piece, layout: &Layout, parts: &[Part], frame: &Frame, list: &[Inspected]) -> Vec<(String, Vec<u8>)> {
+fn files(
+    piece: &Piece,
+    layout: &Layout,
+    parts: &[Part],
+    frame: &Frame,
+    list: &[Inspected],
+) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let solid = frame.solid();
+    let three_mf = solid.three_mf(&piece.name).map_err(|error| Failure::input(format!("frame.3mf: {error}")))?;
     let mut files: Vec<(String, Vec<u8>)> = Paper::ALL
         .into_iter()
         .map(|paper| (format!("map-{}.pdf", paper.name()), build::map_pdf(piece, paper)))
         .collect();
-    let others: [(&str, Vec<u8>); 8] = [
+    let others: [(&str, Vec<u8>); 9] = [
         ("map.svg", build::map_svg(piece).into_bytes()),
         ("map.dxf", build::dxf(piece).into_bytes()),
         ("placement.csv", build::placement_csv(piece).into_bytes()),
         ("placement.pdf", build::placement_pdf(piece)),
         ("parts.csv", build::parts_csv(parts).into_bytes()),
-        ("frame.stl", frame.solid().stl(&piece.name)),
+        ("frame.stl", solid.stl(&piece.name)),
+        ("frame.3mf", three_mf),
         ("inspection.csv", build::inspection_csv(piece, list).into_bytes()),
-        ("layout-full.csv", write_full(layout).into_bytes()),
+        ("layout-full.csv", write_piece(layout, &piece.spheres).into_bytes()),
     ];
     files.extend(others.map(|(name, bytes)| (name.to_owned(), bytes)));
-    files
+    Ok(files)
 }
 
 fn manifest(design: &Design, plan: &Plan, started: SystemTime, begun: Instant) -> Manifest {

@@ -10,13 +10,14 @@ use granulens::evaluate::{
     Beside, Evaluation, Forces, OverLawsError, Plan, Subject, beside_uniform, impact, method, unnamed,
 };
 use granulens::gate::{Asked, Gate, GateError, Word, gate};
-use granulens::layout::{self, Layout, PieceSphere};
+use granulens::layout::Layout;
 use granulens::material::Material;
 use granulens::outcome::{self, Checked, FORMAT};
 use granulens::score::{Measure, Scores};
 use granulens::tolerance::{MOST_SAMPLES, Tolerances};
 use granulens::units::Dimension::{Energy, Force, Mass};
 
+use super::compare::read_piece;
 use super::console::{emit, emit_json, interrupt, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
@@ -93,27 +94,15 @@ impl Gated {
 impl Check {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = Design::read(&self.design)?;
-        let read = layout::read_piece(&self.layout, design.lattice, &design.palette(), &design.own_materials)?;
-        read.notes.iter().for_each(|text| note(common, &format!("note: {text}")));
-        let layout = read.layout;
-        let subject = Subject { layout: &layout, left: read.left.as_deref() };
-        if subject.left.is_some() {
-            note(
-                common,
-                "note: the halves of the piece differ: it is simulated whole, between walls at both far sides",
-            );
-        }
-        if subject.left.is_some() && (self.gate || self.gated.least_yield.is_some()) {
-            return Err(Failure::input_with_help(
-                "the gate judges pieces whose halves are alike",
-                "Leave out --gate and --yield, or make both halves alike.",
-            ));
-        }
+        let read = read_piece(common, &design, &self.layout)?;
+        let (layout, subject) = (&read.layout, Subject::from(&read));
         let overrides = self.motion.overrides(common);
         let plan = Plan::new(&design, overrides, &layout.palette)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
         if common.dry_run {
-            let seconds = arrangement(&layout.sample(), &impact(&design, &plan))?;
+            // Both halves are twice the spheres.
+            let halves = if subject.left.is_some() { 2.0 } else { 1.0 };
+            let seconds = halves * arrangement(&layout.sample(), &impact(&design, &plan))?;
             let runs = 2 + u64::from(design.reference().is_some());
             let what = "the layout and the uniform crystals of G and Q, with full records";
             let mut parts = vec![Part::new(what, runs, Some(seconds * runs as f64))];
@@ -136,15 +125,13 @@ impl Check {
             return tell(common, &parts);
         }
         self.under.chosen(&design)?;
-        let gated = self.gated.asked(&layout, common)?;
+        let gated = self.gated.asked(layout, common)?;
         probe_all(common, &[self.spheres.as_ref(), common.out.as_ref()])?;
         let begun = Instant::now();
         let beside = beside_uniform(&design, subject, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
         let seconds = begun.elapsed().as_secs_f64();
         let gate = match beside.evaluation.record.stop {
-            None if (self.gate || self.strict) && subject.left.is_none() => {
-                Some(gate((&design, &layout), &plan, &beside, &gated, interrupt())?)
-            }
+            None if self.gate || self.strict => Some(gate((&design, subject), &plan, &beside, &gated, interrupt())?),
             _ => None,
         };
         let Beside { evaluation, reference, stopped, forces, over_forces } = beside;
@@ -168,12 +155,9 @@ impl Check {
             write_file(common, path, &spheres(subject, &record))?;
         }
         let laws = match &stop {
-            None => self.under.scores(&design, &layout, overrides)?,
+            None => self.under.scores(&design, subject, overrides)?,
             Some(_) => None,
         };
-        if laws.is_some() && subject.left.is_some() {
-            warnings.push("under other laws the half x >= 0 alone is judged, for both".to_owned());
-        }
         let (mean, spreads) = over_forces.unwrap_or_default();
         // Where several forces are asked for, their score is what a threshold is about.
         let judged = if forces.is_empty() { &scores } else { &mean };
@@ -333,10 +317,7 @@ fn spheres(subject: Subject<'_>, record: &granulens::dem::Record<2>) -> String {
             let sites = layout.lattice.sites();
             sites.iter().zip(&layout.materials).map(|(at, &m)| (at.row, at.column, at.x, at.z, m)).collect()
         }
-        Some(left) => {
-            let material = |at: &PieceSphere| if at.x < 0.0 { left[at.site] } else { at.material };
-            layout::whole(layout).iter().map(|at| (at.row, at.column, at.x, at.z, material(at))).collect()
-        }
+        Some(_) => subject.spheres().iter().map(|at| (at.row, at.column, at.x, at.z, at.material)).collect(),
     };
     for (i, (row, column, x, z, material)) in places.into_iter().enumerate() {
         let material = &layout.palette[usize::from(material)].name;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use granulens::design::Design;
 use granulens::evaluate::{Comparison, Forces, compare, impact, stops};
-use granulens::layout::{self, Layout};
+use granulens::layout::{self, Layout, ReadLayout};
 use granulens::outcome::Outcome;
 use granulens::report;
 
@@ -41,7 +41,8 @@ impl Compare {
             Some(path) => {
                 let name =
                     path.file_stem().map_or_else(|| "layout".to_owned(), |stem| stem.to_string_lossy().into_owned());
-                Comparison::of_layout(&design, name, read_layout(common, &design, path)?, overrides)
+                let read = read_piece(common, &design, path)?;
+                Comparison::of_layout(&design, name, &read, overrides)
             }
         }
         .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
@@ -59,7 +60,7 @@ impl Compare {
             write_file(common, path, &report::outcome_json(&outcome)?)?;
         }
         let whole = outcome.arrangements.len() == comparison.len();
-        let laws = if whole { self.under.scores(&design, &comparison.subject, overrides)? } else { None };
+        let laws = if whole { self.under.scores(&design, comparison.piece(), overrides)? } else { None };
         if common.json {
             let mut numbers = serde_json::json!(report::numbers(&outcome));
             if let Some(laws) = &laws {
@@ -104,7 +105,17 @@ pub fn cost(common: &Common, design: &Design, comparison: &Comparison) -> Result
     tell(common, &parts)
 }
 
-/// Reads a layout on the design's lattice; what the design names keeps the first places of the palette.
+/// Reads a layout, or a piece whose halves differ, on the design's lattice; what the design names keeps the first places of the palette.
+pub fn read_piece(common: &Common, design: &Design, path: &std::path::Path) -> Result<ReadLayout, Failure> {
+    let read = layout::read_piece(path, design.lattice, &design.palette(), &design.own_materials)?;
+    read.notes.iter().for_each(|text| note(common, &format!("note: {text}")));
+    if read.left.is_some() {
+        note(common, "note: the halves of the piece differ: it is simulated whole, between walls at both far sides");
+    }
+    Ok(read)
+}
+
+/// Reads a layout that stands for both halves on the design's lattice; what the design names keeps the first places of the palette.
 pub fn read_layout(common: &Common, design: &Design, path: &std::path::Path) -> Result<Layout, Failure> {
     let read = layout::read_noted(path, design.lattice, &design.palette(), &design.own_materials)?;
     read.notes.iter().for_each(|text| note(common, &format!("note: {text}")));

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use granulens::build::{Change, changes};
 use granulens::dem::Stop;
 use granulens::design::Design;
-use granulens::evaluate::{Forces, Plan, beside_uniform, method};
-use granulens::layout::{self, Layout};
+use granulens::evaluate::{Forces, Plan, Subject, beside_uniform, method};
+use granulens::layout;
 use granulens::outcome::{COMMIT, FORMAT, Method, VERSION};
 use serde_json::{Value, json};
 
-use super::compare::read_layout;
+use super::compare::read_piece;
 use super::console::{emit, emit_json, interrupt, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
@@ -41,13 +41,14 @@ impl Diff {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let design = self.design.as_ref().map(Design::read).transpose()?;
         let read = |path: &Path| match &design {
-            Some(design) => read_layout(common, design, path),
-            None => Ok(layout::read(path, layout::lattice_of(path)?, &[], &[])?),
+            Some(design) => read_piece(common, design, path),
+            None => Ok(layout::read_piece(path, layout::lattice_of(path)?, &[], &[])?),
         };
         let (a, b) = (read(&self.a)?, read(&self.b)?);
-        let changes = changes(&a, &b).ok_or_else(|| {
-            let size = |layout: &Layout| {
-                let lattice = layout.lattice;
+        let (a, b) = (Subject::from(&a), Subject::from(&b));
+        let changes = changes(a, b).ok_or_else(|| {
+            let size = |piece: Subject<'_>| {
+                let lattice = piece.layout.lattice;
                 format!(
                     "{} rows, {} m half wide, spheres of {} m",
                     lattice.rows(),
@@ -57,15 +58,15 @@ impl Diff {
             };
             let names = [&self.a, &self.b].map(|path| path.display());
             Failure::input_with_help(
-                format!("the crystals differ: {} has {}, {} has {}.", names[0], size(&a), names[1], size(&b)),
+                format!("the crystals differ: {} has {}, {} has {}.", names[0], size(a), names[1], size(b)),
                 "Compare layouts of one crystal.",
             )
         })?;
         if common.dry_run {
             let mut parts = Vec::new();
             if let Some(design) = &design {
-                let plan = self.plan(design, &a, &b, common)?;
-                let alone = arrangement(&a.sample(), &granulens::evaluate::impact(design, &plan))?;
+                let plan = self.plan(design, a, b, common)?;
+                let alone = arrangement(&a.layout.sample(), &granulens::evaluate::impact(design, &plan))?;
                 parts.push(Part::new(
                     "both layouts and the uniform crystals of host and lens material",
                     4,
@@ -78,9 +79,9 @@ impl Diff {
         let mut how = None;
         let ratios = match &design {
             Some(design) => {
-                let plan = self.plan(design, &a, &b, common)?;
+                let plan = self.plan(design, a, b, common)?;
                 note(common, &how.insert(method(design, &plan)).words());
-                Some([ratios(design, &a, &plan)?, ratios(design, &b, &plan)?])
+                Some([ratios(design, a, &plan)?, ratios(design, b, &plan)?])
             }
             None => None,
         };
@@ -95,9 +96,9 @@ impl Diff {
     }
 
     /// One step and window for both layouts.
-    fn plan(&self, design: &Design, a: &Layout, b: &Layout, common: &Common) -> Result<Plan, Failure> {
-        let mut palette = a.palette.clone();
-        palette.extend(b.palette.iter().filter(|material| !a.palette.contains(material)).cloned());
+    fn plan(&self, design: &Design, a: Subject<'_>, b: Subject<'_>, common: &Common) -> Result<Plan, Failure> {
+        let mut palette = a.layout.palette.clone();
+        palette.extend(b.layout.palette.iter().filter(|material| !a.layout.palette.contains(material)).cloned());
         let overrides = self.motion.overrides(common);
         Plan::new(design, overrides, &palette).map_err(|error| Failure::of_plan(design, &overrides, &error))
     }
@@ -174,8 +175,8 @@ fn counted(changes: &[Change]) -> BTreeMap<(&str, &str), [usize; 2]> {
 }
 
 /// C, G and Q of a layout: G against the host alone, Q against the design's lens material alone.
-fn ratios(design: &Design, layout: &Layout, plan: &Plan) -> Result<Ratios, Failure> {
-    let beside = beside_uniform(design, layout, plan, Forces::ONE, interrupt())?;
+fn ratios(design: &Design, piece: Subject<'_>, plan: &Plan) -> Result<Ratios, Failure> {
+    let beside = beside_uniform(design, piece, plan, Forces::ONE, interrupt())?;
     let stops = beside.evaluation.record.stop.iter().chain(beside.stopped.iter().map(|(_, stop)| stop));
     match stops.into_iter().next() {
         None => {}

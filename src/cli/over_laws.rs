@@ -2,8 +2,7 @@
 
 use granulens::contact::LawKind;
 use granulens::design::Design;
-use granulens::evaluate::{OverLaws, OverLawsError, Overrides, design_laws, over_laws};
-use granulens::layout::Layout;
+use granulens::evaluate::{OverLaws, OverLawsError, Overrides, Subject, design_laws, over_laws};
 
 use super::console::interrupt;
 use super::failure::Failure;
@@ -32,13 +31,18 @@ impl UnderLaws {
         Ok(chosen)
     }
 
-    /// The scores of a layout under these laws, where any are asked for.
-    pub fn scores(&self, design: &Design, layout: &Layout, overrides: Overrides) -> Result<Option<OverLaws>, Failure> {
+    /// The scores of a piece under these laws, where any are asked for.
+    pub fn scores(
+        &self,
+        design: &Design,
+        subject: Subject<'_>,
+        overrides: Overrides,
+    ) -> Result<Option<OverLaws>, Failure> {
         let laws = self.chosen(design)?;
         if laws.is_empty() {
             return Ok(None);
         }
-        over_laws(design, layout, &laws, overrides, interrupt()).map(Some).map_err(|error| match error {
+        over_laws(design, subject, &laws, overrides, interrupt()).map(Some).map_err(|error| match error {
             OverLawsError::Plan { law, error } => {
                 Failure::of_plan(&Design { law, ..design.clone() }, &overrides, &error)
             }

@@ -8,7 +8,7 @@ use granulens::input;
 use granulens::outcome::Outcome;
 use granulens::report;
 
-use super::compare::read_layout;
+use super::compare::read_piece;
 use super::console::note;
 use super::failure::Failure;
 use super::folder::begin;
@@ -72,9 +72,9 @@ impl Report {
         let (comparison, name) = match &self.layout {
             None => (Comparison::of_lens(&design, &propose(&design)?, overrides), design.name.clone()),
             Some(path) => {
-                let layout = read_layout(common, &design, path)?;
+                let read = read_piece(common, &design, path)?;
                 let name = format!("{}-{}", design.name, stem(path));
-                (Comparison::of_layout(&design, stem(path), layout, overrides), name)
+                (Comparison::of_layout(&design, stem(path), &read, overrides), name)
             }
         };
         let comparison = comparison

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use granulens::design::Design;
-use granulens::evaluate::{Comparison, Forces, compare};
-use granulens::layout::{self, Layout};
+use granulens::evaluate::{Comparison, Forces, Subject, compare};
+use granulens::layout;
 use granulens::outcome::Outcome;
 use granulens::output::Folder;
 use granulens::report;
@@ -81,7 +81,7 @@ pub fn deliver(
             kept.display()
         )));
     }
-    fill(&folder, &outcome, &comparison.subject)?;
+    fill(&folder, &outcome, comparison.piece())?;
     if delivery.pdf {
         pdfs(&outcome, &folder)?;
     }
@@ -103,13 +103,15 @@ pub fn tell(common: &Common, outcome: &Outcome, place: &Path) {
 }
 
 /// Fills a folder with a report and its layouts.
-pub fn fill(folder: &Folder, outcome: &Outcome, subject: &Layout) -> Result<(), Failure> {
+pub fn fill(folder: &Folder, outcome: &Outcome, piece: Subject<'_>) -> Result<(), Failure> {
     report::write(outcome, folder.path())?;
-    for (name, text) in [
-        ("layout.csv", layout::write(subject)),
-        ("layout-full.csv", layout::write_full(subject)),
-        ("layout.json", layout::write_json(subject)),
-    ] {
+    let mut layouts = vec![("layout-full.csv", layout::write_piece(piece.layout, &piece.spheres()))];
+    // A half says nothing of a piece whose other one differs.
+    if piece.left.is_none() {
+        layouts.push(("layout.csv", layout::write(piece.layout)));
+        layouts.push(("layout.json", layout::write_json(piece.layout)));
+    }
+    for (name, text) in layouts {
         folder.write(name, text.as_bytes())?;
     }
     Ok(())

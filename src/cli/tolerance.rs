@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 
 use granulens::dem::Integrator;
 use granulens::design::Design;
-use granulens::evaluate::{OverLawsError, Overrides, Plan, evaluate, method, over_laws, unnamed};
-use granulens::layout::Layout;
+use granulens::evaluate::{OverLawsError, Overrides, Plan, Subject, method, over_laws, unnamed};
 use granulens::outcome::FORMAT;
 use granulens::output;
 use granulens::report::Provenance;
-use granulens::score::{Measure, Scores};
+use granulens::score::Measure;
 use granulens::tolerance::{
     Criterion, INTERVAL, KeptError, MOST_SAMPLES, Samples, State, Told, Tolerances, Workshop, WorkshopError, as_built,
     assumed, distributions, indices, indices_runs, indices_words, inverse, inverse_words, page, rechoose, sensitivity,
@@ -18,7 +17,7 @@ use granulens::tolerance::{
 };
 use serde_json::json;
 
-use super::compare::read_layout;
+use super::compare::read_piece;
 use super::console::{Count, emit, emit_json, interrupt, note, pretty};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
@@ -71,18 +70,19 @@ const TOLD: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Prot
 impl Tolerance {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let mut design = Design::read(&self.design)?;
-        let layout = read_layout(common, &design, &self.layout)?;
+        let read = read_piece(common, &design, &self.layout)?;
+        let (layout, subject) = (&read.layout, Subject::from(&read));
         let mut warnings = Vec::new();
         // As in check and compare: what Q refers to where the design does not say it.
         if design.reference().is_none()
-            && let Some(&material) = layout.materials.iter().find(|&&material| material != 0)
+            && let Some(&material) = subject.drawn().iter().find(|&&material| material != 0)
         {
             let material = layout.palette[usize::from(material)].clone();
             warnings.push(unnamed(&material.name));
             design.compared_with = Some(material);
         }
         let tolerances = match &self.tolerances {
-            Some(path) => Tolerances::read(path, &layout)?,
+            Some(path) => Tolerances::read(path, layout)?,
             None => Tolerances::usual(),
         };
         let seed = common.seed.or(tolerances.seed).unwrap_or(1);
@@ -95,7 +95,7 @@ impl Tolerance {
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
         let thresholds = tolerances.thresholds.as_ref().unwrap_or(&design.thresholds);
         let asked: Vec<Measure> = thresholds.iter().map(|threshold| threshold.measure).collect();
-        let workshop = Workshop::new((&design, &layout), &tolerances, &plan, &asked)?;
+        let workshop = Workshop::new((&design, subject), &tolerances, &plan, &asked)?;
         if tolerances.state == State::Settled && (self.sites || self.rechoose.is_some()) {
             return Err(Failure::input_with_help(
                 "--sites and --rechoose judge pieces on nominal sites, and the file of tolerances says state = \"settled\".",
@@ -116,7 +116,7 @@ impl Tolerance {
             integrator: Some(plan.integrator),
             ..overrides
         };
-        let criterion = Criterion::new(&design, &layout, &tolerances, given, interrupt())?;
+        let criterion = Criterion::new(&design, subject, &tolerances, given, interrupt())?;
 
         let known = samples.list.len();
         let more = [
@@ -147,7 +147,7 @@ impl Tolerance {
         measures.extend(
             asked.iter().filter(|measure| !TOLD.contains(measure) && workshop.measures().any(|m| m == **measure)),
         );
-        let of_layout = of_layout(&design, &layout);
+        let of_layout = subject.scores(|material| design.price(material));
         let (share, stopped) = yield_of(&samples, count as usize, &criterion, &of_layout);
         let mut words = String::new();
         let mut files: Vec<(&str, String)> = Vec::new();
@@ -155,7 +155,7 @@ impl Tolerance {
         let mut more = BTreeMap::new();
         let step = |pieces: u64| bar.advance(pieces);
         if !tolerances.laws.is_empty() {
-            let over = over_laws(&design, &layout, &tolerances.laws, self.motion.overrides(common), interrupt())
+            let over = over_laws(&design, subject, &tolerances.laws, self.motion.overrides(common), interrupt())
                 .map_err(|error| match error {
                     OverLawsError::Evaluate(error) => error.into(),
                     error @ OverLawsError::Plan { .. } => Failure::input(error.to_string()),
@@ -167,8 +167,9 @@ impl Tolerance {
             let found = sites(&workshop, interrupt(), &step)?;
             words += &found.words();
             files.push(("sites.csv", found.csv()));
-            maps.push(found.map(&design, &layout));
-            files.push(("sites.svg", found.map(&design, &layout)));
+            let map = found.map(&design, subject);
+            maps.push(map.clone());
+            files.push(("sites.svg", map));
             more.insert("sites", json!(found));
         }
         if self.indices {
@@ -183,7 +184,8 @@ impl Tolerance {
             more.insert("inverse", json!({ "wanted": wanted, "found": found }));
         }
         if let Some(spheres) = self.rechoose {
-            let energy = evaluate(&design, &layout, &plan, interrupt())?.record.max_kinetic;
+            let energy = subject.evaluate(&design, &plan, interrupt())?.record.max_kinetic;
+            let energy = subject.on_places(&energy);
             let with = (&of_layout, &energy[..]);
             let found = rechoose(&workshop, &criterion, (spheres as usize, seed), with, interrupt(), &step)?;
             words += &found.words();
@@ -245,6 +247,8 @@ impl Tolerance {
         // In lanes without records a run takes about a fifth of one with them; whole pieces are two halves, and rigs find their contacts.
         let each = match (workshop.tolerances().state, workshop.tolerances().halves_alike) {
             (State::Settled, _) => 12.0 * alone,
+            // Every other piece is struck by a plate, beside uniform crystals of its own.
+            _ if workshop.tolerances().impact.projectile.is_some() => 18.0 * alone,
             (_, true) => 0.3 * alone,
             (_, false) => 0.6 * alone,
         };
@@ -260,13 +264,6 @@ impl Tolerance {
 /// Pieces that sensitivities take.
 fn sensitivity_runs(workshop: &Workshop) -> usize {
     1 + workshop.quantities().iter().map(|quantity| if quantity.kind.is_random() { 16 } else { 2 }).sum::<usize>()
-}
-
-/// What the layout says by itself.
-fn of_layout(design: &Design, layout: &Layout) -> Scores {
-    let mut scores = Scores::default();
-    scores.add_layout(&layout.stats(|material| design.price(material)));
-    scores
 }
 
 /// Takes up what a folder keeps, and finds out at once whether it can be written.
@@ -293,7 +290,7 @@ impl From<WorkshopError> for Failure {
         match error {
             WorkshopError::Evaluator(error) => error.into(),
             WorkshopError::Held(error) => error.into(),
-            WorkshopError::Records(_) => Self::input(error.to_string()),
+            WorkshopError::Records(_) | WorkshopError::Halves => Self::input(error.to_string()),
         }
     }
 }

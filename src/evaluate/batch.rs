@@ -185,8 +185,8 @@ impl<'a> Evaluator<'a> {
     ) -> Result<Self, EvaluatorError> {
         let mut blows: Vec<(Blow, bool)> = Vec::new();
         let mut members = Vec::new();
-        for Case { blow, flaw } in cases.iter().cloned().map(Into::into) {
-            let of = (blow, flaw.is_one_sided(design.lattice.len()));
+        for Case { blow, flaw, halves_differ } in cases.iter().cloned().map(Into::into) {
+            let of = (blow, halves_differ || flaw.is_one_sided(design.lattice.len()));
             let known = blows.iter().position(|known| *known == of);
             members.push((known.unwrap_or(blows.len()), flaw));
             if known.is_none() {
@@ -256,8 +256,8 @@ impl<'a> Evaluator<'a> {
         &self.plan
     }
 
-    /// Scores of layouts, each an index into the palette for every site of the lattice: for each layout those in each
-    /// case. The bits of a layout's scores depend neither on the number of threads nor on what stands beside it.
+    /// Scores of layouts, each an index into the palette for every site of the lattice, or for every place where halves differ: for
+    /// each layout those in each case. The bits of a layout's scores depend neither on the number of threads nor on what stands beside it.
     ///
     /// # Errors
     /// See [`EvaluatorError`].

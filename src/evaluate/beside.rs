@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use super::forces::under_forces;
-use super::{EvaluateError, Evaluated, Evaluation, EvaluatorError, Forces, Plan, Subject};
-use crate::dem::{ForcePulse, Stop};
+use super::{EvaluateError, Evaluation, EvaluatorError, Forces, Plan, Subject};
+use crate::dem::Stop;
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
 use crate::score::{Scores, Spreads, over_forces};
@@ -28,9 +28,9 @@ pub struct Beside {
 
 /// Where in a layout's palette stands what Q refers to: what the design says, which joins the palette where it is not there. Where the
 /// design says nothing, the layout's first that is not the host.
-pub(super) fn reference(design: &Design, layout: &mut Layout) -> Option<u8> {
+pub(super) fn reference(design: &Design, layout: &mut Layout, left: Option<&[u8]>) -> Option<u8> {
     let Some(reference) = design.reference() else {
-        return layout.materials.iter().copied().find(|&material| material != 0);
+        return layout.materials.iter().chain(left.unwrap_or_default()).copied().find(|&material| material != 0);
     };
     let place = layout.palette.iter().position(|material| material == reference).unwrap_or_else(|| {
         layout.palette.push(reference.clone());
@@ -61,16 +61,16 @@ pub fn beside_uniform<'a>(
 ) -> Result<Beside, EvaluatorError> {
     let given: Subject<'_> = given.into();
     let mut subject = given.layout.clone();
-    let reference = reference(design, &mut subject);
+    let reference = reference(design, &mut subject, given.left);
     let kinds = std::iter::once((Baseline::AllHost, 0)).chain(reference.map(|material| (Baseline::AllLens, material)));
     let (names, baselines): (Vec<String>, Vec<Layout>) =
         kinds.map(|(kind, material)| (kind.name(), kind.layout(&subject, [1, 1], material))).unzip();
     let reference = reference.map(|material| subject.palette[usize::from(material)].name.clone());
-    let layouts: Vec<&Layout> = std::iter::once(&subject).chain(&baselines).collect();
-    let runs = layouts
+    let own = Subject { layout: &subject, left: given.left };
+    let pieces: Vec<Subject<'_>> = std::iter::once(own).chain(baselines.iter().map(Subject::from)).collect();
+    let runs = pieces
         .par_iter()
-        .enumerate()
-        .map(|(k, layout)| Subject { layout, left: given.left.filter(|_| k == 0) }.evaluate(design, plan, interrupt))
+        .map(|piece| piece.evaluate(design, plan, interrupt))
         .collect::<Result<Vec<_>, EvaluateError>>()?;
     let stopped = runs.iter().skip(1).zip(&names);
     let stopped = stopped.filter_map(|(run, name)| Some((name.clone(), run.record.stop.clone()?))).collect();
@@ -82,18 +82,7 @@ pub fn beside_uniform<'a>(
         return Ok(Beside { evaluation, reference, stopped, forces: Vec::new(), over_forces: None });
     }
     let forces = forces.about(design.impact.force);
-    let mut runs = under_forces(design, plan, &layouts, &forces, interrupt)?;
-    if given.left.is_some() {
-        let own = Subject { layout: &subject, left: given.left };
-        runs[0] = forces
-            .iter()
-            .map(|&force| {
-                let design = Design { impact: ForcePulse { force, ..design.impact }, ..design.clone() };
-                let Evaluation { scores, record, .. } = own.evaluate(&design, plan, interrupt)?;
-                Ok(Evaluated { scores, stop: record.stop })
-            })
-            .collect::<Result<_, EvaluateError>>()?;
-    }
+    let runs = under_forces(design, plan, &pieces, &forces, interrupt)?;
     let related = |force: usize| {
         let run = |k: usize| runs.get(k).map(|runs| &runs[force]).filter(|run| run.stop.is_none());
         let mut scores = run(0)?.scores.clone();

@@ -57,7 +57,7 @@ impl Flaw {
         self.radii.len() > sites || self.wrong.iter().any(|&(place, _)| place >= sites)
     }
 
-    /// What is built where `drawn` is wanted: a material for every place.
+    /// What is built where `drawn` is wanted, of the half or of all places: a material for every place.
     pub fn built(&self, drawn: &[u8]) -> Vec<u8> {
         let mut built = drawn.to_vec();
         if self.is_one_sided(drawn.len()) {
@@ -79,11 +79,14 @@ pub struct Case {
     pub blow: Blow,
     /// What is built otherwise than drawn.
     pub flaw: Flaw,
+    /// Whether both halves are simulated though neither blow nor flaw asks for it, since what is drawn differs in them: its materials
+    /// are then those of all sites, and behind them those of their images.
+    pub halves_differ: bool,
 }
 
 impl From<Blow> for Case {
     fn from(blow: Blow) -> Self {
-        Self { blow, flaw: Flaw::default() }
+        Self { blow, flaw: Flaw::default(), halves_differ: false }
     }
 }
 

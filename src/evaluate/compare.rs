@@ -9,8 +9,8 @@ use super::beside::{reference, unnamed};
 use super::forces::under_forces;
 use super::traced::spot_diagrams;
 use super::verdict::{Judged, verdict};
-use super::{Doubts, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError};
-use super::{evaluate, method, validity};
+use super::{Doubts, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError, Subject};
+use super::{method, validity};
 use crate::dem::Stop;
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
@@ -42,8 +42,10 @@ pub struct Comparison<'a> {
     pub forces: Forces,
     /// The subject's name, `lens` for a proposal.
     pub name: String,
-    /// The subject.
+    /// The subject, or its right half.
     pub subject: Layout,
+    /// Where its halves differ the material of the image of every site, left of the axis.
+    pub left: Option<Vec<u8>>,
     /// Place in the subject's palette of what baselines are made of and Q refers to, where the design names it.
     pub reference: Option<u8>,
     /// First and last row in which the subject holds lens material.
@@ -59,38 +61,41 @@ impl<'a> Comparison<'a> {
     /// A step or window with which nothing can be simulated.
     pub fn of_lens(design: &'a Design, lens: &Lens, overrides: Overrides) -> Result<Self, PlanError> {
         let proposal = Some(Proposal { spots: spot_diagrams(design, lens), ..proposal(design, lens) });
-        Self::new(design, "lens".to_owned(), lens.layout(), lens.rows(), proposal, overrides)
+        Self::new(design, "lens".to_owned(), (lens.layout(), None), lens.rows(), proposal, overrides)
     }
 
-    /// Any layout against its baselines: strips and mixtures span the rows in which it differs from the host, and are made of what
-    /// the design says, see [`Design::reference`].
+    /// Any layout, or a piece of two halves, against its baselines: strips and mixtures span the rows in which it differs from the host,
+    /// and are made of what the design says, see [`Design::reference`].
     ///
     /// # Errors
     /// A step or window with which nothing can be simulated.
-    pub fn of_layout(
+    pub fn of_layout<'b>(
         design: &'a Design,
         name: String,
-        subject: Layout,
+        subject: impl Into<Subject<'b>>,
         overrides: Overrides,
     ) -> Result<Self, PlanError> {
-        let sites = subject.lattice.sites();
-        let rows = sites.iter().zip(&subject.materials).filter(|(_, m)| **m != 0).map(|(s, _)| s.row);
-        let rows: Vec<u32> = rows.collect();
-        let rows = [rows.first().copied().unwrap_or(1), rows.last().copied().unwrap_or(1)];
-        Self::new(design, name, subject, rows, None, overrides)
+        let subject: Subject<'_> = subject.into();
+        let given = (subject.layout.clone(), subject.left.map(<[u8]>::to_vec));
+        Self::new(design, name, given, subject.rows(), None, overrides)
     }
 
     fn new(
         design: &'a Design,
         name: String,
-        mut subject: Layout,
+        (mut subject, left): (Layout, Option<Vec<u8>>),
         rows: [u32; 2],
         proposal: Option<Proposal>,
         overrides: Overrides,
     ) -> Result<Self, PlanError> {
-        let reference = reference(design, &mut subject);
+        let reference = reference(design, &mut subject, left.as_deref());
         let plan = Plan::new(design, overrides, &subject.palette)?;
-        Ok(Self { design, plan, forces: Forces::USUAL, name, subject, reference, rows, proposal })
+        Ok(Self { design, plan, forces: Forces::USUAL, name, subject, left, reference, rows, proposal })
+    }
+
+    /// What is compared.
+    pub fn piece(&self) -> Subject<'_> {
+        Subject { layout: &self.subject, left: self.left.as_deref() }
     }
 
     /// Judged over other forces than the usual ones.
@@ -118,7 +123,9 @@ impl<'a> Comparison<'a> {
             None => vec![Baseline::AllHost],
         };
         let material = self.reference.unwrap_or_default();
-        set.into_iter().map(|baseline| (baseline, baseline.layout(&self.subject, self.rows, material))).collect()
+        let count = self.piece().count();
+        let lay = |baseline: Baseline| baseline.layout_of_count(&self.subject, self.rows, material, count);
+        set.into_iter().map(|baseline| (baseline, lay(baseline))).collect()
     }
 
     /// The layout of an arrangement by its name.
@@ -128,13 +135,19 @@ impl<'a> Comparison<'a> {
 
     /// What is to be simulated: the subject first.
     pub(super) fn jobs(&self) -> Vec<Job> {
-        let subject =
-            Job { name: self.name.clone(), kind: self.name.clone(), seed: None, layout: self.subject.clone() };
+        let subject = Job {
+            name: self.name.clone(),
+            kind: self.name.clone(),
+            seed: None,
+            layout: self.subject.clone(),
+            left: self.left.clone(),
+        };
         let others = self.baselines().into_iter().map(|(baseline, layout)| Job {
             name: baseline.name(),
             kind: baseline.kind().to_owned(),
             seed: baseline.seed(),
             layout,
+            left: None,
         });
         std::iter::once(subject).chain(others).collect()
     }
@@ -190,9 +203,15 @@ pub(super) struct Job {
     pub kind: String,
     pub seed: Option<u64>,
     pub layout: Layout,
+    pub left: Option<Vec<u8>>,
 }
 
 impl Job {
+    /// What is simulated.
+    pub fn piece(&self) -> Subject<'_> {
+        Subject { layout: &self.layout, left: self.left.as_deref() }
+    }
+
     /// What it did.
     pub fn arrangement(&self, scores: Scores, record: SphereRecord, stop: Option<Stop>) -> ArrangementOutcome {
         ArrangementOutcome {
@@ -202,7 +221,7 @@ impl Job {
             scores,
             over_forces: None,
             simulated: None,
-            layout: self.layout.materials.clone(),
+            layout: self.piece().drawn(),
             record,
             stop,
         }
@@ -238,14 +257,14 @@ pub fn compare(
     let jobs = comparison.jobs();
     let evaluations: Vec<Option<Evaluation>> = jobs
         .par_iter()
-        .map(|Job { name, layout, .. }| {
+        .map(|job| {
             if interrupt.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let evaluation = evaluate(design, layout, plan, interrupt)?;
+            let evaluation = job.piece().evaluate(design, plan, interrupt)?;
             let complete = !matches!(evaluation.record.stop, Some(Stop::Interrupted { .. }));
             if complete {
-                progress.finished(name);
+                progress.finished(&job.name);
             }
             Ok(complete.then_some(evaluation))
         })
@@ -254,24 +273,25 @@ pub fn compare(
     let mut warnings = plan.warnings.clone();
     let mut doubts = Doubts::default();
     let mut arrangements = Vec::new();
-    let mut layouts = Vec::new();
+    let mut simulated = Vec::new();
     for (job, evaluation) in jobs.into_iter().zip(evaluations) {
         let Some(Evaluation { scores, record, doubts: own }) = evaluation else { continue };
         doubts = doubts.worse(own);
+        let piece = job.piece();
         let felt = SphereRecord {
-            max_kinetic: record.max_kinetic,
-            max_net_force: record.max_net_force,
-            max_contact_force: record.max_contact_force,
-            arrival: record.arrival,
-            dissipated: record.dissipated,
+            max_kinetic: piece.on_places(&record.max_kinetic),
+            max_net_force: piece.on_places(&record.max_net_force),
+            max_contact_force: piece.on_places(&record.max_contact_force),
+            arrival: piece.on_places(&record.arrival),
+            dissipated: piece.on_places(&record.dissipated),
         };
         arrangements.push(job.arrangement(scores, felt, record.stop));
-        layouts.push(job.layout);
+        simulated.push(job);
     }
     relate(&mut arrangements);
     let whole = arrangements.len() == comparison.len();
     let (forces, verdict) = match whole {
-        true => judge(comparison, comparison.forces, &mut arrangements, &layouts, interrupt)?,
+        true => judge(comparison, comparison.forces, &mut arrangements, &simulated, interrupt)?,
         false => (Vec::new(), Vec::new()),
     };
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
@@ -317,7 +337,7 @@ pub(super) fn judge(
     comparison: &Comparison<'_>,
     forces: Forces,
     arrangements: &mut [ArrangementOutcome],
-    layouts: &[Layout],
+    simulated: &[Job],
     interrupt: &AtomicBool,
 ) -> Result<(Vec<f64>, Vec<Verdict>), EvaluatorError> {
     let Comparison { design, plan, .. } = comparison;
@@ -326,9 +346,9 @@ pub(super) fn judge(
         let own = |a: &ArrangementOutcome| vec![Evaluated { scores: a.scores.clone(), stop: a.stop.clone() }];
         arrangements.iter().map(own).collect()
     } else {
-        let layouts: Vec<&Layout> = layouts.iter().collect();
+        let pieces: Vec<Subject<'_>> = simulated.iter().map(Job::piece).collect();
         let kinds: Vec<&str> = arrangements.iter().map(|arrangement| arrangement.kind.as_str()).collect();
-        match related(design, plan, (&kinds, &layouts), &forces, interrupt) {
+        match related(design, plan, (&kinds, &pieces), &forces, interrupt) {
             Err(EvaluatorError::Interrupted) => return Ok((Vec::new(), Vec::new())),
             runs => runs?,
         }
@@ -350,11 +370,11 @@ pub(super) fn judge(
 fn related(
     design: &Design,
     plan: &Plan,
-    (kinds, layouts): (&[&str], &[&Layout]),
+    (kinds, pieces): (&[&str], &[Subject<'_>]),
     forces: &[f64],
     interrupt: &AtomicBool,
 ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
-    let mut runs = under_forces(design, plan, layouts, forces, interrupt)?;
+    let mut runs = under_forces(design, plan, pieces, forces, interrupt)?;
     let [host, lens] = ["all-host", "all-lens"].map(|kind| kinds.iter().position(|known| *known == kind));
     for force in 0..forces.len() {
         let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
@@ -378,12 +398,12 @@ fn of_first(kinds: &[&str], scores: &[Option<Vec<Scores>>]) -> Vec<Verdict> {
 /// # Errors
 /// See [`EvaluatorError`].
 pub fn judged(comparison: &Comparison<'_>, interrupt: &AtomicBool) -> Result<Vec<Verdict>, EvaluatorError> {
-    let Comparison { design, plan, forces, subject, name, .. } = comparison;
+    let Comparison { design, plan, forces, name, .. } = comparison;
     let baselines = comparison.baselines();
-    let (kinds, layouts): (Vec<&str>, Vec<&Layout>) = std::iter::once((name.as_str(), subject))
-        .chain(baselines.iter().map(|(baseline, layout)| (baseline.kind(), layout)))
+    let (kinds, pieces): (Vec<&str>, Vec<Subject<'_>>) = std::iter::once((name.as_str(), comparison.piece()))
+        .chain(baselines.iter().map(|(baseline, layout)| (baseline.kind(), Subject::from(layout))))
         .unzip();
-    let runs = related(design, plan, (&kinds, &layouts), &forces.about(design.impact.force), interrupt)?;
+    let runs = related(design, plan, (&kinds, &pieces), &forces.about(design.impact.force), interrupt)?;
     let finished =
         |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
     Ok(of_first(&kinds, &runs.into_iter().map(finished).collect::<Vec<_>>()))

@@ -3,10 +3,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::{Evaluated, Evaluator, EvaluatorError, Overrides, Plan};
+use super::{Blow, Case, Evaluated, Evaluator, EvaluatorError, Overrides, Plan, Subject};
 use crate::dem::{ForcePulse, Stop};
 use crate::design::Design;
-use crate::layout::Layout;
 
 /// How many forces, evenly spaced, and how far the outermost lie from the design's own, as a part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,25 +81,39 @@ impl Forces {
     }
 }
 
-/// Layouts of one design under several forces: for each layout its scores under each, not yet related to uniform crystals.
+/// Pieces of one design, of one palette, under several forces: for each its scores under each, not yet related to uniform crystals.
 pub(super) fn under_forces(
     design: &Design,
     plan: &Plan,
-    layouts: &[&Layout],
+    pieces: &[Subject<'_>],
     forces: &[f64],
     interrupt: &AtomicBool,
 ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
-    let Some(first) = layouts.first() else { return Ok(Vec::new()) };
-    let pulses: Vec<ForcePulse> = forces.iter().map(|&force| ForcePulse { force, ..design.impact }).collect();
+    let Some(first) = pieces.first() else { return Ok(Vec::new()) };
     let given = Overrides {
         integrator: Some(plan.integrator),
         step: Some(plan.step),
         window: Some(plan.window),
         first_seed: None,
     };
-    let evaluator = Evaluator::alone(design, &pulses, first.palette.clone(), given)?;
-    let materials: Vec<Vec<u8>> = layouts.iter().map(|layout| layout.materials.clone()).collect();
-    let found = evaluator.scores(&materials, interrupt)?;
+    // Of symmetric pieces the half is simulated, of others the whole.
+    let mut found: Vec<Vec<Evaluated>> = vec![Vec::new(); pieces.len()];
+    for halves_differ in [false, true] {
+        let alike: Vec<usize> = (0..pieces.len()).filter(|&k| pieces[k].left.is_some() == halves_differ).collect();
+        if alike.is_empty() {
+            continue;
+        }
+        let case = |&force: &f64| {
+            let blow = Blow::from(ForcePulse { force, ..design.impact });
+            Case { halves_differ, ..Case::from(blow) }
+        };
+        let cases: Vec<Case> = forces.iter().map(case).collect();
+        let evaluator = Evaluator::alone(design, &cases, first.layout.palette.clone(), given)?;
+        let drawn: Vec<Vec<u8>> = alike.iter().map(|&k| pieces[k].drawn()).collect();
+        for (k, runs) in alike.into_iter().zip(evaluator.scores(&drawn, interrupt)?) {
+            found[k] = runs;
+        }
+    }
     if found.iter().flatten().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
         return Err(EvaluatorError::Interrupted);
     }

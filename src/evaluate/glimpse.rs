@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::compare::{Begun, Job, judge, relate, stops};
+use super::compare::{Begun, judge, relate, stops};
 use super::{Comparison, EvaluatorError, Forces, impact};
 use crate::dem::{Brief, Stop, simulate_batch, simulate_batch_with_friction};
 use crate::outcome::{Outcome, SphereRecord};
@@ -12,7 +12,7 @@ use crate::real::Width;
 use crate::score::Scores;
 
 /// What `compare` finds of energies under the design's own force, to the last bit: F, P, C, G and Q of every arrangement and the
-/// greatest kinetic energy of each sphere, judged over one force. Without forces, arrivals, losses and a ledger it takes a fifth of
+/// greatest kinetic energy of each sphere, judged over one force; of a piece whose halves differ its right half, for both. Without forces, arrivals, losses and a ledger it takes a fifth of
 /// the time.
 ///
 /// # Errors
@@ -43,8 +43,7 @@ pub fn glimpse(comparison: &Comparison<'_>, interrupt: &AtomicBool) -> Result<Ou
         arrangements.push(job.arrangement(scores, SphereRecord { max_kinetic, ..SphereRecord::default() }, stop));
     }
     relate(&mut arrangements);
-    let layouts: Vec<_> = jobs.into_iter().map(|Job { layout, .. }| layout).collect();
-    let judged = judge(comparison, Forces::ONE, &mut arrangements, &layouts, interrupt)?;
+    let judged = judge(comparison, Forces::ONE, &mut arrangements, &jobs, interrupt)?;
     let mut warnings = plan.warnings.clone();
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
     Ok(comparison.outcome(begun, judged, arrangements, warnings))

@@ -6,11 +6,12 @@
 use std::sync::atomic::AtomicBool;
 
 use super::settle::{GRAVITY, Room, SettleError, settle};
-use super::{Blow, Plan};
-use crate::dem::rig::{Body, Curve, Flat, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation};
+use super::{Blow, Plan, Subject};
+use crate::dem::rig::{
+    Body, Curve, Face, Flat, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation, rig_step,
+};
 use crate::dem::steps_in;
 use crate::design::Design;
-use crate::layout::{Layout, whole};
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
 
@@ -50,6 +51,15 @@ pub enum Frame {
     },
 }
 
+/// A flat plate that strikes row 1 in place of a pulse: rigid, as wide as what a pulse would strike, and met as a sphere like the one it meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projectile {
+    /// Of the plate in front of a sheet one sphere thick (kg).
+    pub mass: f64,
+    /// Along the blow (m/s).
+    pub speed: f64,
+}
+
 /// A piece in a frame that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HeldError {
@@ -64,16 +74,18 @@ pub enum HeldError {
     Settle(#[from] SettleError),
 }
 
-/// The spheres of a layout's piece on their sites, of nominal diameter.
-pub fn held_spheres(layout: &Layout) -> Vec<HeldSphere> {
+/// The spheres of a piece on their sites, of nominal diameter.
+pub fn held_spheres<'a>(of: impl Into<Subject<'a>>) -> Vec<HeldSphere> {
+    let subject: Subject<'_> = of.into();
+    let diameter = subject.layout.lattice.diameter();
     let of = |s: crate::layout::PieceSphere| HeldSphere {
         centre: [s.x, s.z],
-        diameter: layout.lattice.diameter(),
+        diameter,
         material: usize::from(s.material),
         row: s.row,
         site: s.site,
     };
-    whole(layout).into_iter().map(of).collect()
+    subject.spheres().into_iter().map(of).collect()
 }
 
 /// Lets spheres settle in a frame with room at each side and at the end: by how far the farthest moves (m).
@@ -97,7 +109,8 @@ fn room(design: &Design, spheres: &[HeldSphere], side_gap: f64, end_gap: f64) ->
     Room { side: far(0) + radius + side_gap, depth: far(1) + radius + end_gap }
 }
 
-/// Greatest kinetic energy by site of the half (J), the mean of a sphere and its image, of a piece under a blow.
+/// Greatest kinetic energy by site of the half (J), the mean of a sphere and its image, of a piece under a blow: its pulse, or a projectile
+/// that strikes in its direction and place.
 ///
 /// # Errors
 /// See [`HeldError`].
@@ -105,7 +118,7 @@ pub fn held_energies(
     (design, plan): (&Design, &Plan),
     palette: &[Material],
     mut spheres: Vec<HeldSphere>,
-    (frame, blow): (Frame, &Blow),
+    (frame, blow, projectile): (Frame, &Blow, Option<Projectile>),
     interrupt: &AtomicBool,
 ) -> Result<Vec<f64>, HeldError> {
     let slack = 1e-9 * design.lattice.diameter();
@@ -165,15 +178,42 @@ pub fn held_energies(
         rig.squeezed = true;
         rig.gravity = [0.0, GRAVITY];
     }
-    rig.loads.push(Load {
-        bodies: there.iter().enumerate().filter(|&(_, &k)| struck[k]).map(|(body, _)| Body::Sphere(body)).collect(),
-        direction: [blow.angle.sin(), blow.angle.cos()],
-        kind: LoadKind::Force,
-        curve: Curve::Square { peak: blow.pulse.force, start: 0.0, duration: blow.pulse.duration },
-    });
+    let direction = [blow.angle.sin(), blow.angle.cos()];
+    let front: Vec<&HeldSphere> = there.iter().filter(|&&k| struck[k]).map(|&k| &spheres[k]).collect();
+    match projectile {
+        None => rig.loads.push(Load {
+            bodies: there.iter().enumerate().filter(|&(_, &k)| struck[k]).map(|(body, _)| Body::Sphere(body)).collect(),
+            direction,
+            kind: LoadKind::Force,
+            curve: Curve::Square { peak: blow.pulse.force, start: 0.0, duration: blow.pulse.duration },
+        }),
+        Some(Projectile { mass, speed }) => {
+            // It arrives as it touches the first of the spheres that it strikes.
+            let top = front.iter().map(|s| s.centre[1] - 0.5 * s.diameter).fold(f64::INFINITY, f64::min);
+            let radius = 0.5 * design.lattice.diameter();
+            let ends = front
+                .iter()
+                .map(|s| s.centre[0])
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+            let face = match blow.place {
+                None => Face::Plane,
+                Some(_) => Face::Polygon(vec![[ends[0] - radius, top], [ends[1] + radius, top]]),
+            };
+            if !front.is_empty() {
+                rig.flats.push(Flat {
+                    face,
+                    mass,
+                    velocity: direction.map(|along| speed * along),
+                    held: [false; 2],
+                    ..Flat::wall("projectile", [0.0, top], [0.0, 1.0])
+                });
+            }
+        }
+    }
     let mass = rig.mass.clone();
-    let mut simulation = Simulation::new(rig, plan.step)?.watching(Vec::new());
-    simulation.advance(steps_in(plan.window, plan.step), interrupt).map_err(HeldError::Stopped)?;
+    let step = rig_step(plan.integrator, plan.step);
+    let mut simulation = Simulation::new(rig, step)?.watching(Vec::new());
+    simulation.advance(steps_in(plan.window, step), interrupt).map_err(HeldError::Stopped)?;
     let speed = simulation.greatest_speed();
     let mut energy = vec![[0.0, 0.0]; design.lattice.len()];
     for (body, &k) in there.iter().enumerate() {
@@ -187,6 +227,7 @@ pub fn held_energies(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::Layout;
 
     fn quickstart() -> (Design, Layout) {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -5,10 +5,9 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{EvaluatorError, Forces, Overrides, Plan, PlanError, beside_uniform};
+use super::{EvaluatorError, Forces, Overrides, Plan, PlanError, Subject, beside_uniform};
 use crate::contact::LawKind;
 use crate::design::Design;
-use crate::layout::Layout;
 use crate::score::{Measure, Scores};
 
 /// The scores of a layout under one law.
@@ -72,23 +71,24 @@ pub fn design_laws(design: &Design) -> Vec<LawKind> {
     laws
 }
 
-/// Simulates a layout beside its host alone and the design's lens material alone under each law, as `check` does. Each law has the step that its
+/// Simulates a layout, or a piece of two halves, beside its host alone and the design's lens material alone under each law, as `check` does. Each law has the step that its
 /// stiffest contact asks for.
 ///
 /// # Errors
 /// See [`OverLawsError`]. A run that a guard stops is none: it is told, and its scores are left out.
-pub fn over_laws(
+pub fn over_laws<'a>(
     design: &Design,
-    layout: &Layout,
+    subject: impl Into<Subject<'a>>,
     laws: &[LawKind],
     overrides: Overrides,
     interrupt: &AtomicBool,
 ) -> Result<OverLaws, OverLawsError> {
+    let subject: Subject<'_> = subject.into();
     let designs: Vec<Design> = laws.iter().map(|&law| Design { law, ..design.clone() }).collect();
     let plans = designs
         .iter()
         .map(|design| {
-            Plan::new(design, overrides, &layout.palette)
+            Plan::new(design, overrides, &subject.layout.palette)
                 .map_err(|error| OverLawsError::Plan { law: design.law, error })
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -97,7 +97,7 @@ pub fn over_laws(
         .par_iter()
         .zip(&plans)
         .map(|(design, plan)| {
-            let beside = beside_uniform(design, layout, plan, Forces::ONE, interrupt)?;
+            let beside = beside_uniform(design, subject, plan, Forces::ONE, interrupt)?;
             let (mut scores, stop) = (beside.evaluation.scores, beside.evaluation.record.stop);
             if stop.is_some() {
                 for ratio in [Measure::Contrast, Measure::FocalGain, Measure::Protection] {

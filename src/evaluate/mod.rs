@@ -42,7 +42,7 @@ pub use decay::{calibrate, decay};
 pub use forces::{Forces, ForcesError};
 pub use glance::Glance;
 pub use glimpse::glimpse;
-pub use held::{Frame, HeldError, HeldSphere, held_energies, held_spheres, settled};
+pub use held::{Frame, HeldError, HeldSphere, Projectile, held_energies, held_spheres, settled};
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use plan::{Overrides, Plan, PlanError};
 pub use rank::{Ranked, rank};

@@ -6,7 +6,7 @@ use super::blow::{Blow, Field, Flaw};
 use super::{Doubts, EvaluateError, Evaluation, Plan};
 use crate::dem::{simulate, simulate_with_friction};
 use crate::design::Design;
-use crate::layout::{Bill, Layout};
+use crate::layout::{Bill, Layout, PieceSphere, ReadLayout, whole};
 use crate::material::Material;
 use crate::score::Scores;
 
@@ -25,7 +25,80 @@ impl<'a> From<&'a Layout> for Subject<'a> {
     }
 }
 
+impl<'a> From<&'a ReadLayout> for Subject<'a> {
+    fn from(read: &'a ReadLayout) -> Self {
+        Self { layout: &read.layout, left: read.left.as_deref() }
+    }
+}
+
 impl Subject<'_> {
+    /// What is drawn: the material of every site of the half; where the halves differ, behind them those of the sites' images.
+    pub fn drawn(&self) -> Vec<u8> {
+        [&self.layout.materials[..], self.left.unwrap_or_default()].concat()
+    }
+
+    /// All spheres of the piece, row by row from left to right.
+    pub fn spheres(&self) -> Vec<PieceSphere> {
+        let mut spheres = whole(self.layout);
+        if let Some(left) = self.left {
+            spheres.iter_mut().filter(|sphere| sphere.x < 0.0).for_each(|sphere| sphere.material = left[sphere.site]);
+        }
+        spheres
+    }
+
+    /// Whether any of its spheres is of a material, a place in the palette.
+    pub fn holds(&self, material: u8) -> bool {
+        self.layout.materials.iter().chain(self.left.unwrap_or_default()).any(|&known| known == material)
+    }
+
+    /// First and last row that hold anything but the host; row 1 where none does.
+    pub fn rows(&self) -> [u32; 2] {
+        let drawn = self.drawn();
+        let sites = self.layout.lattice.sites();
+        let other = |k: &usize| drawn.iter().skip(*k).step_by(sites.len()).any(|&material| material != 0);
+        let rows: Vec<u32> = (0..sites.len()).filter(other).map(|k| sites[k].row).collect();
+        [rows.first().copied().unwrap_or(1), rows.last().copied().unwrap_or(1)]
+    }
+
+    /// Sites of the half that hold anything but the host, in the mean of both halves.
+    pub fn count(&self) -> usize {
+        let of = |materials: &[u8]| materials.iter().filter(|&&material| material != 0).count();
+        let right = of(&self.layout.materials);
+        self.left.map_or(right, |left| (right + of(left)) / 2)
+    }
+
+    /// What the spheres of its [record](Self::evaluate) felt, in the order of [`drawn`](Self::drawn).
+    pub fn on_places<T: Clone>(&self, felt: &[T]) -> Vec<T> {
+        if self.left.is_none() {
+            return felt.to_vec();
+        }
+        let mut of = vec![0; 2 * self.layout.materials.len()];
+        let (right, left) = of.split_at_mut(self.layout.materials.len());
+        for (k, sphere) in whole(self.layout).iter().enumerate() {
+            // A sphere on the axis is its own image.
+            if sphere.x >= 0.0 {
+                right[sphere.site] = k;
+            }
+            if sphere.x <= 0.0 {
+                left[sphere.site] = k;
+            }
+        }
+        of.into_iter().map(|k| felt[k].clone()).collect()
+    }
+
+    /// What it says by itself: counts, masses and costs; of halves that differ those of the piece alone.
+    pub fn scores(&self, prices: impl Fn(&Material) -> Option<f64> + Copy) -> Scores {
+        let mut scores = Scores::default();
+        if self.left.is_none() {
+            scores.add_layout(&self.layout.stats(prices));
+            return scores;
+        }
+        let piece = self.piece(prices).amount;
+        (scores.piece_mass, scores.piece_cost, scores.piece_spheres) =
+            (Some(piece.mass), piece.cost, Some(piece.spheres));
+        scores
+    }
+
     /// What the piece to be built is made of: two halves that differ are half of each whole piece.
     pub fn piece(&self, prices: impl Fn(&Material) -> Option<f64> + Copy) -> Bill {
         let right = self.layout.piece(prices);
@@ -51,12 +124,13 @@ impl Subject<'_> {
     /// # Errors
     /// See [`EvaluateError`].
     pub fn evaluate(&self, design: &Design, plan: &Plan, interrupt: &AtomicBool) -> Result<Evaluation, EvaluateError> {
-        let Some(left) = self.left else { return super::evaluate(design, self.layout, plan, interrupt) };
+        if self.left.is_none() {
+            return super::evaluate(design, self.layout, plan, interrupt);
+        }
         let field = Field::new(design, plan, &Blow::from(design.impact), true);
         let lattice = &self.layout.lattice;
         // The places of the other side stand behind those of the half.
-        let both = [&self.layout.materials[..], left].concat();
-        let sample = field.sample(&self.layout.palette, lattice.diameter(), &both, &Flaw::default());
+        let sample = field.sample(&self.layout.palette, lattice.diameter(), &self.drawn(), &Flaw::default());
         let record = match field.friction {
             Some(coefficient) => simulate_with_friction(&sample, &field.impact, coefficient, interrupt)?,
             None => simulate(&sample, &field.impact, interrupt)?,
@@ -65,9 +139,9 @@ impl Subject<'_> {
         let within = (lattice, &design.target);
         let mut scores = Scores::of_energies(&folded, within.0, within.1);
         scores.add_records(&record, within, |site| field.on(site), 0.5, |sphere| sample.mass(sphere));
-        let piece = self.piece(|material| design.price(material)).amount;
+        let piece = self.scores(|material| design.price(material));
         (scores.piece_mass, scores.piece_cost, scores.piece_spheres) =
-            (Some(piece.mass), piece.cost, Some(piece.spheres));
+            (piece.piece_mass, piece.piece_cost, piece.piece_spheres);
         let doubts = Doubts::of(&record, &sample, &folded, design);
         Ok(Evaluation { scores, record, doubts })
     }

@@ -14,16 +14,22 @@ use crate::units::Dimension::Length;
 const CHANCE: f64 = 0.03;
 
 pub(super) fn line(look: &Look) -> Result<Option<Line>, GateError> {
-    let Look { design, layout, .. } = look;
+    let Look { design, subject, .. } = look;
+    let layout = look.layout();
     if !design.law.is_plastic() {
         return Ok(None);
     }
     let diameter = design.lattice.diameter();
     let record = &look.beside.evaluation.record;
-    let mut sums = vec![[0.0, 0.0]; layout.materials.len()];
+    // Of a piece whose halves differ the record is of all spheres.
+    let of: Vec<u8> = match subject.left {
+        Some(_) => subject.spheres().iter().map(|sphere| sphere.material).collect(),
+        None => layout.materials.clone(),
+    };
+    let mut sums = vec![[0.0, 0.0]; of.len()];
     let mut deepest = 0.0_f64;
     for contact in &record.contacts {
-        let materials = contact.spheres.map(|i| &layout.palette[usize::from(layout.materials[i])]);
+        let materials = contact.spheres.map(|i| &layout.palette[usize::from(of[i])]);
         let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants);
         let dent = residual(&AnyLaw::new(design.law, &pair), contact.overlap_max, contact.force_max);
         deepest = deepest.max(dent);
@@ -35,15 +41,15 @@ pub(super) fn line(look: &Look) -> Result<Option<Line>, GateError> {
     let mean = |[sum, count]: &[f64; 2]| if *count > 0.0 { sum / count } else { 0.0 };
     // Half of a dent is each sphere's, and a dent takes a radius.
     let radii: Vec<f64> = sums.iter().map(|sum| 1.0 - mean(sum) / diameter).collect();
-    let dented = Flaw { radii, ..Flaw::default() };
+    let dented = Flaw { radii: subject.on_places(&radii), ..Flaw::default() };
     let blow = Blow::from(design.impact);
-    let cases = [Case { blow, flaw: Flaw::default() }, Case { blow, flaw: dented }];
+    let cases = [look.case(blow), Case { flaw: dented, ..look.case(blow) }];
     let overrides = given(look.plan, look.plan.step, look.plan.window);
     let evaluator = match Evaluator::new(design, &cases, layout.palette.clone(), overrides, look.interrupt) {
         Err(EvaluatorError::Baseline { .. }) => return Ok(None),
         evaluator => evaluator?,
     };
-    let runs = evaluator.scores(std::slice::from_ref(&layout.materials), look.interrupt)?.concat();
+    let runs = evaluator.scores(&[subject.drawn()], look.interrupt)?.concat();
     let why = "A piece that is struck twice is another piece; spheres that yielded are to be replaced.";
     let check = "second blow";
     if let Some(stop) = runs.iter().find_map(|run| run.stop.as_ref()) {

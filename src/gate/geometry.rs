@@ -14,7 +14,7 @@ const GAP: f64 = 1e-3;
 pub(super) fn lines(look: &Look, frame: [Option<f64>; 2]) -> Vec<Line> {
     let mut lines = Vec::new();
     let diameter = look.design.lattice.diameter();
-    let mut spheres = held_spheres(look.layout);
+    let mut spheres = held_spheres(look.subject);
     let far = |axis: usize| spheres.iter().map(|sphere| sphere.centre[axis]).fold(0.0, f64::max);
     // Between the side walls, and from the centres of row 1 to the end wall, as the frame of `build` is.
     let piece = [2.0 * far(0) + diameter, far(1) + 0.5 * diameter];
@@ -53,7 +53,7 @@ pub(super) fn lines(look: &Look, frame: [Option<f64>; 2]) -> Vec<Line> {
     let why =
         "Spheres of nominal diameter, laid in the frame, without friction, have to find their place near their sites.";
     let limit = Length.show(0.25 * diameter);
-    lines.push(match settled(look.design, &look.layout.palette, &mut spheres, [0.5 * gaps[0], gaps[1]]) {
+    lines.push(match settled(look.design, &look.layout().palette, &mut spheres, [0.5 * gaps[0], gaps[1]]) {
         Ok(moved) => Line::new(
             "stack under gravity",
             Word::Pass,
@@ -97,9 +97,10 @@ fn catalogue_diameter(diameter: f64) -> Line {
 }
 
 fn catalogue_materials(look: &Look) -> Line {
-    let used = (0..look.layout.palette.len()).filter(|&m| look.layout.count(m as u8) > 0);
+    let palette = &look.layout().palette;
+    let used = (0..palette.len()).filter(|&m| look.subject.holds(m as u8));
     let missing: Vec<&str> =
-        used.map(|m| look.layout.palette[m].name.as_str()).filter(|name| material::canonical(name).is_none()).collect();
+        used.map(|m| palette[m].name.as_str()).filter(|name| material::canonical(name).is_none()).collect();
     let (word, number) = match missing.is_empty() {
         true => (Word::Pass, "all materials are the library's".to_owned()),
         false => (Word::Warn, format!("not in the library: {}", missing.join(", "))),

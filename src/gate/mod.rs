@@ -17,9 +17,8 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 
 use crate::design::{Design, Threshold};
-use crate::evaluate::{Beside, EvaluatorError, OverLawsError, Overrides, Plan};
+use crate::evaluate::{Beside, Case, EvaluatorError, OverLawsError, Overrides, Plan, Subject};
 use crate::layout::Layout;
-use crate::score::Scores;
 use crate::tolerance::{Criterion, Samples, Tolerances, Workshop, WorkshopError};
 
 /// What a line says.
@@ -119,24 +118,36 @@ pub enum GateError {
 /// What the gate looks at.
 struct Look<'a> {
     design: &'a Design,
-    layout: &'a Layout,
+    subject: Subject<'a>,
     plan: &'a Plan,
     beside: &'a Beside,
     interrupt: &'a AtomicBool,
+}
+
+impl<'a> Look<'a> {
+    /// The layout, or the right half of a piece whose halves differ.
+    fn layout(&self) -> &'a Layout {
+        self.subject.layout
+    }
+
+    /// A case of this piece.
+    fn case(&self, case: impl Into<Case>) -> Case {
+        Case { halves_differ: self.subject.left.is_some(), ..case.into() }
+    }
 }
 
 /// Looks at a layout that was simulated beside the uniform crystals.
 ///
 /// # Errors
 /// See [`GateError`].
-pub fn gate(
-    (design, layout): (&Design, &Layout),
-    plan: &Plan,
-    beside: &Beside,
+pub fn gate<'a>(
+    (design, subject): (&'a Design, Subject<'a>),
+    plan: &'a Plan,
+    beside: &'a Beside,
     asked: &Asked,
-    interrupt: &AtomicBool,
+    interrupt: &'a AtomicBool,
 ) -> Result<Gate, GateError> {
-    let look = Look { design, layout, plan, beside, interrupt };
+    let look = Look { design, subject, plan, beside, interrupt };
     let mut lines = geometry::lines(&look, asked.frame);
     lines.extend(numbers::lines(&look)?);
     lines.extend(thresholds(&look));
@@ -175,14 +186,13 @@ fn thresholds(look: &Look) -> Vec<Line> {
 
 /// How many pieces keep what is asked once they are built.
 fn as_built(look: &Look, least: f64, tolerances: &Tolerances, [count, seed]: [u64; 2]) -> Result<Line, GateError> {
-    let (design, layout, plan) = (look.design, look.layout, look.plan);
+    let (design, subject, plan) = (look.design, look.subject, look.plan);
     let given = given(plan, plan.step, plan.window);
-    let criterion = Criterion::new(design, layout, tolerances, given, look.interrupt)?;
-    let workshop = Workshop::new((design, layout), tolerances, plan, &criterion.measures())?;
+    let criterion = Criterion::new(design, subject, tolerances, given, look.interrupt)?;
+    let workshop = Workshop::new((design, subject), tolerances, plan, &criterion.measures())?;
     let mut samples = Samples::new(&workshop, seed);
     samples.grow(&workshop, count, look.interrupt, |_| Ok::<_, WorkshopError>(()))?;
-    let mut of_layout = Scores::default();
-    of_layout.add_layout(&layout.stats(|material| design.price(material)));
+    let of_layout = subject.scores(|material| design.price(material));
     let share = samples.share(count as usize, &criterion, &of_layout);
     // What the pieces made decide: only a share that is surely too small fails.
     let word = match share {

@@ -3,7 +3,7 @@
 use super::{GateError, Line, Look, Word, given};
 use crate::chance::Mean;
 use crate::dem::{ForcePulse, Stop};
-use crate::evaluate::{Evaluator, EvaluatorError, Forces};
+use crate::evaluate::{Case, Evaluator, EvaluatorError, Forces};
 use crate::score::{Measure, geometric};
 
 /// By how much scores over eight forces may move: twice what the scores of one force scatter by, for the finer class of accuracy.
@@ -31,15 +31,15 @@ type Runs = Vec<(Measure, Vec<f64>)>;
 
 fn scores(look: &Look, step: f64, window: f64) -> Result<Option<Runs>, GateError> {
     let pulses = Forces::USUAL.about(look.design.impact.force);
-    let pulses: Vec<ForcePulse> = pulses.into_iter().map(|force| ForcePulse { force, ..look.design.impact }).collect();
-    let palette = look.layout.palette.clone();
-    let evaluator = match Evaluator::new(look.design, &pulses, palette, given(look.plan, step, window), look.interrupt)
-    {
+    let cases = pulses.into_iter().map(|force| look.case(ForcePulse { force, ..look.design.impact }));
+    let cases: Vec<Case> = cases.collect();
+    let palette = look.layout().palette.clone();
+    let evaluator = match Evaluator::new(look.design, &cases, palette, given(look.plan, step, window), look.interrupt) {
         // Where the host alone gives way nothing can be said; the check has told it.
         Err(EvaluatorError::Baseline { .. }) => return Ok(None),
         evaluator => evaluator?,
     };
-    let runs = evaluator.scores(std::slice::from_ref(&look.layout.materials), look.interrupt)?.concat();
+    let runs = evaluator.scores(&[look.subject.drawn()], look.interrupt)?.concat();
     if runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
         return Err(EvaluatorError::Interrupted.into());
     }

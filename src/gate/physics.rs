@@ -3,7 +3,7 @@
 use super::{GateError, Line, Look, Word, given};
 use crate::dem::Stop;
 use crate::evaluate::{Comparison, EvaluatorError, Forces, design_laws, evaluate, judged, over_laws, validity};
-use crate::layout::{Baseline, Layout};
+use crate::layout::{Baseline, Layout, PieceSphere};
 use crate::outcome::{Verdict, Word as Judged};
 use crate::score::Measure;
 use crate::units::Dimension::{Angle, Force};
@@ -17,7 +17,7 @@ const FITTED: f64 = 2.0;
 
 pub(super) fn lines(look: &Look) -> Result<Vec<Line>, GateError> {
     let overrides = given(look.plan, look.plan.step, look.plan.window);
-    let comparison = Comparison::of_layout(look.design, "layout".to_owned(), look.layout.clone(), overrides)
+    let comparison = Comparison::of_layout(look.design, "layout".to_owned(), look.subject, overrides)
         .map_err(EvaluatorError::from)?
         .over(Forces::USUAL);
     let judgement = judged(&comparison, look.interrupt)?;
@@ -32,9 +32,9 @@ pub(super) fn lines(look: &Look) -> Result<Vec<Line>, GateError> {
 
 /// Whether the impact is strong enough for the bound by which lenses are designed.
 fn strength(look: &Look) -> Vec<Line> {
-    let used = (0..look.layout.palette.len()).filter(|&m| look.layout.count(m as u8) > 0);
+    let used = (0..look.layout().palette.len()).filter(|&m| look.subject.holds(m as u8));
     let line = |m: usize| {
-        let material = &look.layout.palette[m];
+        let material = &look.layout().palette[m];
         let validity = validity(look.design, material);
         let word = if validity.speed_reached.is_some() { Word::Pass } else { Word::Warn };
         Line::new(
@@ -64,12 +64,14 @@ fn overlaps(look: &Look) -> Line {
 
 /// Where a wave that comes straight down passes from a slow to a fast material more obliquely than it can.
 fn interfaces(look: &Look) -> Line {
-    let Layout { lattice, palette, materials } = look.layout;
-    let sites = lattice.sites();
+    let Layout { lattice, palette, .. } = look.layout();
+    // Of halves that differ all spheres; of others the half, which says the same.
+    let all = look.subject.spheres();
+    let sites: Vec<&PieceSphere> = all.iter().filter(|s| look.subject.left.is_some() || s.x >= 0.0).collect();
     let diameter = lattice.diameter();
     let speed: Vec<f64> =
         palette.iter().map(|m| wave::bound(Dimension::Two, [m, m], diameter, look.design.constants).speed).collect();
-    let of = |site: usize| speed[usize::from(materials[site])];
+    let of = |site: usize| speed[usize::from(sites[site].material)];
     let (mut count, mut above, mut worst) = (0_usize, 0_usize, 0.0_f64);
     for (i, site) in sites.iter().enumerate() {
         // Around a site, out to two diameters: whether a faster material lies below, and which way speed rises.
@@ -132,7 +134,7 @@ fn verdict(judgement: &[Verdict]) -> Vec<Line> {
 /// What other contact laws make of it.
 fn laws(look: &Look, judgement: &[Verdict]) -> Result<Line, GateError> {
     let overrides = crate::evaluate::Overrides { window: Some(look.plan.window), ..Default::default() };
-    let over = over_laws(look.design, look.layout, &design_laws(look.design), overrides, look.interrupt)?;
+    let over = over_laws(look.design, look.subject, &design_laws(look.design), overrides, look.interrupt)?;
     let best = judgement
         .iter()
         .filter(|verdict| verdict.measure == Measure::Contrast.name())
@@ -158,7 +160,7 @@ fn laws(look: &Look, judgement: &[Verdict]) -> Result<Line, GateError> {
 
 /// What stands behind the piece.
 fn behind(look: &Look) -> Result<Vec<Line>, GateError> {
-    let host = Baseline::AllHost.layout(look.layout, [1, 1], 0);
+    let host = Baseline::AllHost.layout(look.layout(), [1, 1], 0);
     let host = evaluate(look.design, &host, look.plan, look.interrupt).map_err(EvaluatorError::from)?;
     match host.record.stop {
         None => {}

@@ -14,4 +14,4 @@ pub use extent::lattice_of;
 pub use granulens_core::layout::*;
 pub use piece::{PieceSphere, whole};
 pub use read::{ReadLayout, read, read_noted, read_piece};
-pub use write::{write, write_full, write_json};
+pub use write::{write, write_full, write_json, write_piece};

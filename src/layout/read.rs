@@ -238,7 +238,8 @@ fn parse(
             "row {}: {left} at x = {} m and {right} at {} m; the halves of the piece are not each other's images.",
             site.row, -site.x, site.x
         );
-        let help = "granulens check simulates such a piece whole; this command takes the half x >= 0 for both: make them alike.";
+        let help = "granulens check, compare, diff, report, build and tolerance take such a piece whole; this command takes the half x >= 0 for both: \
+                    make them alike.";
         Some(source.error(at, Some(5), message).trying(help))
     });
     let materials = given.into_iter().filter_map(|halves| halves[0]).map(|(material, _)| material).collect();

@@ -1,14 +1,14 @@
 //! Layouts as text: CSV, one line per sphere, enough to build the piece; and JSON.
 //!
 //! Header `row,column,x,z,diameter,material`; SI; lines that start with `#` are comments. Row 1 is struck, columns count
-//! from 1 in order of x, x = 0 is the lens axis, z = 0 is row 1.
+//! from 1 in order of x, x = 0 is the crystal's axis, z = 0 is row 1.
 
 use std::fmt::Write as _;
 
 use serde_json::json;
 
 use super::read::HEADER;
-use super::{Layout, whole};
+use super::{Layout, PieceSphere, whole};
 use crate::output::marked;
 
 /// The layout's format number, written in the first comment line.
@@ -25,8 +25,13 @@ pub fn write(layout: &Layout) -> String {
 
 /// The whole piece as CSV text: the simulated half and its mirror image about the axis, columns counted anew from the left.
 pub fn write_full(layout: &Layout) -> String {
+    write_piece(layout, &whole(layout))
+}
+
+/// A whole piece, whose halves may differ, as CSV text; `spheres` are those of [`whole`], of any of the layout's materials.
+pub fn write_piece(layout: &Layout, spheres: &[PieceSphere]) -> String {
     let mut text = preamble(layout, "whole piece, both halves");
-    for sphere in whole(layout) {
+    for sphere in spheres {
         line(&mut text, [sphere.row, sphere.column], sphere.x, sphere.z, layout, sphere.material);
     }
     marked(text)
@@ -37,7 +42,7 @@ fn preamble(layout: &Layout, extent: &str) -> String {
     let mut text = format!("# granulens layout, format {FORMAT}; {extent}; lengths in metres\n");
     let _ = writeln!(
         text,
-        "# hexagonal-2d, diameter {} m, {} rows, half width {} m; row 1 is struck, x = 0 is the lens axis",
+        "# hexagonal-2d, diameter {} m, {} rows, half width {} m; row 1 is struck, x = 0 is the crystal's axis",
         lattice.diameter(),
         lattice.rows(),
         lattice.half_width()

@@ -149,7 +149,7 @@ pub struct TracedSpot {
     /// Depth (m).
     #[serde(rename = "depth_m")]
     pub depth: f64,
-    /// Mean distance from the lens axis of the crystal (m).
+    /// Mean distance from the crystal's axis (m).
     #[serde(rename = "centre_m")]
     pub centre: f64,
     /// Root of the mean squared distance from the centre (m).

@@ -1,7 +1,7 @@
 //! The crystal on paper: where sites come to lie, and what is drawn over them in every picture alike.
 //!
 //! x runs to the right, depth z downwards, both to the same scale. A map shows the simulated half, or both halves by
-//! mirroring it about the lens axis.
+//! mirroring it about the crystal's axis; of a piece whose halves differ it shows each half as it is.
 
 use std::collections::HashMap;
 
@@ -107,22 +107,29 @@ impl<'a> Crystal<'a> {
         if self.extent == Extent::Half { &[1.0] } else { &[1.0, -1.0] }
     }
 
-    /// The places of a site: two in a mirrored picture, unless it lies on the axis.
-    pub fn places(&self, index: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let site = self.ground.sites[index];
+    /// Where the spheres lie that a number of a list is of: by site, of one that is as long as there are sites, two in a mirrored picture
+    /// but for those on the axis; in one twice as long those of the sites are followed by those of their images.
+    pub fn places(&self, index: usize, length: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let sites = self.ground.sites.len();
+        let site = self.ground.sites[index % sites];
         let on_axis = site.x.abs() < 1e-9 * self.ground.diameter;
-        let count = if on_axis { 1 } else { self.sides().len() };
-        self.sides()[..count].iter().map(move |side| self.place([side * site.x, site.z]))
+        let sides = match (length > sites, index < sites) {
+            (false, _) if !on_axis => self.sides(),
+            (_, true) => &[1.0][..],
+            (_, false) if on_axis || self.extent == Extent::Half => &[],
+            (_, false) => &[-1.0],
+        };
+        sides.iter().map(move |side| self.place([side * site.x, site.z]))
     }
 
-    /// Fills every site's cell with the colour of its value; white where there is none.
-    pub fn map(&self, svg: &mut Svg, scale: &Scale, value: impl Fn(usize) -> Option<f64>) {
+    /// Fills the cells of a list of numbers, `length` long, see [`places`](Self::places), with their colours; white where there is none.
+    pub fn map(&self, svg: &mut Svg, scale: &Scale, length: usize, value: impl Fn(usize) -> Option<f64>) {
         let mut levels = vec![Shapes::default(); LEVELS + 1];
         let [half, quarter] = CORNER.map(|c| c * self.diameter());
         let steps = [[half, quarter], [0.0, 2.0 * quarter], [-half, quarter], [-half, -quarter], [0.0, -2.0 * quarter]];
-        for index in 0..self.ground.sites.len() {
+        for index in 0..length.max(self.ground.sites.len()) {
             let chosen = value(index).map_or(LEVELS, |v| scale.level(v));
-            for [x, y] in self.places(index) {
+            for [x, y] in self.places(index, length) {
                 levels[chosen].closed([x, y - 2.0 * quarter], &steps);
             }
         }
@@ -133,16 +140,23 @@ impl<'a> Crystal<'a> {
         }
     }
 
-    /// Lines between cells of different material.
+    /// Lines between cells of different material, of all sites, or of them and then of their images.
     pub fn boundaries(&self, svg: &mut Svg, layout: &[u8], attributes: &str) {
         // Along x in half diameters: neighbours are two such steps away in the row, one in the rows beside it.
         let position = |x: f64| (2.0 * x / self.ground.diameter).round() as i64;
+        let sites = self.ground.sites;
+        let halves_differ = layout.len() > sites.len() && self.extent == Extent::Both;
+        let shown = if halves_differ { layout.len() } else { sites.len().min(layout.len()) };
+        let x = |k: usize| if k < sites.len() { sites[k].x } else { -sites[k % sites.len()].x };
         let places: HashMap<(u32, i64), u8> =
-            self.ground.sites.iter().zip(layout).map(|(s, &m)| ((s.row, position(s.x)), m)).collect();
+            (0..shown).map(|k| ((sites[k % sites.len()].row, position(x(k))), layout[k])).collect();
         let [half, quarter] = CORNER.map(|c| c * self.diameter());
         let mut lines = Shapes::default();
-        for (site, &own) in self.ground.sites.iter().zip(layout) {
-            let p = position(site.x);
+        for k in 0..shown {
+            let (site, own, p) = (&sites[k % sites.len()], layout[k], position(x(k)));
+            if k >= sites.len() && p == 0 {
+                continue;
+            }
             let differs = |row: u32, p: i64| places.get(&(row, p)).is_some_and(|&other| other != own);
             // Each pair once: the neighbours to the right, below left and below right.
             let edges = [
@@ -150,8 +164,9 @@ impl<'a> Crystal<'a> {
                 (differs(site.row + 1, p - 1), [-half, quarter], [0.0, 2.0 * quarter]),
                 (differs(site.row + 1, p + 1), [half, quarter], [0.0, 2.0 * quarter]),
             ];
-            for &side in self.sides() {
-                let [x, y] = self.place([side * site.x, site.z]);
+            let sides = if halves_differ { &[1.0][..] } else { self.sides() };
+            for &side in sides {
+                let [x, y] = self.place([side * x(k), site.z]);
                 for (_, from, to) in edges.iter().filter(|edge| edge.0) {
                     lines.segment([x + side * from[0], y + from[1]], [x + side * to[0], y + to[1]]);
                 }

@@ -65,7 +65,7 @@ pub(super) fn spheres(svg: &mut Svg, crystal: &Crystal, materials: usize, layout
         let style = format!(r##"fill="{}" stroke="#444" stroke-width="0.5""##, material(index));
         svg.group(&style, |svg| {
             for (site, _) in layout.iter().enumerate().filter(|&(_, &m)| usize::from(m) == index) {
-                for place in crystal.places(site) {
+                for place in crystal.places(site, layout.len()) {
                     svg.circle(place, radius, "");
                 }
             }
@@ -84,13 +84,16 @@ fn legend(svg: &mut Svg, outcome: &Outcome, arrangement: &ArrangementOutcome, to
     let left = MARGIN[0] + 8.0;
     let mut y = top;
     for (index, name) in outcome.materials.iter().enumerate() {
-        let whole: u32 = arrangement
-            .layout
-            .iter()
-            .zip(&outcome.sites)
-            .filter(|&(&m, _)| usize::from(m) == index)
-            .map(|(_, site)| if site.x > 1e-9 * outcome.diameter { 2 } else { 1 })
-            .sum();
+        let (layout, sites) = (&arrangement.layout, outcome.sites.len());
+        let beside = |k: usize| outcome.sites[k % sites].x > 1e-9 * outcome.diameter;
+        let spheres = |k: usize| match (layout.len() > sites, beside(k)) {
+            (false, true) => 2,
+            (false, false) => 1,
+            // Of halves that differ each place is one sphere, but for the images of those on the axis.
+            (true, beside) => u32::from(beside || k < sites),
+        };
+        let of = (0..layout.len()).filter(|&k| usize::from(layout[k]) == index);
+        let whole: u32 = of.map(spheres).sum();
         if whole == 0 {
             continue;
         }

@@ -159,12 +159,19 @@ pub fn numbers_csv(outcome: &Outcome) -> Result<String, ReportError> {
     String::from_utf8(bytes).map_err(|e| fail(&e))
 }
 
-/// What every sphere of the simulated half felt in every arrangement, as CSV; SI. The numbers of maps and profiles.
+/// What every sphere of the simulated half felt in every arrangement, as CSV; SI. The numbers of maps and profiles. Of a piece whose halves
+/// differ those of the other half follow, at negative x, with the columns of their images.
 pub fn spheres_csv(outcome: &Outcome) -> String {
     let mut text = String::from("arrangement,row,column,x,z,material,max_kinetic_J,max_net_force_N,dissipated_J\n");
     for arrangement in &outcome.arrangements {
         let record = &arrangement.record;
-        for (index, site) in outcome.sites.iter().enumerate() {
+        let sites = outcome.sites.len();
+        for index in 0..sites.max(arrangement.layout.len()) {
+            let site = &outcome.sites[index % sites];
+            let x = if index < sites { site.x } else { -site.x };
+            if index >= sites && site.x == 0.0 {
+                continue;
+            }
             let value = |list: &[f64]| maps::at(list, index).map_or(String::new(), |value| value.to_string());
             let place = arrangement.layout.get(index).copied().map_or(usize::MAX, usize::from);
             let material = outcome.materials.get(place).map_or("", String::as_str);
@@ -173,7 +180,7 @@ pub fn spheres_csv(outcome: &Outcome) -> String {
                 arrangement.name,
                 site.row,
                 site.column,
-                site.x,
+                x,
                 site.z,
                 value(&record.max_kinetic),
                 value(&record.max_net_force),

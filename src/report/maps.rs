@@ -25,12 +25,27 @@ pub fn at(list: &[f64], index: usize) -> Option<f64> {
     list.get(index).copied().filter(|v| v.is_finite())
 }
 
+/// The finite value of a site, the mean of a sphere and its image where a list holds both, those of the sites' images behind those of the
+/// `sites` sites.
+pub fn mean_at(list: &[f64], index: usize, sites: usize) -> Option<f64> {
+    let own = at(list, index)?;
+    match at(list, sites + index) {
+        Some(image) => Some(0.5 * (own + image)),
+        None => Some(own),
+    }
+}
+
+/// The row of each number of a list, of sites or of sites and then of their images.
+fn row_of(outcome: &Outcome, index: usize) -> u32 {
+    outcome.sites[index % outcome.sites.len()].row
+}
+
 /// The first row behind every sphere that is not of the host, in the outcome's first arrangement; row 1 where the lens
 /// reaches the end of the crystal or there is none.
 pub fn first_row_behind(outcome: &Outcome) -> u32 {
     let last = outcome.sites.iter().map(|s| s.row).max().unwrap_or(1);
     let lens = outcome.arrangements.first().map_or(&[][..], |lens| &lens.layout[..]);
-    let back = outcome.sites.iter().zip(lens).filter(|&(_, &m)| m != 0).map(|(site, _)| site.row).max().unwrap_or(0);
+    let back = (0..lens.len()).filter(|&k| lens[k] != 0).map(|k| row_of(outcome, k)).max().unwrap_or(0);
     if back + 5 > last { 1 } else { back + 1 }
 }
 
@@ -52,8 +67,8 @@ pub fn kinetic_scale(outcome: &Outcome) -> Scale {
     let mut values: Vec<f64> = Vec::new();
     for arrangement in one_of_each_kind(outcome) {
         let list = &arrangement.record.max_kinetic;
-        let sites = outcome.sites.iter().enumerate().filter(|(_, site)| site.row >= behind);
-        values.extend(sites.filter_map(|(index, _)| at(list, index)));
+        let places = (0..list.len()).filter(|&index| row_of(outcome, index) >= behind);
+        values.extend(places.filter_map(|index| at(list, index)));
     }
     values.sort_by(f64::total_cmp);
     let high = values.get((values.len() * 99) / 100).copied().unwrap_or(0.0);
@@ -70,28 +85,33 @@ pub fn kinetic(outcome: &Outcome) -> String {
     const PER_LINE: usize = 7;
     let shown = one_of_each_kind(outcome);
     let scale = kinetic_scale(outcome);
-    let [width, height] = Crystal::new(outcome, Extent::Half, [0.0, 0.0], ROOM).size();
+    // The half says all, but of a piece whose halves differ.
+    let halves_differ = shown.iter().any(|a| a.layout.len() > outcome.sites.len());
+    let (extent, room) = if halves_differ { (Extent::Both, [2.0 * ROOM[0], ROOM[1]]) } else { (Extent::Half, ROOM) };
+    let per_line = if halves_differ { PER_LINE / 2 } else { PER_LINE };
+    let [width, height] = Crystal::new(outcome, extent, [0.0, 0.0], room).size();
     // Names and numbers need more than a very narrow crystal.
     let (column, inset) = (width.max(112.0) + 12.0, (112.0 - width).max(0.0) / 2.0);
     let line = TOP + height + BELOW;
-    let lines = shown.len().div_ceil(PER_LINE).max(1);
-    let full = ROWS + column * shown.len().clamp(1, PER_LINE) as f64 + BAR;
+    let lines = shown.len().div_ceil(per_line).max(1);
+    let full = ROWS + column * shown.len().clamp(1, per_line) as f64 + BAR;
     let title = format!("{}: greatest kinetic energy of every sphere, by arrangement", outcome.manifest.name);
     let mut svg = Svg::new(full, line * lines as f64, &title);
     for (k, arrangement) in shown.iter().enumerate() {
-        let corner = [ROWS + column * (k % PER_LINE) as f64 + inset, TOP + line * (k / PER_LINE) as f64];
-        let crystal = Crystal::new(outcome, Extent::Half, corner, ROOM);
+        let corner = [ROWS + column * (k % per_line) as f64 + inset, TOP + line * (k / per_line) as f64];
+        let crystal = Crystal::new(outcome, extent, corner, room);
         let middle = corner[0] + width / 2.0;
         svg.text([middle, corner[1] - 24.0], 13.0, Anchor::Middle, r#"font-weight="bold""#, &arrangement.kind);
         if let Some(seed) = arrangement.seed {
             svg.text([middle, corner[1] - 9.0], 11.0, Anchor::Middle, "", &format!("seed {seed}"));
         }
-        crystal.map(&mut svg, &scale, |index| at(&arrangement.record.max_kinetic, index));
+        let list = &arrangement.record.max_kinetic[..];
+        crystal.map(&mut svg, &scale, list.len(), |index| at(list, index));
         for line in SITES {
             crystal.boundaries(&mut svg, &arrangement.layout, line);
         }
         crystal.regions(&mut svg, 1.4);
-        if k % PER_LINE == 0 {
+        if k % per_line == 0 {
             crystal.row_numbers(&mut svg, 11.0);
             svg.text_upwards([14.0, corner[1] + height / 2.0], 12.0, "", "row");
         }
@@ -146,7 +166,8 @@ pub fn kinetic_lens(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
 fn over_row_mean<'a>(outcome: &'a Outcome, list: &'a [f64]) -> impl Fn(usize) -> Option<f64> + 'a {
     let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0) as usize;
     let (mut sums, mut weights) = (vec![0.0; rows + 1], vec![0.0; rows + 1]);
-    for (index, site) in outcome.sites.iter().enumerate() {
+    for index in 0..list.len().max(outcome.sites.len()) {
+        let site = &outcome.sites[index % outcome.sites.len()];
         // Spheres on a mirror line stand for half a one.
         let slack = 1e-9 * outcome.diameter;
         let on_line = site.x < slack || site.x > outcome.half_width - slack;
@@ -156,7 +177,7 @@ fn over_row_mean<'a>(outcome: &'a Outcome, list: &'a [f64]) -> impl Fn(usize) ->
     }
     let most = list.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
     move |index| {
-        let row = outcome.sites[index].row as usize;
+        let row = row_of(outcome, index) as usize;
         let mean = sums[row] / weights[row];
         at(list, index).filter(|_| mean > 1e-6 * most).map(|value| value / mean - 1.0)
     }
@@ -185,12 +206,12 @@ pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
     let absolute = Scale::logarithmic(list.iter().copied());
     let rows = outcome.sites.iter().map(|s| s.row).max().unwrap_or(0) as usize;
     let mut greatest = vec![0.0_f64; rows + 1];
-    for (index, site) in outcome.sites.iter().enumerate() {
-        let row = site.row as usize;
+    for index in 0..list.len() {
+        let row = row_of(outcome, index) as usize;
         greatest[row] = greatest[row].max(at(list, index).unwrap_or(0.0));
     }
     let share = move |index: usize| {
-        let greatest = greatest[outcome.sites[index].row as usize];
+        let greatest = greatest[row_of(outcome, index) as usize];
         // A row that the wave has not reached has nothing to be a share of.
         at(list, index).filter(|_| greatest > 1e-6 * high).map(|force| force / greatest)
     };
@@ -258,7 +279,7 @@ fn panels<'a>(
         let corner = [left + ROWS, TOP];
         let crystal = Crystal::new(outcome, Extent::Both, corner, room);
         svg.text([corner[0] + width / 2.0, 20.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, panel.heading);
-        crystal.map(&mut svg, &panel.scale, value);
+        crystal.map(&mut svg, &panel.scale, panel.arrangement.layout.len(), value);
         for line in SITES {
             crystal.boundaries(&mut svg, &panel.arrangement.layout, line);
         }

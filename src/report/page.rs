@@ -333,20 +333,28 @@ fn caption(outcome: &Outcome, file: &str) -> String {
     } else {
         ""
     };
+    let first = outcome.arrangements.first().map_or("the piece", |first| first.name.as_str());
+    let halves_differ = outcome.arrangements.iter().any(|a| a.layout.len() > outcome.sites.len());
+    let half = if halves_differ { "both halves" } else { "the simulated half only (axis at the left)" };
+    let means = if halves_differ {
+        " Of the piece, whose halves differ, each value is the mean of a sphere and its image."
+    } else {
+        ""
+    };
     match file {
-        "layout.svg" => format!("The lens as it would be built, both halves, spheres in true proportion.{rays}"),
+        "layout.svg" => format!("The piece as it would be built, both halves, spheres in true proportion.{rays}"),
         "spots.svg" => "Spot diagram: where the rays pass the middle row of the focal region, or of each by the rays that are meant for it (across), by where they start (upwards); ticks below are the same places on one line. Rays of a perfect lens stand on one vertical line; a bend is spherical aberration, a jump a step between zones or parts. Rays know nothing of wavelength and decay.".to_owned(),
         "kinetic-lens.svg" => format!(
             "Greatest kinetic energy of each sphere of the first arrangement during the window, both halves. Left: as it is{rays_shown}. Right: over the mean of its row, less 1, which takes the decay with depth away: red where there is more than in a plane wave of the same energy, blue where there is less. {peaks} {beyond} {regions}"
         ),
         "kinetic.svg" => format!(
-            "The same for the lens and one arrangement of each kind it is compared with (of random ones the first seed), the simulated half only (axis at the left), all on one colour scale. {beyond} {regions}"
+            "The same for {first} and one arrangement of each kind it is compared with (of random ones the first seed), {half}, all on one colour scale. {beyond} {regions}"
         ),
         "profiles.svg" => format!(
-            "Greatest kinetic energy across rows {shown}, from the axis to the rim. {peaks} Each panel row has its own energy scale."
+            "Greatest kinetic energy across rows {shown}, from the axis to the rim. {peaks}{means} Each panel row has its own energy scale."
         ),
         "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
-        "forces.svg" => "Greatest net contact force on each sphere of the lens arrangement. Left: as it is, logarithmic. Right: over the greatest of its row, which takes the decay with depth away. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left.".to_owned(),
+        "forces.svg" => format!("Greatest net contact force on each sphere of {first}. Left: as it is, logarithmic. Right: over the greatest of its row, which takes the decay with depth away. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left."),
         _ => String::new(),
     }
 }
@@ -357,7 +365,9 @@ fn peaks(outcome: &Outcome) -> String {
     let of = |(k, focus): (usize, &Focus)| {
         let row = rows(outcome, k)[1];
         let sites = profiles::sites_of(outcome, row).into_iter();
-        let values = sites.filter_map(|i| Some((outcome.sites[i], maps::at(&first.record.max_kinetic, i)?)));
+        let values = sites.filter_map(|i| {
+            Some((outcome.sites[i], maps::mean_at(&first.record.max_kinetic, i, outcome.sites.len())?))
+        });
         let (site, peak) = values.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, peak)| *peak > 0.0)?;
         let inside = if focus.region.contains(&site, outcome.diameter) { "in" } else { "outside" };
         Some(format!(

@@ -3,7 +3,7 @@
 
 use super::colour::{round_up, ticks};
 use super::digits::significant;
-use super::maps::at;
+use super::maps::mean_at;
 use super::svg::{Anchor, Svg};
 use crate::outcome::{ArrangementOutcome, Outcome};
 use crate::target::Region;
@@ -92,7 +92,8 @@ pub fn profiles(outcome: &Outcome) -> String {
     let random = random_kinds(outcome);
     let columns = if random.is_empty() { 1 } else { 2 };
     let mut svg = Svg::new(cell[0] * columns as f64, HEAD + cell[1] * lines + FOOT, &title);
-    let headings = ["lens, flat strips, one material", "lens and random mixtures"];
+    let first = outcome.arrangements.first().map_or("piece", |first| first.name.as_str());
+    let headings = [format!("{first}, flat strips, one material"), format!("{first} and random mixtures")];
     for (k, heading) in headings.iter().take(columns).enumerate() {
         let middle = cell[0] * k as f64 + SPACE[0] + PANEL[0] / 2.0;
         svg.text([middle, 18.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, heading);
@@ -132,7 +133,11 @@ pub fn profiles(outcome: &Outcome) -> String {
 fn values(outcome: &Outcome, arrangement: &ArrangementOutcome, row: u32) -> Vec<[f64; 2]> {
     let list = &arrangement.record.max_kinetic;
     let sites = sites_of(outcome, row).into_iter();
-    sites.filter_map(|index| Some([outcome.sites[index].x / outcome.diameter, at(list, index)?])).collect()
+    sites
+        .filter_map(|index| {
+            Some([outcome.sites[index].x / outcome.diameter, mean_at(list, index, outcome.sites.len())?])
+        })
+        .collect()
 }
 
 fn plain_curves(outcome: &Outcome, row: u32) -> Vec<Curve<'static>> {

@@ -191,7 +191,7 @@ impl Study {
         };
         let of = |flaw: &Flaw| -> Vec<Case> {
             let blows = self.impacts.iter().flat_map(under);
-            blows.map(|blow| Case { blow, flaw: flaw.clone() }).collect()
+            blows.map(|blow| Case { flaw: flaw.clone(), ..Case::from(blow) }).collect()
         };
         flaws.iter().flat_map(of).collect()
     }

@@ -6,8 +6,7 @@ use serde::Serialize;
 
 use super::{Tolerances, WorkshopError};
 use crate::design::{Design, Threshold};
-use crate::evaluate::{Comparison, EvaluatorError, Forces, Overrides, judged};
-use crate::layout::Layout;
+use crate::evaluate::{Comparison, EvaluatorError, Forces, Overrides, Subject, judged};
 use crate::score::{Measure, Needs, Scores};
 
 /// What a piece has to do.
@@ -36,11 +35,11 @@ pub struct Beaten {
 /// See [`EvaluatorError`].
 pub fn best_baseline(
     design: &Design,
-    layout: &Layout,
+    subject: Subject<'_>,
     overrides: Overrides,
     interrupt: &AtomicBool,
 ) -> Result<Option<Beaten>, EvaluatorError> {
-    let comparison = Comparison::of_layout(design, "layout".to_owned(), layout.clone(), overrides)?.over(Forces::USUAL);
+    let comparison = Comparison::of_layout(design, "layout".to_owned(), subject, overrides)?.over(Forces::USUAL);
     let verdict = judged(&comparison, interrupt)?;
     let rivals = verdict.into_iter().filter(|verdict| verdict.measure == Measure::Contrast.name());
     let best = rivals.reduce(|a, b| if b.best > a.best { b } else { a });
@@ -54,7 +53,7 @@ impl Criterion {
     /// See [`WorkshopError`].
     pub fn new(
         design: &Design,
-        layout: &Layout,
+        subject: Subject<'_>,
         tolerances: &Tolerances,
         overrides: Overrides,
         interrupt: &AtomicBool,
@@ -64,7 +63,7 @@ impl Criterion {
             let words: Vec<String> = asked.iter().map(in_words).collect();
             return Ok(Self { thresholds: asked.clone(), words: words.join(" and "), baseline: None });
         }
-        let best = best_baseline(design, layout, overrides, interrupt)?;
+        let best = best_baseline(design, subject, overrides, interrupt)?;
         let Some(best) = best else {
             return Ok(Self {
                 thresholds: Vec::new(),

@@ -5,10 +5,11 @@ use std::path::Path;
 use super::grade::{GRADES, Grade};
 use super::{ImpactLimits, State, Tolerances};
 use crate::contact::LawKind;
-use crate::design::{ThresholdsFile, thresholds};
-use crate::document::{self, DocumentError, Entry, Scope, Section, Source, Written, section};
+use crate::design::{THRESHOLDS, ThresholdsFile, thresholds};
+use crate::document::{self, DocumentError, Entry, Scope, Section, Source, Written, joined, section};
+use crate::evaluate::Projectile;
 use crate::layout::Layout;
-use crate::units::Dimension::{Angle, Fraction, Length};
+use crate::units::Dimension::{Angle, Fraction, Length, Mass, Speed};
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -33,10 +34,12 @@ section!(MaterialFile: Written { youngs_modulus, density, yield_stress, rate_con
 section!(PieceFile: Written { vacancies, wrong });
 section!(FrameFile: Written { side_gap, end_gap });
 section!(ContactFile: Written { friction });
-section!(ImpactFile: Written { force, duration, angle, off_centre });
+section!(ImpactFile: Written { force, duration, angle, off_centre, projectile_mass, projectile_speed });
 
 /// How each key is written, for messages.
-const EXAMPLES: &[&str] = &[
+const EXAMPLES: &[&str] = &joined::<{ OWN.len() + THRESHOLDS.len() }>(OWN, THRESHOLDS);
+
+const OWN: &[&str] = &[
     "format = 1",
     "state = \"nominal-sites\"",
     "halves = \"independent\"",
@@ -60,13 +63,8 @@ const EXAMPLES: &[&str] = &[
     "impact.duration = \"5 %\"",
     "impact.angle = \"2 deg\"",
     "impact.off_centre = \"1 D\"",
-    "thresholds.contrast = { min = 2.0 }",
-    "thresholds.focal_gain = { min = 1.5 }",
-    "thresholds.protection = { max = 0.8 }",
-    "thresholds.focal_mean = { min = \"0.3 J\" }",
-    "thresholds.protected_mean = { max = \"0.1 J\" }",
-    "thresholds.dissipated = { max = \"40 J\" }",
-    "thresholds.residual = { min = -0.01, max = 0.01 }",
+    "impact.projectile_mass = \"500 g\"",
+    "impact.projectile_speed = \"20 m/s\"",
 ];
 
 /// The greatest parts that are no slip.
@@ -254,7 +252,28 @@ fn read_impact(scope: &Scope, file: &ImpactFile, layout: &Layout) -> Result<Impa
         }
         None => 0.0,
     };
+    let projectile = match (
+        scope.optional("projectile_mass", &file.projectile_mass),
+        scope.optional("projectile_speed", &file.projectile_speed),
+    ) {
+        (None, None) => None,
+        (Some(mass), Some(speed)) => {
+            let above_zero = |entry: &Entry, dimension| {
+                let value = entry.quantity(dimension)?;
+                let fail = || entry.fail("must be greater than zero", &entry.write_it_like());
+                if value > 0.0 { Ok(value) } else { Err(fail()) }
+            };
+            Some(Projectile { mass: above_zero(&mass, Mass)?, speed: above_zero(&speed, Speed)? })
+        }
+        (Some(one), None) => {
+            return Err(one.fail("asks for projectile_speed beside it", "Add projectile_speed = \"20 m/s\"."));
+        }
+        (None, Some(one)) => {
+            return Err(one.fail("asks for projectile_mass beside it", "Add projectile_mass = \"500 g\"."));
+        }
+    };
     Ok(ImpactLimits {
+        projectile,
         force: part(scope.optional("force", &file.force), MOST_PART)?,
         duration: part(scope.optional("duration", &file.duration), MOST_PART)?,
         angle,

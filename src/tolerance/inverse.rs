@@ -78,7 +78,7 @@ pub fn inverse(
                 return Ok(share);
             }
             let shop = Workshop::new(
-                (workshop.design(), workshop.layout()),
+                (workshop.design(), workshop.subject()),
                 &rungs[k].1,
                 workshop.plan(),
                 &criterion.measures(),

@@ -45,6 +45,7 @@ pub use yields::{INTERVAL, Share, quantile};
 
 use crate::contact::LawKind;
 use crate::design::Threshold;
+use crate::evaluate::Projectile;
 
 /// How unequal spheres lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +67,8 @@ pub struct ImpactLimits {
     pub angle: f64,
     /// Beside the axis, to both sides (m).
     pub off_centre: f64,
+    /// What may strike in place of the pulse.
+    pub projectile: Option<Projectile>,
 }
 
 /// What may turn out otherwise than drawn. Limits are to both sides, and between them all values are as likely.

@@ -4,7 +4,7 @@ use super::Tolerances;
 use super::quantity::{Kind, Quantity};
 use crate::dem::ForcePulse;
 use crate::design::Design;
-use crate::evaluate::{Blow, Case, Flaw};
+use crate::evaluate::{Blow, Case, Flaw, Projectile, Subject};
 use crate::layout::Layout;
 use crate::material::Material;
 use crate::search::Dice;
@@ -66,8 +66,9 @@ impl Piece {
     }
 
     /// Diameter of the sphere on every place (m), zero where there is none.
-    pub fn diameters(&self, tolerances: &Tolerances, quantities: &[Quantity], layout: &Layout) -> Vec<f64> {
-        let built = self.materials_on_places(tolerances, quantities, layout);
+    pub fn diameters(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Vec<f64> {
+        let layout = subject.layout;
+        let built = self.materials_on_places(tolerances, quantities, subject);
         let (mut lot, mut holes) = (dice(self.seed, Kind::Lot.stream()), dice(self.seed, Kind::Vacancies.stream()));
         let variation = self.value(quantities, Kind::Lot).unwrap_or(0.0);
         let vacant = self.value(quantities, Kind::Vacancies).unwrap_or(0.0);
@@ -81,21 +82,21 @@ impl Piece {
         built.iter().map(of).collect()
     }
 
-    fn letters(layout: &Layout) -> Vec<u8> {
-        (0..layout.palette.len() as u8).filter(|&m| layout.count(m) > 0).collect()
+    fn letters(subject: Subject<'_>) -> Vec<u8> {
+        (0..subject.layout.palette.len() as u8).filter(|&m| subject.holds(m)).collect()
     }
 
     /// What is built otherwise than drawn, but for diameters.
-    fn misplaced(&self, tolerances: &Tolerances, quantities: &[Quantity], layout: &Layout) -> Flaw {
-        let letters = Self::letters(layout);
+    fn misplaced(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Flaw {
+        let (letters, layout) = (Self::letters(subject), subject.layout);
         let places = tolerances.places(layout.materials.len());
         let wrong = self.wrong(quantities, places, letters.len());
         Flaw { letters, wrong, materials: self.materials(quantities, layout), ..Flaw::default() }
     }
 
-    fn materials_on_places(&self, tolerances: &Tolerances, quantities: &[Quantity], layout: &Layout) -> Vec<u8> {
-        let places = tolerances.places(layout.materials.len());
-        let mut built = self.misplaced(tolerances, quantities, layout).built(&layout.materials);
+    fn materials_on_places(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Vec<u8> {
+        let places = tolerances.places(subject.layout.materials.len());
+        let mut built = self.misplaced(tolerances, quantities, subject).built(&subject.drawn());
         if built.len() < places {
             built.extend_from_within(..);
         }
@@ -131,18 +132,25 @@ impl Piece {
         Blow { pulse, angle: value(Kind::Angle), place, law: None, friction: self.value(quantities, Kind::Friction) }
     }
 
+    /// The projectile that strikes it in place of the pulse, if one does: parts of the force are parts of its speed.
+    pub fn projectile(&self, tolerances: &Tolerances, quantities: &[Quantity], factor: f64) -> Option<Projectile> {
+        let value = |kind| self.value(quantities, kind).unwrap_or(0.0);
+        let projectile = tolerances.impact.projectile.filter(|_| value(Kind::Projectile) >= 0.5)?;
+        Some(Projectile { speed: projectile.speed * factor * (1.0 + value(Kind::Force)), ..projectile })
+    }
+
     /// Diameters (m), zero where there is none, and materials of the spheres on all places, and the palette as it turned out.
     pub fn parts(
         &self,
         tolerances: &Tolerances,
         quantities: &[Quantity],
-        layout: &Layout,
+        subject: Subject<'_>,
     ) -> (Vec<f64>, Vec<u8>, Vec<Material>) {
-        let palette = self.materials(quantities, layout);
+        let palette = self.materials(quantities, subject.layout);
         (
-            self.diameters(tolerances, quantities, layout),
-            self.materials_on_places(tolerances, quantities, layout),
-            if palette.is_empty() { layout.palette.clone() } else { palette },
+            self.diameters(tolerances, quantities, subject),
+            self.materials_on_places(tolerances, quantities, subject),
+            if palette.is_empty() { subject.layout.palette.clone() } else { palette },
         )
     }
 
@@ -151,11 +159,11 @@ impl Piece {
         &self,
         (design, tolerances): (&Design, &Tolerances),
         quantities: &[Quantity],
-        layout: &Layout,
+        subject: Subject<'_>,
         factor: f64,
     ) -> Case {
-        let diameters = self.diameters(tolerances, quantities, layout);
-        self.case_of((design, tolerances), quantities, layout, factor, &diameters)
+        let diameters = self.diameters(tolerances, quantities, subject);
+        self.case_of((design, tolerances), quantities, subject, factor, &diameters)
     }
 
     /// The same with other diameters on its places (m).
@@ -163,11 +171,12 @@ impl Piece {
         &self,
         (design, tolerances): (&Design, &Tolerances),
         quantities: &[Quantity],
-        layout: &Layout,
+        subject: Subject<'_>,
         factor: f64,
         diameters: &[f64],
     ) -> Case {
-        let mut flaw = self.misplaced(tolerances, quantities, layout);
+        let layout = subject.layout;
+        let mut flaw = self.misplaced(tolerances, quantities, subject);
         let largest = diameters.iter().copied().fold(0.0, f64::max);
         if diameters.iter().any(|&diameter| diameter != largest) {
             flaw.radii = diameters.iter().map(|diameter| diameter / largest).collect();
@@ -175,6 +184,7 @@ impl Piece {
             // Says that the other side is not alike.
             flaw.radii = vec![1.0; diameters.len()];
         }
-        Case { blow: self.blow(design, quantities, factor), flaw }
+        let blow = self.blow(design, quantities, factor);
+        Case { blow, flaw, halves_differ: subject.left.is_some() }
     }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Tolerances;
-use crate::layout::Layout;
+use crate::evaluate::Subject;
 use crate::units::Dimension;
 
 /// Which quantity; those of a material name its place in the palette.
@@ -35,6 +35,8 @@ pub enum Kind {
     Angle,
     /// How far it strikes beside the axis.
     OffCentre,
+    /// Whether a projectile strikes in place of the pulse: from one half on.
+    Projectile,
 }
 
 impl Kind {
@@ -55,6 +57,7 @@ impl Kind {
             Self::Duration => 6,
             Self::Angle => 7,
             Self::OffCentre => 8,
+            Self::Projectile => 14,
             Self::Offset(m) => of(9, m),
             Self::Modulus(m) => of(10, m),
             Self::Density(m) => of(11, m),
@@ -88,6 +91,7 @@ impl Quantity {
             Kind::Lot | Kind::Offset(_) | Kind::OffCentre => Dimension::Length.show(value),
             Kind::Angle => Dimension::Angle.show(value),
             Kind::Friction => format!("{value}"),
+            Kind::Projectile => if value < 0.5 { "pulse" } else { "projectile" }.to_owned(),
             _ => Dimension::Fraction.show(value),
         }
     }
@@ -98,6 +102,7 @@ impl Quantity {
         match self.kind {
             kind if kind.is_random() => self.show(high),
             Kind::Friction if low == high => self.show(high),
+            Kind::Projectile => "pulse or projectile".to_owned(),
             _ if low == -high => format!("+- {}", self.show(high)),
             _ => format!("{} to {}", self.show(low), self.show(high)),
         }
@@ -105,14 +110,15 @@ impl Quantity {
 }
 
 /// The quantities that may turn out otherwise, of a layout; those of materials for each that it holds.
-pub fn quantities(tolerances: &Tolerances, layout: &Layout, friction: f64) -> Vec<Quantity> {
+pub fn quantities(tolerances: &Tolerances, subject: Subject<'_>, friction: f64) -> Vec<Quantity> {
+    let layout = subject.layout;
     let mut list = Vec::new();
     let mut add = |name: String, kind: Kind, limits: [f64; 2], nominal: f64, unit: &'static str| {
         if limits != [nominal; 2] {
             list.push(Quantity { name, kind, limits, nominal, unit });
         }
     };
-    let used: Vec<usize> = (0..layout.palette.len()).filter(|&m| layout.count(m as u8) > 0).collect();
+    let used: Vec<usize> = (0..layout.palette.len()).filter(|&m| subject.holds(m as u8)).collect();
     let both = |limit: f64| [-limit, limit];
     add("diameter.lot".to_owned(), Kind::Lot, [0.0, tolerances.lot], 0.0, "m");
     let mut of_material = |what: &str, limit: f64, unit: &'static str, kind: fn(usize) -> Kind| {
@@ -137,5 +143,7 @@ pub fn quantities(tolerances: &Tolerances, layout: &Layout, friction: f64) -> Ve
     add("impact.duration".to_owned(), Kind::Duration, both(impact.duration), 0.0, "part");
     add("impact.angle".to_owned(), Kind::Angle, both(impact.angle), 0.0, "rad");
     add("impact.off_centre".to_owned(), Kind::OffCentre, both(impact.off_centre), 0.0, "m");
+    let last = if impact.projectile.is_some() { 1.0 } else { 0.0 };
+    add("impact.projectile".to_owned(), Kind::Projectile, [0.0, last], 0.0, "");
     list
 }

@@ -36,7 +36,7 @@ pub struct Rechosen {
     pub share: [Share; 2],
 }
 
-/// Exchanges so many spheres in each of some pieces; `energy` is the greatest kinetic energy at each site as drawn (J).
+/// Exchanges so many spheres in each of some pieces; `energy` is the greatest kinetic energy at each site, or place, as drawn (J).
 ///
 /// # Errors
 /// See [`WorkshopError`].
@@ -48,16 +48,17 @@ pub fn rechoose(
     interrupt: &AtomicBool,
     finished: &(dyn Fn(u64) + Sync),
 ) -> Result<Rechosen, WorkshopError> {
-    let (design, layout, tolerances) = (workshop.design(), workshop.layout(), workshop.tolerances());
+    let (design, subject, tolerances) = (workshop.design(), workshop.subject(), workshop.tolerances());
+    let layout = subject.layout;
     let quantities = workshop.quantities();
     let variation =
         quantities.iter().find(|quantity| quantity.kind == Kind::Lot).map_or(0.0, |quantity| quantity.limits[1]);
     let mut cases = Vec::new();
     for k in 0..PIECES {
         let piece = Piece::made(quantities, seed, k);
-        let (mut diameters, materials, _) = piece.parts(tolerances, quantities, layout);
+        let (mut diameters, materials, _) = piece.parts(tolerances, quantities, subject);
         let with = (design, tolerances);
-        cases.push(piece.case_of(with, quantities, layout, 1.0, &diameters));
+        cases.push(piece.case_of(with, quantities, subject, 1.0, &diameters));
         let largest = diameters.iter().copied().fold(0.0, f64::max);
         let need = |place: usize| (largest - diameters[place]) / energy[place % energy.len()].max(1e-12).sqrt();
         let mut order: Vec<usize> = (0..diameters.len()).filter(|&place| diameters[place] > 0.0).collect();
@@ -79,7 +80,7 @@ pub fn rechoose(
                 diameters[place] = diameters[place].max(new);
             }
         }
-        cases.push(piece.case_of(with, quantities, layout, 1.0, &diameters));
+        cases.push(piece.case_of(with, quantities, subject, 1.0, &diameters));
     }
     let runs = workshop.cases(&cases, interrupt)?;
     finished(2 * PIECES);

@@ -173,11 +173,11 @@ fn key(workshop: &Workshop, seed: u64) -> String {
     design.notes.clear();
     let mut tolerances = workshop.tolerances().clone();
     (tolerances.thresholds, tolerances.seed, tolerances.samples) = (None, None, 0);
-    let (layout, plan) = (workshop.layout(), workshop.plan());
+    let (subject, plan) = (workshop.subject(), workshop.plan());
     let mut key = Key::empty();
     key.add(format!("{design:?}").as_bytes());
     key.add(format!("{tolerances:?}").as_bytes());
-    key.add(format!("{:?} {:?}", layout.palette, layout.materials).as_bytes());
+    key.add(format!("{:?} {:?}", subject.layout.palette, subject.drawn()).as_bytes());
     key.add(format!("{} {:?} {:?}", plan.integrator, plan.step, plan.window).as_bytes());
     key.add(format!("{:?} {seed} {VERSION}", workshop.measures().collect::<Vec<_>>()).as_bytes());
     key.text()

@@ -11,8 +11,7 @@ use super::workshop::{Made, Workshop, WorkshopError};
 use crate::chance::Mean;
 use crate::dem::ForcePulse;
 use crate::design::Design;
-use crate::evaluate::{Blow, Case, Flaw, Forces};
-use crate::layout::Layout;
+use crate::evaluate::{Blow, Case, Flaw, Forces, Subject};
 use crate::report::site_map;
 use crate::score::geometric;
 
@@ -28,9 +27,9 @@ const BLOCK: usize = 256;
 pub struct WrongSphere {
     /// Its row.
     pub row: u32,
-    /// Its column in the half; it stands there or at the image of it.
+    /// Its column in the half; where the halves are alike it stands there or at the image of it.
     pub column: u32,
-    /// From the axis (m).
+    /// From the axis (m), negative left of it in a piece whose halves differ.
     #[serde(rename = "x_m")]
     pub x: f64,
     /// What is drawn.
@@ -54,8 +53,20 @@ pub struct Sites {
     pub worst_pair: Option<([WrongSphere; 2], f64)>,
 }
 
-/// A wrong sphere: site, and how many letters further on.
+/// A wrong sphere: its place, and how many letters further on.
 type Wrong = (usize, u8);
+
+/// The places at which a wrong sphere is tried: where the halves are drawn alike those of the other side, and on the axis the one that there
+/// is; else all.
+fn places(subject: Subject<'_>) -> Vec<usize> {
+    let sites = subject.layout.lattice.sites();
+    let image = |site: usize| sites.len() + site;
+    let beside = |site: &usize| sites[*site].x > 0.0;
+    match subject.left {
+        None => (0..sites.len()).map(|site| if beside(&site) { image(site) } else { site }).collect(),
+        Some(_) => (0..sites.len()).chain((0..sites.len()).filter(beside).map(image)).collect(),
+    }
+}
 
 /// Simulates a wrong sphere at every site.
 ///
@@ -66,19 +77,16 @@ pub fn sites(
     interrupt: &AtomicBool,
     finished: &(dyn Fn(u64) + Sync),
 ) -> Result<Sites, WorkshopError> {
-    let (design, layout) = (workshop.design(), workshop.layout());
+    let (design, subject) = (workshop.design(), workshop.subject());
+    let (layout, drawn_on) = (subject.layout, subject.drawn());
     let lattice_sites = layout.lattice.sites();
-    let letters: Vec<u8> = (0..layout.palette.len() as u8).filter(|&m| layout.count(m) > 0).collect();
+    let letters: Vec<u8> = (0..layout.palette.len() as u8).filter(|&m| subject.holds(m)).collect();
     let count = layout.materials.len();
-    // The other side of the axis; on the axis there is one place.
-    let place = |site: usize| if lattice_sites[site].x > 0.0 { count + site } else { site };
+    let places = places(subject);
     let case = |wrong: &[Wrong], force: f64| Case {
+        halves_differ: subject.left.is_some(),
         blow: Blow::from(ForcePulse { force, ..design.impact }),
-        flaw: Flaw {
-            letters: letters.clone(),
-            wrong: wrong.iter().map(|&(site, shift)| (place(site), shift)).collect(),
-            ..Flaw::default()
-        },
+        flaw: Flaw { letters: letters.clone(), wrong: wrong.to_vec(), ..Flaw::default() },
     };
     let contrast = |made: &Made| if made.stop.is_some() { Some(0.0) } else { made.scores.contrast };
     let run = |cases: Vec<Case>| -> Result<Vec<f64>, WorkshopError> {
@@ -101,10 +109,11 @@ pub fn sites(
     // The difference of two scores under one force each scatters by √2 of one.
     let noise = 2.0 * 2.0_f64.sqrt() * Mean::of(&under_forces).deviation.unwrap_or(0.0) / drawn_mean;
     let shifts = 1..letters.len().max(1) as u8;
-    let singles: Vec<Wrong> = (0..count).flat_map(|site| shifts.clone().map(move |shift| (site, shift))).collect();
+    let singles: Vec<Wrong> =
+        places.iter().flat_map(|&place| shifts.clone().map(move |shift| (place, shift))).collect();
     let found = run(singles.iter().map(|&single| case(&[single], design.impact.force)).collect())?;
-    // Of each site the material that costs most.
-    let mut worst_of: Vec<(Wrong, f64)> = Vec::with_capacity(count);
+    // Of each place the material that costs most.
+    let mut worst_of: Vec<(Wrong, f64)> = Vec::with_capacity(places.len());
     for (&single, &contrast) in singles.iter().zip(&found) {
         match worst_of.last_mut() {
             Some((known, least)) if known.0 == single.0 => {
@@ -115,16 +124,17 @@ pub fn sites(
             _ => worst_of.push((single, contrast)),
         }
     }
-    let told = |(site, shift): Wrong, change: f64| {
-        let at = &lattice_sites[site];
-        let letter = letters.iter().position(|&letter| letter == layout.materials[site]).unwrap_or(0);
+    let told = |(place, shift): Wrong, change: f64| {
+        let at = &lattice_sites[place % count];
+        let there = drawn_on[place % drawn_on.len()];
+        let letter = letters.iter().position(|&letter| letter == there).unwrap_or(0);
         let wrong = letters[(letter + usize::from(shift)) % letters.len()];
         let name = |letter: u8| layout.palette[usize::from(letter)].name.clone();
         WrongSphere {
             row: at.row,
             column: at.column,
-            x: at.x,
-            drawn: name(layout.materials[site]),
+            x: if subject.left.is_some() && place >= count { -at.x } else { at.x },
+            drawn: name(there),
             wrong: name(wrong),
             change,
         }
@@ -154,9 +164,9 @@ pub fn sites(
 
 /// How many runs that takes.
 pub fn sites_runs(workshop: &Workshop) -> usize {
-    let layout = workshop.layout();
-    let others = (0..layout.palette.len()).filter(|&m| layout.count(m as u8) > 0).count().saturating_sub(1);
-    if others == 0 { 9 } else { 9 + others * layout.materials.len() + 8 * (WORST + PAIRS) + WORST * (WORST - 1) / 2 }
+    let subject = workshop.subject();
+    let others = (0..subject.layout.palette.len()).filter(|&m| subject.holds(m as u8)).count().saturating_sub(1);
+    if others == 0 { 9 } else { 9 + others * places(subject).len() + 8 * (WORST + PAIRS) + WORST * (WORST - 1) / 2 }
 }
 
 impl Sites {
@@ -170,9 +180,14 @@ impl Sites {
     }
 
     /// A map of the piece: what one wrong sphere changes in C at each site, in percent.
-    pub fn map(&self, design: &Design, layout: &Layout) -> String {
-        let values: Vec<f64> = self.each.iter().map(|sphere| 100.0 * sphere.change).collect();
-        site_map("What one wrong sphere does to C", "change of C (%)", (layout, &design.target), &values)
+    pub fn map(&self, design: &Design, subject: Subject<'_>) -> String {
+        let mut values = vec![f64::NAN; subject.drawn().len()];
+        for (place, sphere) in places(subject).into_iter().zip(&self.each) {
+            let place = place % values.len();
+            values[place] = 100.0 * sphere.change;
+        }
+        let within = (&subject.layout.lattice, &design.target);
+        site_map("What one wrong sphere does to C", "change of C (%)", within, &subject.drawn(), &values)
     }
 
     /// In words.

@@ -11,8 +11,8 @@ use crate::dem::Stop;
 use crate::dem::rig::RigStop;
 use crate::design::Design;
 use crate::evaluate::{
-    Blow, Case, Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, Overrides, Plan, held_energies,
-    held_spheres,
+    Blow, Case, Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, Overrides, Plan, Projectile, Subject,
+    held_energies, held_spheres,
 };
 use crate::layout::Layout;
 use crate::material::Material;
@@ -29,9 +29,15 @@ pub enum WorkshopError {
     Held(#[from] HeldError),
     /// What needs full records is asked of pieces in a frame.
     #[error(
-        "{0} needs full records, which are kept of pieces on nominal sites only; ask for another, or leave state = \"settled\" out"
+        "{0} needs full records, which are kept of pieces on nominal sites under pulses only; ask for another, or leave state = \"settled\" and \
+         projectiles out"
     )]
     Records(&'static str),
+    /// One half is to say all, of two that differ.
+    #[error(
+        "halves = \"alike\" is for pieces whose halves are drawn alike, and those of this layout differ; leave it out"
+    )]
+    Halves,
 }
 
 /// What a piece does.
@@ -49,7 +55,7 @@ const BLOCK: usize = 128;
 /// A workshop that makes one layout.
 pub struct Workshop<'a> {
     design: &'a Design,
-    layout: &'a Layout,
+    subject: Subject<'a>,
     tolerances: &'a Tolerances,
     plan: &'a Plan,
     quantities: Vec<Quantity>,
@@ -60,21 +66,26 @@ impl<'a> Workshop<'a> {
     /// With what is asked of its pieces: measures that need full records make it some four times as slow.
     ///
     /// # Errors
-    /// Records of pieces that have none.
+    /// Records of pieces that have none, and halves that differ of which one is to say all.
     pub fn new(
-        (design, layout): (&'a Design, &'a Layout),
+        (design, subject): (&'a Design, Subject<'a>),
         tolerances: &'a Tolerances,
         plan: &'a Plan,
         asked: &[Measure],
     ) -> Result<Self, WorkshopError> {
+        if subject.left.is_some() && tolerances.halves_alike {
+            return Err(WorkshopError::Halves);
+        }
         let records = asked.iter().find(|measure| measure.needs() == Needs::Records);
         let detail = match records {
-            Some(measure) if tolerances.state == State::Settled => return Err(WorkshopError::Records(measure.name())),
+            Some(measure) if tolerances.state == State::Settled || tolerances.impact.projectile.is_some() => {
+                return Err(WorkshopError::Records(measure.name()));
+            }
             Some(_) => Detail::Everything,
             None => Detail::Energies,
         };
-        let quantities = quantities(tolerances, layout, design.friction.unwrap_or(0.0));
-        Ok(Self { design, layout, tolerances, plan, quantities, detail })
+        let quantities = quantities(tolerances, subject, design.friction.unwrap_or(0.0));
+        Ok(Self { design, subject, tolerances, plan, quantities, detail })
     }
 
     /// What may turn out otherwise.
@@ -82,9 +93,14 @@ impl<'a> Workshop<'a> {
         &self.quantities
     }
 
-    /// What it makes.
+    /// What it makes: the layout, or the right half of a piece whose halves differ.
     pub fn layout(&self) -> &Layout {
-        self.layout
+        self.subject.layout
+    }
+
+    /// What it makes, whole.
+    pub fn subject(&self) -> Subject<'a> {
+        self.subject
     }
 
     /// Its design.
@@ -135,14 +151,36 @@ impl<'a> Workshop<'a> {
         factors: &[f64],
         interrupt: &AtomicBool,
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
-        if self.tolerances.state == State::Settled {
-            return self.settled(pieces, factors, interrupt);
+        let Tolerances { state, side_gap, end_gap, .. } = *self.tolerances;
+        if state == State::Settled {
+            let all: Vec<&Piece> = pieces.iter().collect();
+            return self.held(&all, factors, Frame::Settled { side_gap, end_gap }, interrupt);
         }
+        // A plate has to be followed as a rig, whose sides repeat themselves as mirrors do.
+        let is_thrown = |piece: &Piece| piece.projectile(self.tolerances, &self.quantities, 1.0).is_some();
+        let thrown: Vec<&Piece> = pieces.iter().filter(|piece| is_thrown(piece)).collect();
+        let mut thrown = self.held(&thrown, factors, Frame::Mirrors, interrupt)?.into_iter();
+        let mut pulsed =
+            self.on_sites(pieces.iter().filter(|piece| !is_thrown(piece)), factors, interrupt)?.into_iter();
+        let in_order = pieces.iter().filter_map(|piece| if is_thrown(piece) { thrown.next() } else { pulsed.next() });
+        Ok(in_order.collect())
+    }
+
+    /// Pieces on their sites, side by side.
+    fn on_sites<'b>(
+        &self,
+        pieces: impl Iterator<Item = &'b Piece>,
+        factors: &[f64],
+        interrupt: &AtomicBool,
+    ) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let with = (self.design, self.tolerances);
         let of = |piece: &Piece| -> Vec<Case> {
-            factors.iter().map(|&factor| piece.case(with, &self.quantities, self.layout, factor)).collect()
+            factors.iter().map(|&factor| piece.case(with, &self.quantities, self.subject, factor)).collect()
         };
-        let cases: Vec<Case> = pieces.iter().flat_map(of).collect();
+        let cases: Vec<Case> = pieces.flat_map(of).collect();
+        if cases.is_empty() {
+            return Ok(Vec::new());
+        }
         self.cases(&cases, interrupt).map(|runs| runs.chunks(factors.len()).map(<[_]>::to_vec).collect())
     }
 
@@ -157,9 +195,9 @@ impl<'a> Workshop<'a> {
             window: Some(self.plan.window),
             first_seed: None,
         };
-        let evaluator = Evaluator::new(self.design, cases, self.layout.palette.clone(), given, interrupt)?;
+        let evaluator = Evaluator::new(self.design, cases, self.layout().palette.clone(), given, interrupt)?;
         let evaluator = evaluator.recording(self.detail);
-        let runs = evaluator.scores(std::slice::from_ref(&self.layout.materials), interrupt)?.concat();
+        let runs = evaluator.scores(&[self.subject.drawn()], interrupt)?.concat();
         if runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
             return Err(EvaluatorError::Interrupted.into());
         }
@@ -168,28 +206,37 @@ impl<'a> Workshop<'a> {
         Ok(runs.into_iter().map(made).collect())
     }
 
-    /// The same for pieces that settle in their frame, one by one; uniform crystals, of perfect spheres, are held alike.
-    fn settled(
+    /// The same for pieces that settle in their frame, or are struck by a projectile, one by one; uniform crystals, of perfect spheres, are held and
+    /// struck alike.
+    fn held(
         &self,
-        pieces: &[Piece],
+        pieces: &[&Piece],
         factors: &[f64],
+        frame: Frame,
         interrupt: &AtomicBool,
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
-        let (layout, sites) = (self.layout, self.layout.materials.len());
+        let (layout, sites) = (self.layout(), self.layout().materials.len());
+        let strikes = |piece: &Piece, factor: f64| {
+            let blow = piece.blow(self.design, &self.quantities, factor);
+            (blow, piece.projectile(self.tolerances, &self.quantities, factor))
+        };
         let of = |piece: &Piece| {
-            let (diameters, materials, palette) = piece.parts(self.tolerances, &self.quantities, layout);
+            let (diameters, materials, palette) = piece.parts(self.tolerances, &self.quantities, self.subject);
+            // On their sites, which are as far apart as the largest needs, by similarity; in a frame each is as large as it is.
+            let largest = diameters.iter().copied().fold(0.0, f64::max);
+            let scale = if frame == Frame::Mirrors { layout.lattice.diameter() / largest } else { 1.0 };
             // As the map has it: places on the other side come after the sites.
-            let mut spheres = held_spheres(layout);
+            let mut spheres = held_spheres(self.subject);
             for sphere in &mut spheres {
                 let image = sphere.centre[0] < 0.0 && diameters.len() > sites;
                 let place = if image { sites + sphere.site } else { sphere.site };
-                (sphere.diameter, sphere.material) = (diameters[place], usize::from(materials[place]));
+                (sphere.diameter, sphere.material) = (scale * diameters[place], usize::from(materials[place]));
             }
             (spheres, palette)
         };
-        let mut blows: Vec<Blow> = Vec::new();
+        let mut blows: Vec<(Blow, Option<Projectile>)> = Vec::new();
         let mut jobs: Vec<(usize, Vec<HeldSphere>, Vec<Material>)> = Vec::new();
-        let mut place = |blow: Blow| {
+        let mut place = |blow: (Blow, Option<Projectile>)| {
             blows.iter().position(|known| *known == blow).unwrap_or_else(|| {
                 blows.push(blow);
                 blows.len() - 1
@@ -198,7 +245,7 @@ impl<'a> Workshop<'a> {
         for piece in pieces {
             let (spheres, palette) = of(piece);
             for &factor in factors {
-                let blow = place(piece.blow(self.design, &self.quantities, factor));
+                let blow = place(strikes(piece, factor));
                 jobs.push((blow, spheres.clone(), palette.clone()));
             }
         }
@@ -211,12 +258,12 @@ impl<'a> Workshop<'a> {
                 jobs.push((blow, spheres.collect(), vec![material.clone()]));
             }
         }
-        let frame = Frame::Settled { side_gap: self.tolerances.side_gap, end_gap: self.tolerances.end_gap };
         let within = (&self.design.lattice, &self.design.target);
         let runs: Vec<Made> = jobs
             .into_par_iter()
             .map(|(blow, spheres, palette)| {
-                let held = (frame, &blows[blow]);
+                let (blow, projectile) = &blows[blow];
+                let held = (frame, blow, *projectile);
                 match held_energies((self.design, self.plan), &palette, spheres, held, interrupt) {
                     Ok(energies) => Ok(Made { scores: Scores::of_energies(&energies, within.0, within.1), stop: None }),
                     Err(HeldError::Stopped(RigStop::Interrupted { .. })) => Err(EvaluatorError::Interrupted.into()),
@@ -228,9 +275,7 @@ impl<'a> Workshop<'a> {
         let (made, uniform_runs) = runs.split_at(count);
         let mut made = made.to_vec();
         // In the order in which they were put down: pieces, and their blows.
-        let struck = pieces
-            .iter()
-            .flat_map(|piece| factors.iter().map(|&factor| piece.blow(self.design, &self.quantities, factor)));
+        let struck = pieces.iter().flat_map(|piece| factors.iter().map(|&factor| strikes(piece, factor)));
         for (run, blow) in made.iter_mut().zip(struck) {
             let blow = blows.iter().position(|known| *known == blow).unwrap_or_default();
             let of = |k: usize| {

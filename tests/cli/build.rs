@@ -7,8 +7,9 @@ use super::{Desk, shipped};
 /// The small piece: odd rows of 9 spheres, even rows of 10.
 const SPHERES: usize = 6 * 9 + 6 * 10;
 
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     "build.json",
+    "frame.3mf",
     "frame.stl",
     "inspection.csv",
     "layout-full.csv",
@@ -81,6 +82,41 @@ fn a_workshop_gets_every_file_and_counts_that_agree() {
     desk.write("mine/notes.txt", "keep");
     assert_eq!(desk.run(&["build", "small.csv", "--design", "small.toml", "--out", "mine"]).code, 2);
     assert_eq!(desk.read("mine/notes.txt"), "keep");
+}
+
+/// A yield of 60 % at least asks for four sets: 1 − 0.4⁴ = 97.4 %, 1 − 0.4³ = 93.6 %. Of another design it is refused, and where nothing does.
+#[test]
+fn spares_follow_from_a_yield() {
+    let desk = Desk::with_layout();
+    let tolerance = |folder: &str, contrast: f64| {
+        let file =
+            format!("format = 1\n[diameter]\ngrade = \"G100\"\n[thresholds]\ncontrast = {{ min = {contrast:?} }}\n");
+        desk.write("asked.toml", file);
+        let asked = ["tolerance", "small.csv", "--design", "small.toml", "--tolerances", "asked.toml"];
+        desk.run(&[&asked[..], &["--samples", "12", "--out", folder]].concat()).ok();
+    };
+    tolerance("easy", 1e-3);
+    let build = |from: &str, design: &str| {
+        desk.run(&["build", "small.csv", "--design", design, "--out", "shop", "--yield", from, "--json"])
+    };
+    let told = build("easy", "small.toml").ok().json();
+    // 12 of 12: Wilson's interval begins at 12/(12 + 1.96²) = 75.7 %, and 0.243² is 5.9 %, 0.243³ 1.4 %.
+    assert!(
+        (told["spares"]["yield"]["interval"][0].as_f64().unwrap() - 12.0 / (12.0 + 1.959_964_f64.powi(2))).abs() < 1e-6
+    );
+    assert_eq!(told["spares"]["sets"], 3);
+    for part in told["parts"].as_array().unwrap() {
+        let count = part["count"].as_u64().unwrap();
+        assert_eq!(part["spares"], count.div_ceil(20) + 2 * count);
+    }
+    tolerance("hard", 1e3);
+    let refused = build("hard/tolerance.json", "small.toml");
+    assert!(refused.code == 2 && refused.stderr.contains("spares do not help"), "{}", refused.stderr);
+    desk.design_with("other.toml", "name = \"small\"", "name = \"other\"");
+    let refused = build("easy", "other.toml");
+    assert!(refused.code == 2 && refused.stderr.contains("of the design small, not of other"), "{}", refused.stderr);
+    let refused = build("small.csv", "small.toml");
+    assert!(refused.code == 2 && refused.stderr.contains("is no tolerance.json"), "{}", refused.stderr);
 }
 
 #[test]

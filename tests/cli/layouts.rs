@@ -95,8 +95,74 @@ fn a_lopsided_piece_is_simulated_whole() {
     let brass = lopsided.lines().filter(|line| line.ends_with("brass-260")).count();
     assert_eq!(one["piece"]["counts"][1], brass);
     assert!(one["half"].is_null());
-    let refused = desk.run(&["compare", "small.toml", "lopsided.csv"]);
+    let refused = desk.run(&["export", "lopsided.csv", "--design", "small.toml", "--xyz", "a.xyz"]);
     assert!(refused.code == 2 && refused.stderr.contains("not each other's images"), "{}", refused.stderr);
+}
+
+/// What takes a layout takes a piece whose halves differ, and says of it what `check` says.
+#[test]
+fn a_lopsided_piece_is_compared_reported_built_and_judged() {
+    let desk = Desk::new();
+    desk.run(&["design", "small.toml", "--full", "--out", "full.csv"]).ok();
+    let lopsided = desk.read("full.csv").replacen("stainless-440c", "brass-260", 1);
+    desk.write("lopsided.csv", &lopsided);
+    let check = |more: &[&str]| {
+        let ran = desk.run(&[&["check", "lopsided.csv", "--design", "small.toml", "--json"], more].concat());
+        assert!(ran.code == 0 || ran.code == 3, "{}", ran.stderr);
+        ran.json()
+    };
+    let checked = check(&["--forces", "8"]);
+
+    let compared = desk.run(&["compare", "small.toml", "lopsided.csv", "--json"]).ok().json();
+    let first = &compared["arrangements"][0];
+    for key in ["focal_mean_J", "protected_mean_J", "contrast", "focal_gain", "protection", "dissipated_J"] {
+        assert_eq!(first["scores"][key], checked[key], "{key}");
+    }
+    assert_eq!(first["over_forces"]["contrast_mean"], checked["contrast_mean"]);
+    let judged = compared["verdict"].as_array().unwrap();
+    let of = |measure: &str| judged.iter().find(|v| v["measure"] == measure).unwrap()["value"].as_f64().unwrap();
+    assert!((of("contrast") / checked["contrast_mean"].as_f64().unwrap() - 1.0).abs() < 1e-12);
+
+    let told = desk.run(&["diff", "full.csv", "lopsided.csv", "--design", "small.toml", "--json"]).ok().json();
+    assert_eq!((&told["sites"], &told["spheres"]), (&1.into(), &1.into()));
+    assert!(told["changes"][0]["x"].as_f64().unwrap() < 0.0, "{}", told["changes"]);
+    assert_eq!(told["contrast"]["b"], checked["contrast"]);
+    let told = desk.run(&["diff", "lopsided.csv", "full.csv", "--json"]).ok().json();
+    assert_eq!((&told["changes"][0]["from"], &told["changes"][0]["spheres"]), (&"brass-260".into(), &1.into()));
+
+    desk.run(&["report", "small.toml", "lopsided.csv", "--out", "page", "--quiet"]).ok();
+    let spheres = |text: &str| text.lines().filter(|line| !line.starts_with('#')).count() - 1;
+    assert_eq!(spheres(&desk.read("page/layout-full.csv")), 114);
+    assert!(!desk.path("page/layout.csv").exists(), "half of it says nothing of the other half");
+    let felt = desk.read("page/spheres.csv");
+    assert_eq!(felt.lines().filter(|line| line.starts_with("lopsided,")).count(), 114);
+    assert_eq!(felt.lines().filter(|line| line.starts_with("all-host,")).count(), 60);
+
+    desk.run(&["build", "lopsided.csv", "--design", "small.toml", "--out", "shop", "--quiet"]).ok();
+    let materials = |text: &str| -> Vec<String> {
+        let lines = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+        lines.map(|line| line.rsplit(',').next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(materials(&desk.read("shop/layout-full.csv")), materials(&lopsided));
+    let brass = materials(&lopsided).iter().filter(|material| *material == "brass-260").count();
+    let told = desk.json("shop/build.json");
+    let parts = told["parts"].as_array().unwrap();
+    assert_eq!(parts.iter().find(|part| part["material"] == "brass-260").unwrap()["count"], brass);
+    assert_eq!(spheres(&desk.read("shop/inspection.csv")), 114);
+
+    let gate = &check(&["--gate"])["gate"];
+    let line = |name: &str| gate["lines"].as_array().unwrap().iter().find(|line| line["check"] == name).unwrap();
+    let value = line("C against baselines")["number"].as_str().unwrap();
+    assert!(value.starts_with(&format!("{:.4}", of("contrast"))), "{value}");
+    assert_eq!(line("stack under gravity")["word"], "pass");
+    assert!(line("second blow")["number"].as_str().unwrap().contains("dents"));
+
+    let tolerance = ["tolerance", "lopsided.csv", "--design", "small.toml", "--samples", "8", "--json"];
+    let told = desk.run(&tolerance).ok().json();
+    assert_eq!(told["samples"], 8);
+    desk.write("alike.toml", "format = 1\nhalves = \"alike\"\n[diameter]\ngrade = \"G100\"\n");
+    let refused = desk.run(&[&tolerance[..], &["--tolerances", "alike.toml"]].concat());
+    assert!(refused.code == 2 && refused.stderr.contains("those of this layout differ"), "{}", refused.stderr);
 }
 
 /// Halves that are alike, simulated whole, are worth what the half is worth, to the growth of rounding.

@@ -227,7 +227,7 @@ fn fast_and_slow_ways_agree_on_scattered_radii() {
         (0..6).map(|_| Flaw { radii: (0..sites).map(|_| 1.0 - 1e-3 * dice.unit()).collect(), ..Flaw::default() }),
     );
     let blow = Blow::from(design.impact);
-    let cases: Vec<Case> = flaws.iter().map(|flaw| Case { blow, flaw: flaw.clone() }).collect();
+    let cases: Vec<Case> = flaws.iter().map(|flaw| Case { flaw: flaw.clone(), ..Case::from(blow) }).collect();
     let evaluator = Evaluator::new(&design, &cases, drawn.palette.clone(), overrides, &going).unwrap();
     let fast: Vec<f64> = evaluator.scores(std::slice::from_ref(&drawn.materials), &going).unwrap()[0]
         .iter()
@@ -240,7 +240,7 @@ fn fast_and_slow_ways_agree_on_scattered_radii() {
             for sphere in &mut spheres {
                 sphere.diameter *= flaw.radii.get(sphere.site).unwrap_or(&1.0);
             }
-            let held = (Frame::Mirrors, &blow);
+            let held = (Frame::Mirrors, &blow, None);
             let energies = held_energies((&design, &plan), &drawn.palette, spheres, held, &going).unwrap();
             let [focal, protected] = means(&energies, &design.lattice, &design.target);
             focal / protected
@@ -256,6 +256,39 @@ fn fast_and_slow_ways_agree_on_scattered_radii() {
     assert!((fast_lost - slow_lost).abs() < 0.01, "{fast:?}\n{slow:?}");
     // As the table has it, to the spread of its crystals.
     assert!((0.10..=0.15).contains(&fast_lost), "{fast_lost}");
+}
+
+/// A plate so light that it is gone before the spheres it strikes have moved on: each sphere of row 1 gets the energy of an elastic collision with
+/// its share μ of the plate, ½ m (2 μ v/(m + μ))². The collision lasts 1 us, the way to row 2 60 us; what is lost to it is below a percent.
+#[test]
+fn a_light_plate_gives_row_1_what_an_elastic_collision_does() {
+    let desk = Desk::with_layout();
+    let small = super::SMALL.replace("host = ", "law = \"hertz\"\nhost = ").replace("rows = [8, 10]", "rows = [1, 1]");
+    let small = small.replace("20 us", "1 us");
+    let (before, after) = (small.split("[lens]").next().unwrap(), small.split("[run]").nth(1).unwrap());
+    desk.write("row.toml", format!("{before}[run]{after}"));
+    // Nine spheres of row 1 between sides that repeat themselves after nine diameters.
+    desk.write(
+        "plate.toml",
+        "format = 1\nhalves = \"alike\"\n[impact]\nprojectile_mass = \"9 mg\"\nprojectile_speed = \"1 m/s\"\n\
+         [thresholds]\nfocal_mean = { min = \"1e-12 J\" }\n",
+    );
+    let host = desk.read("small.csv").replace("brass-260", "stainless-440c");
+    desk.write("host.csv", host);
+    let asked = ["tolerance", "host.csv", "--design", "row.toml", "--tolerances", "plate.toml", "--samples", "2"];
+    let told = desk.run(&[&asked[..], &["--step", "1e-8 s", "--window", "6 us", "--json"]].concat()).ok().json();
+    let change = told["sensitivity"].as_array().unwrap().iter().find(|change| change["score"] == "focal_mean").unwrap();
+    assert_eq!(change["quantity"], "impact.projectile");
+    let found = change["at"][1].as_f64().unwrap();
+    let mass = 7650.0 * std::f64::consts::PI / 6.0 * 6.35e-3_f64.powi(3);
+    let speed = 2.0 * 1e-6 / (mass + 1e-6);
+    // Over eight speeds within 1 %, of which the mean of ln v is that of 1.
+    let expected = 0.5 * mass * speed * speed;
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} J, expected {expected} J");
+    assert!(!change["linear"].as_bool().unwrap(), "two ways to be struck are no straight line");
+    desk.write("half.toml", "format = 1\n[impact]\nprojectile_mass = \"9 mg\"\n");
+    let refused = desk.run(&["tolerance", "host.csv", "--design", "row.toml", "--tolerances", "half.toml"]);
+    assert!(refused.code == 2 && refused.stderr.contains("projectile_speed"), "{}", refused.stderr);
 }
 
 /// The gate's lines, and what becomes of the exit code.

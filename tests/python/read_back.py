@@ -48,15 +48,19 @@ for circle, sphere in zip(circles, spheres):
 
 # The frame.
 frame = told["frame_mm"]
-solid = trimesh.load(folder / "frame.stl")
-expect("a closed solid", solid.is_watertight and solid.is_winding_consistent, True)
+solids = {name: trimesh.load(folder / name, force="mesh") for name in ("frame.stl", "frame.3mf")}
+for name, solid in solids.items():
+    expect(f"{name}: a closed solid", solid.is_watertight and solid.is_winding_consistent, True)
 width, depth = frame["width"], frame["depth"]
 outer = (width + 2 * frame["wall"]) * (depth + frame["wall"])
 volume = outer * frame["floor"] + (outer - width * depth) * frame["height"]
-expect("volume (mm3)", solid.volume, volume, 1e-5 * volume)
+for name, solid in solids.items():
+    expect(f"{name}: volume (mm3)", solid.volume, volume, 1e-5 * volume)
+expect("unit of the 3MF", solids["frame.3mf"].units, "millimeter")
 sizes = (width + 2 * frame["wall"], depth + frame["wall"], frame["floor"] + frame["height"])
-for found, wanted in zip(solid.extents, sizes):
-    expect("size of the frame", found, wanted, 1e-4)
+for name, solid in solids.items():
+    for found, wanted in zip(solid.extents, sizes):
+        expect(f"{name}: size of the frame", found, wanted, 1e-4)
 
 # The pages.
 for paper, size in (("a4", (210, 297)), ("a3", (297, 420)), ("letter", (215.9, 279.4))):

@@ -63,7 +63,7 @@ pub fn save(asked: Asked, shared: &Shared) -> Result<Value, Failure> {
             if outcome.arrangements.len() < comparison.len() || outcome.forces.is_empty() {
                 return Err(Failure::Interrupted("the report was not finished, and nothing is written".to_owned()));
             }
-            fill(&folder, &outcome, &comparison.subject)?;
+            fill(&folder, &outcome, comparison.piece())?;
             folder.finish()?;
         }
     }

@@ -60,7 +60,7 @@ pub fn comparison<'a>(design: &'a Design, layout: Option<&Painted>) -> Result<Co
         Some(painted) => Comparison::of_layout(
             design,
             "layout".to_owned(),
-            laid(design, &painted.palette, &painted.materials)?,
+            &laid(design, &painted.palette, &painted.materials)?,
             overrides,
         ),
         None => Comparison::of_lens(design, &propose(design)?, overrides),

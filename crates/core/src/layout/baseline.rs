@@ -66,6 +66,13 @@ impl Baseline {
     /// Lays the baseline for a lens that occupies `rows` (first, last) of `lens`'s lattice, of its host, the first of its palette, and
     /// of `material`, another place in it.
     pub fn layout(self, lens: &Layout, rows: [u32; 2], material: u8) -> Layout {
+        let count = lens.materials.iter().filter(|&&m| m != HOST).count();
+        self.layout_of_count(lens, rows, material, count)
+    }
+
+    /// The same where what it is laid for has another number of sites of the half that do not hold the host, as the mean of two halves
+    /// that differ.
+    pub fn layout_of_count(self, lens: &Layout, rows: [u32; 2], material: u8, count: usize) -> Layout {
         let lattice = lens.lattice;
         let strip =
             |first: u32, last: u32| {
@@ -84,7 +91,7 @@ impl Baseline {
         };
         match self {
             Self::FlatSameHeight => strip(rows[0], rows[1]),
-            Self::FlatSameCount => strip(rows[0], last_row_of_same_count(lens, rows[0])),
+            Self::FlatSameCount => strip(rows[0], last_row_of_same_count(lens, count, rows[0])),
             Self::AllHost => strip(0, 0),
             Self::AllLens => strip(1, lattice.rows()),
             Self::RandomLensRows(seed) => random(seed, rows[0], rows[1]),
@@ -93,9 +100,8 @@ impl Baseline {
     }
 }
 
-/// The last row of the strip from `first` on whose number of spheres is nearest to the lens's; the thinner of two alike.
-fn last_row_of_same_count(lens: &Layout, first: u32) -> u32 {
-    let wanted = lens.materials.iter().filter(|&&m| m != HOST).count();
+/// The last row of the strip from `first` on whose number of spheres is nearest to what is wanted; the thinner of two alike.
+fn last_row_of_same_count(lens: &Layout, wanted: usize, first: u32) -> u32 {
     let mut count = 0;
     let mut best = (usize::MAX, first);
     for row in first..=lens.lattice.rows() {
