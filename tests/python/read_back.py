@@ -2,7 +2,7 @@
 
     python3 tests/python/read_back.py FOLDER
 
-Exit 0: all is as the lists say; 1: it is not; 77: the libraries are not to be had (pip install ezdxf trimesh pypdf).
+Exit 0: all is as the lists say; 1: it is not; 77: the libraries are not to be had (pip install ezdxf trimesh lxml networkx pypdf).
 """
 
 import collections
@@ -13,10 +13,12 @@ import sys
 
 try:
     import ezdxf
+    import lxml  # noqa: F401  (trimesh reads 3MF with it and networkx)
+    import networkx  # noqa: F401
     import pypdf
     import trimesh
 except ImportError as error:
-    print(f"not to be had: {error}; pip install ezdxf trimesh pypdf", file=sys.stderr)
+    print(f"not to be had: {error}; pip install ezdxf trimesh lxml networkx pypdf", file=sys.stderr)
     sys.exit(77)
 
 folder = pathlib.Path(sys.argv[1])
@@ -73,4 +75,4 @@ for paper, size in (("a4", (210, 297)), ("a3", (297, 420)), ("letter", (215.9, 2
     for part in told["parts"]:
         expect(f"{paper}: {part['material']} in the legend", part["material"] in words, True)
 pypdf.PdfReader(folder / "placement.pdf")
-print("read back: DXF, STL, PDF")
+print("read back: DXF, STL, 3MF, PDF")
