@@ -12,10 +12,10 @@ pub use traced::{Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay
 use crate::dem::Stop;
 use crate::lattice::Site;
 use crate::layout::Bill;
-use crate::lens::Prescription;
+use crate::lens::{Prescription, Symmetry};
 pub use crate::score::Scores;
 use crate::score::{Better, Measure, Spreads};
-use crate::target::Target;
+use crate::target::{Region, Solid, Target};
 
 /// Format number of every JSON file of results.
 pub const FORMAT: u32 = 1;
@@ -79,13 +79,13 @@ impl Method {
 
 /// The result of `run` and `compare`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
+pub struct Outcome<S = Site, R = Region, P = Proposal> {
     /// Format number of this structure.
     pub format: u32,
     /// What is needed to repeat the run.
     pub manifest: Manifest,
     /// The crystal's sites, in the order of all per-site lists.
-    pub sites: Vec<Site>,
+    pub sites: Vec<S>,
     /// Sphere diameter (m).
     #[serde(rename = "diameter_m")]
     pub diameter: f64,
@@ -93,7 +93,7 @@ pub struct Outcome {
     #[serde(rename = "half_width_m")]
     pub half_width: f64,
     /// Where energy is wanted and where it is not.
-    pub target: Target,
+    pub target: Target<R>,
     /// Names of the materials that per-site lists count, the host first.
     pub materials: Vec<String>,
     /// What flat strips, random mixtures and the uniform crystal that Q refers to are made of: the design says it, whatever layout is
@@ -110,11 +110,69 @@ pub struct Outcome {
     #[serde(default)]
     pub verdict: Vec<Verdict>,
     /// What ray tracing proposed, where the lens came from it.
-    pub proposal: Option<Proposal>,
+    pub proposal: Option<P>,
     /// The lens first, then its baselines.
     pub arrangements: Vec<ArrangementOutcome>,
     /// What a reader should know before trusting the numbers.
     pub warnings: Vec<String>,
+}
+
+/// The result in space.
+pub type SpaceOutcome = Outcome<SpaceSite, Solid, SpaceProposal>;
+
+/// A site of a crystal in space.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpaceSite {
+    /// Layer, from 1 (struck) on.
+    pub layer: u32,
+    /// Place within the layer of the half, from 1 on, in order of y, then x.
+    pub column: u32,
+    /// Distance from the plane of symmetry (m).
+    pub x: f64,
+    /// From the axis (m).
+    pub y: f64,
+    /// Depth below layer 1 (m).
+    pub z: f64,
+    /// Spheres of the whole crystal that stand for it.
+    pub copies: u8,
+}
+
+/// What ray tracing proposed in space.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpaceProposal {
+    /// Family of the lens.
+    pub family: String,
+    /// How it goes on out of its section.
+    pub symmetry: Symmetry,
+    /// Wave-speed bound of the host in a close packing (m/s).
+    #[serde(rename = "host_speed_m_s")]
+    pub host_speed: f64,
+    /// Wave-speed bound of the lens material (m/s).
+    #[serde(rename = "lens_speed_m_s")]
+    pub lens_speed: f64,
+    /// First layer.
+    pub apex_layer: u32,
+    /// Last layer.
+    pub back_layer: u32,
+    /// Radius of the curved face (m), or what the family has in its place.
+    #[serde(rename = "radius_m")]
+    pub radius: Option<f64>,
+    /// Greatest angle of a face against the layers (rad).
+    #[serde(rename = "steepest_rad")]
+    pub steepest: f64,
+    /// Fraction of what is struck that rays send through the focal region at its mid depth.
+    pub fraction: f64,
+    /// The same fraction without a lens.
+    pub fraction_without: f64,
+    /// Fraction whose rays pass the protected region, with the lens and without.
+    pub protected: [f64; 2],
+    /// Names of the materials that `piece` counts: host, lens, then others.
+    pub materials: Vec<String>,
+    /// The whole crystal.
+    pub piece: Bill,
+    /// The faces of the section as polylines (m): distance from the axis, or from the plane of symmetry, and depth.
+    #[serde(rename = "faces_m")]
+    pub faces: Vec<Vec<[f64; 2]>>,
 }
 
 /// What is needed to repeat a run, and when and with what it was made.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use granulens::dem::Stop;
-use granulens::design::{Design, Threshold};
+use granulens::design::{AnyDesign, SpaceDesign, Threshold};
 use granulens::evaluate::{
     Beside, Evaluation, Forces, OverLawsError, Plan, Subject, beside_uniform, impact, method, unnamed,
 };
@@ -30,7 +30,7 @@ use super::{Band, Common, Motion};
 /// With --out, the numbers are written as JSON too.
 #[derive(clap::Args)]
 pub struct Check {
-    /// Layout, CSV with the header row,column,x,z,diameter,material
+    /// Layout, CSV with the header row,column,x,z,diameter,material or, in space, layer,column,x,y,z,diameter,material
     layout: PathBuf,
     /// Design file: everything but the materials
     #[arg(long, value_name = "FILE")]
@@ -93,7 +93,10 @@ impl Gated {
 
 impl Check {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let design = Design::read(&self.design)?;
+        let design = match AnyDesign::read(&self.design)? {
+            AnyDesign::Plane(design) => *design,
+            AnyDesign::Space(design) => return self.in_space(common, &design),
+        };
         let read = read_piece(common, &design, &self.layout)?;
         let (layout, subject) = (&read.layout, Subject::from(&read));
         let overrides = self.motion.overrides(common);
@@ -213,6 +216,39 @@ impl Check {
     }
 }
 
+impl Check {
+    /// In space there is no gate; thresholds are judged alone.
+    fn in_space(self, common: &Common, design: &SpaceDesign) -> Result<(), Failure> {
+        let strange = [
+            (self.gate, "--gate"),
+            (self.gated.least_yield.is_some(), "--yield"),
+            (self.gated.frame_width.or(self.gated.frame_depth).is_some(), "the frame of the gate"),
+            (self.under.is_asked(), "--laws"),
+            (common.dry_run, "--dry-run of check"),
+        ];
+        if let Some((_, what)) = strange.into_iter().find(|(given, _)| *given) {
+            return Err(super::space::refuse(what));
+        }
+        let asked = (self.forces.or(Forces::ONE)?, self.spheres.as_ref());
+        let checked = super::space::check(common, design, &self.layout, self.motion.overrides(common), asked)?;
+        if common.json {
+            emit_json(&checked);
+        } else {
+            emit(&words(&checked));
+            checked.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        }
+        let missed: Vec<String> = checked.thresholds.iter().filter(|asked| !asked.met).map(told).collect();
+        match &checked.stop {
+            Some(stop @ Stop::Interrupted { .. }) => {
+                Err(Failure::Interrupted(format!("{stop}; shown is what was computed")))
+            }
+            Some(stop) => Err(Failure::Guard(vec![stop.to_string()])),
+            None if self.strict && !missed.is_empty() => Err(Failure::Threshold(missed)),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Thresholds that are missed and other lines of the gate that fail.
 fn failed(missed: Vec<String>, gate: &Gate) -> Failure {
     let others: Vec<String> = gate.failed().into_iter().filter(|line| !line.starts_with("threshold ")).collect();
@@ -231,7 +267,7 @@ impl From<GateError> for Failure {
 }
 
 /// What a threshold asks, and whether it is so.
-fn asked(threshold: &Threshold, scores: &Scores) -> outcome::Asked {
+pub fn asked(threshold: &Threshold, scores: &Scores) -> outcome::Asked {
     let value = scores.get(threshold.measure).filter(|value| value.is_finite());
     outcome::Asked {
         measure: threshold.measure.name().to_owned(),

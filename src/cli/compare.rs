@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use granulens::design::Design;
+use granulens::design::{AnyDesign, Design};
 use granulens::evaluate::{Comparison, Forces, compare, impact, stops};
 use granulens::layout::{self, Layout, ReadLayout};
 use granulens::outcome::Outcome;
@@ -34,7 +34,14 @@ pub struct Compare {
 
 impl Compare {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let design = Design::read(&self.design)?;
+        let design = match AnyDesign::read(&self.design)? {
+            AnyDesign::Plane(design) => *design,
+            AnyDesign::Space(_) if self.under.is_asked() => return Err(super::space::refuse("--laws")),
+            AnyDesign::Space(design) => {
+                let (overrides, forces) = (self.motion.overrides(common), self.forces.or(Forces::USUAL)?);
+                return super::space::compare(common, &design, self.layout.as_deref(), overrides, forces);
+            }
+        };
         let overrides = self.motion.overrides(common);
         let comparison = match &self.layout {
             None => Comparison::of_lens(&design, &propose(&design)?, overrides),

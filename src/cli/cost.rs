@@ -74,7 +74,7 @@ pub fn tell(common: &Common, parts: &[Part]) -> Result<(), Failure> {
 }
 
 /// Time of one core (s) for a lens or another arrangement with full records.
-pub fn arrangement(sample: &Sample<2>, impact: &Impact) -> Result<f64, Failure> {
+pub fn arrangement<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Result<f64, Failure> {
     let over = Arc::new(AtomicBool::new(false));
     let ends = Arc::clone(&over);
     std::thread::spawn(move || {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use granulens::design::Design;
+use granulens::design::{AnyDesign, Design};
 use granulens::evaluate::{Ranked, proposal, rank, validity};
 use granulens::layout::{self, Bill};
 use granulens::lens::{Family, Lens};
@@ -38,7 +38,11 @@ pub struct Propose {
 
 impl Propose {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let design = Design::read(&self.design)?;
+        let design = match AnyDesign::read(&self.design)? {
+            AnyDesign::Plane(design) => *design,
+            AnyDesign::Space(_) if self.rank => return Err(super::space::refuse("--rank")),
+            AnyDesign::Space(design) => return super::space::propose(common, &design, self.full),
+        };
         if self.rank {
             return ranking(common, &design, usize::from(self.simulate));
         }

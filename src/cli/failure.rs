@@ -88,7 +88,7 @@ impl Failure {
     }
 
     /// A step or window that cannot be: of the command line where it was given there, or of the design.
-    pub fn of_plan(design: &Design, overrides: &Overrides, error: &PlanError) -> Self {
+    pub fn of_plan<L, R>(design: &Design<L, R>, overrides: &Overrides, error: &PlanError) -> Self {
         let (name, given) = match error {
             PlanError::Step { .. } => ("step", overrides.step),
             PlanError::Window { .. } => ("window", overrides.window),

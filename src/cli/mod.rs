@@ -35,6 +35,7 @@ mod run;
 mod sensitivity;
 mod shell;
 mod simulate;
+mod space;
 mod speed;
 mod surface;
 mod study;

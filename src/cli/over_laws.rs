@@ -16,6 +16,11 @@ pub struct UnderLaws {
 }
 
 impl UnderLaws {
+    /// Whether any are asked for.
+    pub fn is_asked(&self) -> bool {
+        !self.laws.is_empty()
+    }
+
     /// The laws asked for; none without the option.
     pub fn chosen(&self, design: &Design) -> Result<Vec<LawKind>, Failure> {
         if self.laws == ["all"] {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use granulens::design::Design;
+use granulens::design::AnyDesign;
 use granulens::evaluate::{Comparison, Forces, Subject, compare};
 use granulens::layout;
 use granulens::outcome::Outcome;
@@ -30,7 +30,13 @@ pub struct Run {
 
 impl Run {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let design = Design::read(&self.design)?;
+        let design = match AnyDesign::read(&self.design)? {
+            AnyDesign::Plane(design) => *design,
+            AnyDesign::Space(design) => {
+                let forces = self.forces.or(Forces::USUAL)?;
+                return super::space::run(common, &design, self.motion.overrides(common), forces);
+            }
+        };
         let lens = propose(&design)?;
         let overrides = self.motion.overrides(common);
         let comparison = Comparison::of_lens(&design, &lens, overrides)

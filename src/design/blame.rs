@@ -17,7 +17,9 @@ impl Design {
         lens::propose(&self.lattice, &self.host, request, &self.target, self.constants)
             .map_err(|error| self.blame_lens(&error))
     }
+}
 
+impl<L, R> Design<L, R> {
     /// A lens that cannot be.
     pub fn blame_lens(&self, error: &LensError) -> DesignError {
         let (key, help) = match error {

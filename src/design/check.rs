@@ -3,15 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::file::{CompareFile, CrystalFile, DesignFile, EXAMPLES, ImpactFile, RunFile};
+use super::file::{CompareFile, CrystalFile, DesignFile, EXAMPLES, ImpactFile, LensFile, RunFile, TargetFile};
 use super::tuning::tuning;
-use super::{Accuracy, Design, DesignError, lens, prices, region, threshold};
+use super::{Accuracy, Design, DesignError, lens, prices, region, space, threshold};
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
 use crate::dem::Integrator;
 use crate::document::{self, Scope, Source, Written, is_plain_name};
 use crate::lattice::HexagonalSheet;
+use crate::lens::LensRequest;
 use crate::material::Material;
+use crate::target::Target;
 use crate::units::Dimension;
 
 /// The format that is read.
@@ -28,6 +30,33 @@ const MOST_SPHERES: usize = 10_000_000;
 const MOST_STEPS_IN_PULSE: f64 = 1e7;
 
 pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
+    checked(path, text, sheet, region::target, |section, design, regions, own| {
+        let Ground { lattice, host, constants, target } = design;
+        lens::read(section, lattice, host, target, regions, own, constants)
+    })
+}
+
+/// What the lens of a design is read beside.
+pub(super) struct Ground<'a, L, R> {
+    pub lattice: &'a L,
+    pub host: &'a Material,
+    pub constants: Constants,
+    pub target: &'a Target<R>,
+}
+
+/// Checks a text, with what differs of sheets and of crystals in space: how the sites are laid, and how regions and lens are read.
+pub(super) fn checked<L, R>(
+    path: &Path,
+    text: &str,
+    lattice: impl Fn(&Scope, &CrystalFile) -> Result<L, DesignError>,
+    target: impl Fn(&(Scope, &TargetFile), &L) -> Result<Target<R>, DesignError>,
+    request: impl Fn(
+        &(Scope, &LensFile),
+        Ground<L, R>,
+        &Scope,
+        &[Material],
+    ) -> Result<(LensRequest, Option<String>), DesignError>,
+) -> Result<Design<L, R>, DesignError> {
     let source = Source { path, text, examples: EXAMPLES };
     let root =
         document::parse(source).or_else(|error| document::expect(source, document::Kind::Design).and(Err(error)))?;
@@ -70,24 +99,22 @@ pub(super) fn design(path: &Path, text: &str) -> Result<Design, DesignError> {
         &file.crystal,
         "Add the section [crystal] with packing, diameter, rows, half_width, sides and host.",
     )?;
-    let crystal = read_crystal(&crystal, &own_materials)?;
+    let crystal = read_crystal(&crystal, lattice, &own_materials)?;
     let mut notes = crystal.notes;
     let impact =
         top.required_section("impact", &file.impact, "Add the section [impact] with kind, force and duration.")?;
     let impact = read_impact(&impact)?;
     let regions = top.required_section("target", &file.target, "Add the section [target] with focus and protect.")?;
-    let target = region::target(&regions, &crystal.lattice)?;
+    let target = target(&regions, &crystal.lattice)?;
     let lens = match top.section("lens", &file.lens) {
         Some(section) => {
-            let (request, note) = lens::read(
-                &section,
-                &crystal.lattice,
-                &crystal.host,
-                &target,
-                &regions.0,
-                &own_materials,
-                crystal.constants,
-            )?;
+            let ground = Ground {
+                lattice: &crystal.lattice,
+                host: &crystal.host,
+                constants: crystal.constants,
+                target: &target,
+            };
+            let (request, note) = request(&section, ground, &regions.0, &own_materials)?;
             notes.extend(note);
             Some(request)
         }
@@ -141,8 +168,8 @@ struct Opening {
 pub(crate) const NO_LAW: &str =
     "is left out: the published law is taken, thesis; to design, write \"consistent\", which never makes energy";
 
-struct Crystal {
-    lattice: HexagonalSheet,
+struct Crystal<L> {
+    lattice: L,
     host: Material,
     notes: Vec<String>,
     law: LawKind,
@@ -150,8 +177,23 @@ struct Crystal {
     constants: Constants,
 }
 
-fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Result<Crystal, DesignError> {
-    scope.required("packing", &file.packing)?.choice("packing", &[("hexagonal-2d", ())])?;
+/// The sites of a sheet.
+fn sheet(scope: &Scope, file: &CrystalFile) -> Result<HexagonalSheet, DesignError> {
+    let packing = scope.required("packing", &file.packing)?;
+    if let Ok(name) = packing.text()
+        && space::PACKINGS.contains(&name)
+    {
+        return Err(packing.fail(
+            "is a crystal in space, which this command does not take",
+            "granulens design, run, check and compare take it; a rig of it is simulated by granulens simulate.",
+        ));
+    }
+    packing.choice("packing", &[("hexagonal-2d", ()), ("hcp", ()), ("fcc-111", ())])?;
+    scope.forbid(
+        &[("layers", &file.layers), ("cells", &file.cells), ("axis_layer", &file.axis_layer)],
+        "a sheet",
+        "Its size is rows and half_width.",
+    )?;
     let diameter = scope.required("diameter", &file.diameter)?.positive(Dimension::Length)?;
     let rows = scope.required("rows", &file.rows)?.whole(2..=100_000)?;
     let width = scope.required("half_width", &file.half_width)?;
@@ -170,7 +212,20 @@ fn read_crystal((scope, file): &(Scope, &CrystalFile), own: &[Material]) -> Resu
     crate::memory::suffices(lattice.len() as f64, crate::memory::DESIGN_SITE).map_err(|rule| {
         scope.fail(&rule, "Choose fewer rows or a smaller half_width, or run it where there is more.")
     })?;
-    scope.required("sides", &file.sides)?.choice("kind of sides", &[("mirror", ())])?;
+    let sides = scope.required("sides", &file.sides)?;
+    let known = [("mirror", true), ("period", false), ("wall", false), ("free", false)];
+    if !sides.choice("kind of sides", &known)? {
+        return Err(sides.fail("is for crystals in space", "The sides of a sheet are mirrors: sides = \"mirror\"."));
+    }
+    Ok(lattice)
+}
+
+fn read_crystal<L>(
+    (scope, file): &(Scope, &CrystalFile),
+    lattice: impl Fn(&Scope, &CrystalFile) -> Result<L, DesignError>,
+    own: &[Material],
+) -> Result<Crystal<L>, DesignError> {
+    let lattice = lattice(scope, file)?;
     let host = document::chosen(&scope.required("host", &file.host)?, own)?;
     let mut notes = Vec::new();
     let law = match scope.optional("law", &file.law) {

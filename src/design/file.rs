@@ -29,7 +29,7 @@ pub(super) struct DesignFile {
 }
 
 section!(CrystalFile: Written {
-    packing, diameter, rows, half_width, sides, host, law, constants, friction,
+    packing, diameter, rows, half_width, layers, cells, axis_layer, sides, host, law, constants, friction,
     hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening
 });
 section!(ImpactFile: Written { kind, force, duration });
@@ -41,10 +41,11 @@ pub(super) struct TargetFile {
     pub protect: Section<RegionFile>,
 }
 
-section!(FocusFile: Written { rows, x, share });
-section!(RegionFile: Written { rows, x });
+section!(FocusFile: Written { rows, layers, x, y, r, centre, radius, share });
+section!(RegionFile: Written { rows, layers, x, y, r, centre, radius });
 section!(LensFile: Written {
-    family, material, others, apex_row, back_row, radius, max_interface_angle, rows, axis, stages, raster, seed, symmetry
+    family, material, others, apex_row, back_row, apex_layer, back_layer, radius, max_interface_angle, rows, layers, axis, stages, raster,
+    seed, symmetry
 });
 section!(RunFile: Written { integrator, step, accuracy, window });
 section!(CompareFile: Written { seeds, first_seed, material });
@@ -62,6 +63,9 @@ const OWN: &[&str] = &[
     "crystal.diameter = \"6.35 mm\"",
     "crystal.rows = 50",
     "crystal.half_width = 16.5",
+    "crystal.layers = 24",
+    "crystal.cells = [14, 8]",
+    "crystal.axis_layer = 4",
     "crystal.sides = \"mirror\"",
     "crystal.host = \"stainless-440c\"",
     "crystal.law = \"consistent\"",
@@ -79,17 +83,30 @@ const OWN: &[&str] = &[
     "target.focus = { rows = [30, 34], x = [\"0 D\", \"2.5 D\"] }",
     "target.focus.rows = [30, 34]",
     "target.focus.x = [\"0 D\", \"2.5 D\"]",
+    "target.focus.layers = [15, 17]",
+    "target.focus.y = [\"-2 D\", \"2 D\"]",
+    "target.focus.r = [\"0 D\", \"1.5 D\"]",
+    "target.focus.centre = [\"0 D\", \"0 D\", \"12.25 D\"]",
+    "target.focus.radius = \"1.5 D\"",
     "target.focus.share = 0.5",
     "target.protect = { rows = [30, 34], x = [\"12 D\", \"16.5 D\"] }",
     "target.protect.rows = [30, 34]",
     "target.protect.x = [\"12 D\", \"16.5 D\"]",
+    "target.protect.layers = [15, 17]",
+    "target.protect.y = [\"4 D\", \"6 D\"]",
+    "target.protect.r = [\"5 D\", \"7 D\"]",
+    "target.protect.centre = [\"6 D\", \"0 D\", \"12.25 D\"]",
+    "target.protect.radius = \"1.5 D\"",
     "lens.family = \"plano-convex\"",
     "lens.material = \"brass-260\"",
     "lens.apex_row = 5",
     "lens.back_row = 16",
+    "lens.apex_layer = 4",
+    "lens.back_layer = 10",
     "lens.radius = \"19 D\"",
     "lens.max_interface_angle = \"60 deg\"",
     "lens.rows = [2, 29]",
+    "lens.layers = [2, 14]",
     "lens.others = [\"aluminium-2017\"]",
     "lens.axis = \"8 D\"",
     "lens.stages = 2",

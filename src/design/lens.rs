@@ -3,9 +3,9 @@
 use super::file::LensFile;
 use super::{DesignError, any, region};
 use crate::contact::Constants;
-use crate::document::{self, Entry, Scope};
+use crate::document::{self, Entry, Scope, Written};
 use crate::lattice::HexagonalSheet;
-use crate::lens::{Family, LensRequest, Raster, Symmetry};
+use crate::lens::{Family, LensRequest, Raster, Stack, Symmetry};
 use crate::material::{Material, library};
 use crate::target::Target;
 use crate::units::Dimension;
@@ -17,7 +17,7 @@ const MOST_STAGES: u32 = 10;
 const MOST_OTHERS: usize = 10;
 
 pub(super) fn read(
-    (scope, file): &(Scope, &LensFile),
+    section: &(Scope, &LensFile),
     lattice: &HexagonalSheet,
     host: &Material,
     target: &Target,
@@ -25,24 +25,61 @@ pub(super) fn read(
     own: &[Material],
     constants: Constants,
 ) -> Result<(LensRequest, Option<String>), DesignError> {
+    let (scope, file) = section;
+    if let Some(entry) = scope.optional("symmetry", &file.symmetry)
+        && entry.choice("symmetry", &SYMMETRIES)? == Symmetry::Axis
+    {
+        return Err(entry.fail(
+            "is a body of revolution, which no sheet holds: crystal.packing is hexagonal-2d",
+            "Leave it out, or choose a packing in space: hcp or fcc-111.",
+        ));
+    }
+    scope.forbid(
+        &[("layers", &file.layers), ("apex_layer", &file.apex_layer), ("back_layer", &file.back_layer)],
+        "a sheet",
+        "It has rows: rows, apex_row, back_row.",
+    )?;
+    let ground = Lying {
+        stack: lattice.into(),
+        row: "row",
+        keys: [("rows", &file.rows), ("apex_row", &file.apex_row), ("back_row", &file.back_row)],
+        foci: target.foci.len(),
+        first_focal: target.focal_rows()[0],
+    };
+    let (request, candidates) = request(section, &ground, host, regions, own)?;
+    Ok(any::best(request, &candidates, lattice, host, target, constants))
+}
+
+/// How a lens goes on out of its plane.
+pub(super) const SYMMETRIES: [(&str, Symmetry); 2] = [("plane", Symmetry::Plane), ("axis", Symmetry::Axis)];
+
+/// In what a lens lies: the layers of a crystal, what one is called, and how the keys that count them are written.
+pub(super) struct Lying<'a> {
+    pub stack: Stack,
+    pub row: &'a str,
+    pub keys: [(&'a str, &'a Written); 3],
+    pub foci: usize,
+    pub first_focal: u32,
+}
+
+/// What is asked for, and the materials that it may be of, of which the request holds the first.
+pub(super) fn request(
+    (scope, file): &(Scope, &LensFile),
+    ground: &Lying,
+    host: &Material,
+    regions: &Scope,
+    own: &[Material],
+) -> Result<(LensRequest, Vec<Material>), DesignError> {
+    let Lying { stack, row: name, keys: [(rows_key, rows), (apex_key, apex), (back_key, back)], foci, .. } = *ground;
     let families = Family::ALL.map(|family| (family.name(), family));
     let written = scope.required("family", &file.family)?;
     let family = written.choice("lens family", &families)?;
-    let foci = target.foci.len();
     if foci > 1 && !family.is_split() && family != Family::Shield {
         let split: Vec<&str> =
             Family::ALL.iter().filter(|family| family.is_split()).map(|family| family.name()).collect();
         return Err(written.fail(
             &format!("cannot be split among {foci} focal regions"),
             &format!("Ask for one that can: {}; or leave one target.focus.", split.join(", ")),
-        ));
-    }
-    if let Some(entry) = scope.optional("symmetry", &file.symmetry)
-        && entry.choice("symmetry", &[("plane", Symmetry::Plane), ("axis", Symmetry::Axis)])? == Symmetry::Axis
-    {
-        return Err(entry.fail(
-            "is a body of revolution, which no sheet holds: crystal.packing is hexagonal-2d, and no raster lays others",
-            "Leave it out. The body's form, volume and counts are given by lens::propose_body of the library.",
         ));
     }
     let foreign = |entry: &Entry| {
@@ -62,22 +99,22 @@ pub(super) fn read(
         None => Vec::new(),
     };
     candidates.retain(|candidate| !others.iter().any(|other| other.name == candidate.name));
-    let focus = target.focal_rows()[0];
-    let rows = match scope.optional("rows", &file.rows) {
+    let focus = ground.first_focal;
+    let rows = match scope.optional(rows_key, rows) {
         Some(entry) => {
-            let [first, last] = region::rows(&entry, lattice.rows())?;
+            let [first, last] = region::rows(&entry, (name, stack.rows))?;
             if last >= focus {
                 return Err(entry.fail_as(
                     &entry.range_text(),
-                    &format!("reaches into the focal region, which begins in row {focus}"),
-                    &format!("End it at row {} or before.", focus - 1),
+                    &format!("reaches into the focal region, which begins in {name} {focus}"),
+                    &format!("End it at {name} {} or before.", focus - 1),
                 ));
             }
             if first == last {
                 return Err(entry.fail_as(
                     &entry.range_text(),
-                    "is a single row",
-                    "Give the lens at least two rows, one for its apex and one for its flat face.",
+                    &format!("is a single {name}"),
+                    &format!("Give the lens at least two {name}s, one for its apex and one for its flat face."),
                 ));
             }
             [first, last]
@@ -86,30 +123,30 @@ pub(super) fn read(
         None => {
             return Err(regions.fail(
                 &format!(
-                    "leaves no room for a lens: focus begins in row {focus}, row 1 is struck, and a lens needs two rows between"
+                    "leaves no room for a lens: focus begins in {name} {focus}, {name} 1 is struck, and a lens needs two {name}s between"
                 ),
-                "Begin target.focus.rows at row 4 or later.",
+                &format!("Begin target.focus.{rows_key} at {name} 4 or later."),
             ));
         }
     };
     let [first, last] = rows;
-    let within = format!("must lie within the lens's rows, {first} to {last}");
+    let within = format!("must lie within the lens's {name}s, {first} to {last}");
     let row = |key: &str, written, allowed: [u32; 2], help: &str| -> Result<Option<u32>, DesignError> {
         let Some(entry) = scope.optional(key, written) else { return Ok(None) };
-        let row = entry.whole(1..=lattice.rows())?;
+        let row = entry.whole(1..=stack.rows)?;
         match row {
-            _ if !(first..=last).contains(&row) => Err(entry.fail(&within, "Change it, or lens.rows.")),
+            _ if !(first..=last).contains(&row) => Err(entry.fail(&within, &format!("Change it, or lens.{rows_key}."))),
             _ if !(allowed[0]..=allowed[1]).contains(&row) => {
                 Err(entry.fail(&format!("must lie from {} to {}", allowed[0], allowed[1]), help))
             }
             _ => Ok(Some(row)),
         }
     };
-    let before_back = "The apex lies at least one row in front of the flat face, lens.back_row.";
-    let apex_row = row("apex_row", &file.apex_row, [first, last - 1], before_back)?;
+    let before_back = format!("The apex lies at least one {name} in front of the flat face, lens.{back_key}.");
+    let apex_row = row(apex_key, apex, [first, last - 1], &before_back)?;
     let after_apex = apex_row.unwrap_or(first);
-    let help = format!("The flat face lies at least one row behind the apex, in row {after_apex}.");
-    let back_row = row("back_row", &file.back_row, [after_apex + 1, last], &help)?;
+    let help = format!("The flat face lies at least one {name} behind the apex, in {name} {after_apex}.");
+    let back_row = row(back_key, back, [after_apex + 1, last], &help)?;
     let radius = match scope.optional("radius", &file.radius) {
         Some(entry) if family.radius().is_none() => {
             return Err(entry.fail(
@@ -117,7 +154,7 @@ pub(super) fn read(
                 "Leave it out: its faces follow from the rows and the focal region.",
             ));
         }
-        Some(entry) => match entry.length(lattice.diameter())? {
+        Some(entry) => match entry.length(stack.diameter)? {
             radius if radius > 0.0 => Some(radius),
             _ => return Err(entry.fail("must be more than zero", &entry.write_it_like())),
         },
@@ -141,7 +178,7 @@ pub(super) fn read(
                 "Leave it out: each part stands before its own region.",
             ));
         }
-        Some(entry) => Some(axis(&entry, lattice)?),
+        Some(entry) => Some(axis(&entry, &stack)?),
         None => None,
     };
     let stages = match scope.optional("stages", &file.stages) {
@@ -153,8 +190,8 @@ pub(super) fn read(
             let least = family.least_span(stages) + 1;
             if last - first + 1 < least {
                 return Err(entry.fail(
-                    &format!("needs {least} rows, and the lens may lie in rows {first} to {last}"),
-                    "Ask for fewer, or widen lens.rows: a stage takes two rows, and one of host lies between two.",
+                    &format!("needs {least} {name}s, and the lens may lie in {name}s {first} to {last}"),
+                    &format!("Ask for fewer, or widen lens.{rows_key}: a stage takes two {name}s, and one of host lies between two."),
                 ));
             }
             stages
@@ -185,8 +222,9 @@ pub(super) fn read(
         stages,
         raster,
         seed,
+        symmetry: Symmetry::default(),
     };
-    Ok(any::best(request, &candidates, lattice, host, target, constants))
+    Ok((request, candidates))
 }
 
 /// The materials that the lens may be of: one, or all that are named, or with "any" all that are known.
@@ -242,12 +280,12 @@ fn others(
     Ok(found)
 }
 
-fn axis(entry: &Entry, lattice: &HexagonalSheet) -> Result<f64, DesignError> {
-    let half_width = lattice.half_width();
-    let axis = entry.length(lattice.diameter())?;
+fn axis(entry: &Entry, stack: &Stack) -> Result<f64, DesignError> {
+    let half_width = stack.half_width;
+    let axis = entry.length(stack.diameter)?;
     // Lengths in other units are rounded.
     if !(0.0..=half_width * (1.0 + 1e-9)).contains(&axis) {
-        let edge = half_width / lattice.diameter();
+        let edge = half_width / stack.diameter;
         let help = "A design describes the half x >= 0; a lens off the axis has its mirror image on the other side.";
         return Err(entry.fail(&format!("must lie in the half crystal, from 0 D to {edge} D"), help));
     }

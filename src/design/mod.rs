@@ -8,6 +8,7 @@
 //! - `shelf`: own materials and prices without a design
 //! - `any`: the best of several materials; `blame`: what only physics can tell, as a complaint about the file
 //! - `published`: whether it is the published one
+//! - `space`: what differs of crystals in space
 
 mod any;
 mod blame;
@@ -18,6 +19,7 @@ mod prices;
 mod published;
 mod region;
 mod shelf;
+mod space;
 mod threshold;
 mod tuning;
 
@@ -39,15 +41,15 @@ use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
 use crate::dem::Integrator;
 use crate::document::{self, Source};
-use crate::lattice::HexagonalSheet;
+use crate::lattice::{Block, HexagonalSheet};
 use crate::lens::LensRequest;
 use crate::material::{self, Material, UnknownMaterial};
-use crate::target::Target;
+use crate::target::{Region, Solid, Target};
 use crate::units::Dimension::{Force, Time};
 
-/// A checked design. Everything in SI; what the file left out holds its default.
+/// A checked design: of a sheet or, as [`SpaceDesign`], of a crystal in space. Everything in SI; what the file left out holds its default.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Design {
+pub struct Design<L = HexagonalSheet, R = Region> {
     /// Name, fit for files and folders.
     pub name: String,
     /// The file, as it was named.
@@ -55,7 +57,7 @@ pub struct Design {
     /// The file's text, as read.
     pub text: String,
     /// The crystal's sites.
-    pub lattice: HexagonalSheet,
+    pub lattice: L,
     /// Material of the crystal outside the lens.
     pub host: Material,
     /// Materials described in the file itself, in order of name. None has the name or alias of a library material.
@@ -73,7 +75,7 @@ pub struct Design {
     /// What strikes the crystal.
     pub impact: ForcePulse,
     /// Where energy is wanted and where it is not. Both regions hold spheres and share none.
-    pub target: Target,
+    pub target: Target<R>,
     /// Which lens is asked for; a design that is only checked with given layouts has none.
     pub lens: Option<LensRequest>,
     /// How motion is advanced.
@@ -92,6 +94,52 @@ pub struct Design {
     pub seeds: u64,
     /// What `check --strict` asks of the scores.
     pub thresholds: Vec<Threshold>,
+}
+
+/// A design in space: `crystal.packing = "hcp"` or `"fcc-111"`.
+pub type SpaceDesign = Design<Block, Solid>;
+
+/// A design file of either kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyDesign {
+    /// Of a sheet.
+    Plane(Box<Design>),
+    /// Of a crystal in space.
+    Space(Box<SpaceDesign>),
+}
+
+impl AnyDesign {
+    /// Reads and checks a design file of either kind.
+    ///
+    /// # Errors
+    /// The file cannot be read, or what is wrong with it, the first thing and the others.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignError> {
+        let path = path.as_ref();
+        let text = crate::document::text(path)?;
+        if space::is_in_space(&text) {
+            SpaceDesign::parse_in_space(path, &text).map(|design| Self::Space(Box::new(design)))
+        } else {
+            Design::parse(path, &text).map(|design| Self::Plane(Box::new(design)))
+        }
+    }
+}
+
+impl SpaceDesign {
+    /// Checks the text of a design file of a crystal in space; `path` is only named in messages.
+    ///
+    /// # Errors
+    /// What is wrong with it, the first thing and the others.
+    pub fn parse_in_space(path: impl AsRef<Path>, text: &str) -> Result<Self, DesignError> {
+        let path = path.as_ref();
+        let source = Source { path, text, examples: file::EXAMPLES };
+        document::all(source, |text| space::design(path, text))
+    }
+
+    /// What strikes the crystal: `37.5 kN for 20 us on every sphere of layer 1`.
+    pub fn impact_in_words(&self) -> String {
+        let [force, duration] = [Force.show(self.impact.force), Time.show(self.impact.duration)];
+        format!("{force} for {duration} on every sphere of layer 1")
+    }
 }
 
 /// How exact a run has to be: what its step is chosen for.
@@ -149,7 +197,9 @@ impl Design {
         let [force, duration] = [Force.show(self.impact.force), Time.show(self.impact.duration)];
         format!("{force} for {duration} on every sphere of row 1")
     }
+}
 
+impl<L, R> Design<L, R> {
     /// The contact law, with friction where there is some.
     pub fn law_name(&self) -> String {
         match self.friction {

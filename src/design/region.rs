@@ -1,7 +1,7 @@
 //! The section [target]: regions inside the crystal that hold spheres; what is protected shares none with a focus.
 
 use super::DesignError;
-use super::file::{EXAMPLES, TargetFile};
+use super::file::{EXAMPLES, FocusFile, RegionFile, TargetFile};
 use crate::document::{Entry, Scope, Written, example};
 use crate::lattice::{HexagonalSheet, Site};
 use crate::target::{Focus, Region, Target};
@@ -17,8 +17,10 @@ pub(super) fn target((scope, file): &(Scope, &TargetFile), lattice: &HexagonalSh
     let (place, protect) = scope.required_section("protect", &file.protect, &how("protect"))?;
     let mut wanted = Vec::new();
     for (scope, file) in &foci {
+        forbid(scope, &Keys::from(file))?;
         wanted.push((region(scope, [&file.rows, &file.x], lattice)?, share(scope, &file.share, foci.len())?));
     }
+    forbid(&place, &Keys::from(&protect))?;
     let protect = region(&place, [&protect.rows, &protect.x], lattice)?;
     for ((focus, _), (scope, _)) in wanted.iter().zip(&foci) {
         let both = [focus.rows[0].max(protect.rows[0]), focus.rows[1].min(protect.rows[1])];
@@ -40,11 +42,41 @@ pub(super) fn target((scope, file): &(Scope, &TargetFile), lattice: &HexagonalSh
     })
 }
 
+/// The keys of a region as written, those of sheets and of crystals in space.
+pub(super) struct Keys<'a> {
+    pub rows: &'a Written,
+    pub layers: &'a Written,
+    pub x: &'a Written,
+    pub y: &'a Written,
+    pub r: &'a Written,
+    pub centre: &'a Written,
+    pub radius: &'a Written,
+}
+
+macro_rules! keys_of {
+    ($($file:ident),*) => { $(
+        impl<'a> From<&&'a $file> for Keys<'a> {
+            fn from(file: &&'a $file) -> Self {
+                let $file { rows, layers, x, y, r, centre, radius, .. } = file;
+                Self { rows, layers, x, y, r, centre, radius }
+            }
+        }
+    )* };
+}
+keys_of!(FocusFile, RegionFile);
+
+/// Refuses keys that a region of a sheet does not have.
+fn forbid<'a>(scope: &Scope<'a>, keys: &Keys<'a>) -> Result<(), DesignError> {
+    let Keys { layers, y, r, centre, radius, .. } = *keys;
+    let strange = [("layers", layers), ("y", y), ("r", r), ("centre", centre), ("radius", radius)];
+    scope.forbid(&strange, "a region of a sheet", "Such a region is rows and x.")
+}
+
 /// More leave no strip of a lens of common size two diameters wide.
-const MOST_FOCI: usize = 6;
+pub(super) const MOST_FOCI: usize = 6;
 
 /// A focus's part of the blow, over that of the others.
-fn share(scope: &Scope, written: &Written, foci: usize) -> Result<f64, DesignError> {
+pub(super) fn share(scope: &Scope, written: &Written, foci: usize) -> Result<f64, DesignError> {
     match scope.optional("share", written) {
         None => Ok(1.0),
         Some(entry) if foci == 1 => Err(entry.fail(
@@ -61,7 +93,7 @@ fn share(scope: &Scope, written: &Written, foci: usize) -> Result<f64, DesignErr
     }
 }
 
-fn how(key: &str) -> String {
+pub(super) fn how(key: &str) -> String {
     let example = example(EXAMPLES, &format!("target.{key}")).unwrap_or_default();
     format!("Add it to target, like {example}.")
 }
@@ -71,7 +103,7 @@ fn region(
     [written_rows, written_x]: [&Written; 2],
     lattice: &HexagonalSheet,
 ) -> Result<Region, DesignError> {
-    let rows = rows(&scope.required("rows", written_rows)?, lattice.rows())?;
+    let rows = rows(&scope.required("rows", written_rows)?, ("row", lattice.rows()))?;
     let entry = scope.required("x", written_x)?;
     let [near, far] = entry.pair()?;
     let x = [near.length(lattice.diameter())?, far.length(lattice.diameter())?];
@@ -109,15 +141,15 @@ fn region(
 }
 
 /// First and last row of a list of two, in order and inside the crystal.
-pub(super) fn rows(entry: &Entry, last_of_crystal: u32) -> Result<[u32; 2], DesignError> {
+pub(super) fn rows(entry: &Entry, (name, last_of_crystal): (&str, u32)) -> Result<[u32; 2], DesignError> {
     let [first, last] = entry.pair()?;
     let rows = [first.whole(1..=u32::MAX)?, last.whole(1..=u32::MAX)?];
     let fail = |rule: &str, help: &str| Err(entry.fail_as(&entry.range_text(), rule, help));
     match rows {
-        [first, last] if first > last => fail("is reversed", "Write the row nearer to the impact first."),
+        [first, last] if first > last => fail("is reversed", &format!("Write the {name} nearer to the impact first.")),
         [_, last] if last > last_of_crystal => fail(
-            &format!("reaches outside the crystal, which has {last_of_crystal} rows"),
-            &format!("End at row {last_of_crystal} or before, or add rows to the crystal."),
+            &format!("reaches outside the crystal, which has {last_of_crystal} {name}s"),
+            &format!("End at {name} {last_of_crystal} or before, or add {name}s to the crystal."),
         ),
         _ => Ok(rows),
     }

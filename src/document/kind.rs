@@ -40,7 +40,11 @@ impl Kind {
     /// Of a text, as far as its outlines tell.
     fn of(text: &str) -> Option<Self> {
         let Ok(table) = text.parse::<toml::Table>() else {
-            let begins = |line: &str| line.replace(' ', "").starts_with("row,column,x,z,diameter,material");
+            let begins = |line: &str| {
+                let line = line.replace(' ', "");
+                line.starts_with("row,column,x,z,diameter,material")
+                    || line.starts_with("layer,column,x,y,z,diameter,material")
+            };
             return match text.trim_start() {
                 json if json.starts_with("{\"journal\"") => Some(Self::Journal),
                 json if json.starts_with('{') && json.contains("\"spheres\"") && json.contains("\"row\"") => {

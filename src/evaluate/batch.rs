@@ -375,8 +375,8 @@ impl<'a> Evaluator<'a> {
         };
         let mut scores = self.energies(&field.folded(&record.max_kinetic));
         let share = if field.is_whole() { 0.5 } else { 1.0 };
-        let within = (&self.design.lattice, &self.design.target);
-        scores.add_records(&record, within, |site| field.on(site), share, |sphere| sample.mass(sphere));
+        let within = self.design.target.on(&self.design.lattice);
+        scores.add_records(&record, &within, |site| field.on(site), share, |sphere| sample.mass(sphere));
         Ok(Evaluated { scores, stop: record.stop })
     }
 

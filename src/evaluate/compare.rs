@@ -230,8 +230,8 @@ impl Job {
 
 /// When a comparison began.
 pub(super) struct Begun {
-    clock: Instant,
-    unix_s: u64,
+    pub clock: Instant,
+    pub unix_s: u64,
 }
 
 impl Begun {
@@ -386,7 +386,7 @@ fn related(
 }
 
 /// The first of some arrangements against the others; those without scores were stopped by a guard.
-fn of_first(kinds: &[&str], scores: &[Option<Vec<Scores>>]) -> Vec<Verdict> {
+pub(super) fn of_first(kinds: &[&str], scores: &[Option<Vec<Scores>>]) -> Vec<Verdict> {
     let judged = kinds.iter().zip(scores).skip(1);
     let others: Vec<Judged> =
         judged.filter_map(|(kind, scores)| Some(Judged { kind, runs: scores.as_ref()? })).collect();

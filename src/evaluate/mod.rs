@@ -12,6 +12,7 @@
 //! - `held`: the whole piece between mirrors, or in a frame; `settle`: how unequal spheres lie in it under gravity
 //! - `sensitivity`: how scores change with every sphere, by the adjoint
 //! - `whole`: pieces whose halves differ
+//! - `space`: crystals in space: lens, baselines and strips in lanes
 //! - `made`: laws that gave back more than was put in
 
 mod batch;
@@ -29,6 +30,7 @@ mod plan;
 mod rank;
 mod sensitivity;
 mod settle;
+mod space;
 mod stiffest;
 mod traced;
 mod verdict;
@@ -48,6 +50,9 @@ pub use plan::{Overrides, Plan, PlanError};
 pub use rank::{Ranked, rank};
 pub use sensitivity::{MEASURES, SECANT, Sensitivities, Sensitivity, SensitivityError, sensitivities};
 pub use settle::SettleError;
+pub use space::{
+    SpaceBeside, SpaceComparison, beside_in_space, compare_in_space, evaluate_in_space, impact_in_space, strips,
+};
 pub use traced::{trace_arrivals, trace_fronts, trace_lens};
 pub use whole::Subject;
 
@@ -67,21 +72,22 @@ use crate::layout::Layout;
 use crate::outcome::{COMMIT, Method, VERSION};
 use crate::sample::Sample;
 use crate::score::Scores;
+use crate::target::TargetSites;
 use crate::units::Dimension::Length;
 use crate::wave::Validity;
 
 /// One arrangement, simulated and scored.
 #[derive(Clone, Debug)]
-pub struct Evaluation {
+pub struct Evaluation<const D: usize = 2> {
     /// The numbers; ratios to uniform crystals are not there yet.
     pub scores: Scores,
     /// What each sphere and contact felt.
-    pub record: Record<2>,
+    pub record: Record<D>,
     /// What limits the trust in the numbers.
     pub doubts: Doubts,
 }
 
-impl Evaluation {
+impl<const D: usize> Evaluation<D> {
     /// What a reader should know before trusting the numbers.
     pub fn warnings(&self, name: &str) -> Vec<String> {
         self.doubts.words(name)
@@ -108,16 +114,16 @@ pub fn evaluate(
 ) -> Result<Evaluation, EvaluateError> {
     let sample = layout.sample();
     let record = simulated(design, &sample, plan, interrupt)?;
-    let within = (&layout.lattice, &design.target);
-    let mut scores = Scores::of_energies(&record.max_kinetic, within.0, within.1);
-    scores.add_records(&record, within, |site| [site; 2], 1.0, |sphere| sample.mass(sphere));
+    let within = design.target.on(&layout.lattice);
+    let mut scores = Scores::of_sites(&record.max_kinetic, &within);
+    scores.add_records(&record, &within, |site| [site; 2], 1.0, |sphere| sample.mass(sphere));
     scores.add_layout(&layout.stats(|material| design.price(material)));
-    let doubts = Doubts::of(&record, &sample, &record.max_kinetic, design);
+    let doubts = Doubts::of(&record, &sample, &record.max_kinetic, (design, layout.lattice.diameter()), &within);
     Ok(Evaluation { scores, record, doubts })
 }
 
 /// With what, and how, a plan's runs are made.
-pub fn method(design: &Design, plan: &Plan) -> Method {
+pub fn method<L, R>(design: &Design<L, R>, plan: &Plan) -> Method {
     Method {
         version: VERSION.to_owned(),
         commit: COMMIT.to_owned(),
@@ -158,6 +164,7 @@ pub fn impact(design: &Design, plan: &Plan) -> Impact {
         law: design.law,
         constants: design.constants,
         pulse: design.impact,
+        periods: Vec::new(),
         slope: 0.0,
         struck: row(1),
         moving: Vec::new(),
@@ -198,9 +205,13 @@ impl Doubts {
     }
 
     /// `max_kinetic` is that of every site of the half.
-    fn of(record: &Record<2>, sample: &Sample<2>, max_kinetic: &[f64], design: &Design) -> Self {
-        let lattice = &design.lattice;
-        let diameter = lattice.diameter();
+    fn of<const D: usize, L, R>(
+        record: &Record<D>,
+        sample: &Sample<D>,
+        max_kinetic: &[f64],
+        (design, diameter): (&Design<L, R>, f64),
+        sites: &TargetSites,
+    ) -> Self {
         let overlap = record.contacts.iter().map(|contact| contact.overlap_max).fold(0.0, f64::max);
         let depth = |contact: &ContactRecord| {
             let materials = contact.spheres.map(|i| &sample.materials[sample.spheres[i].material]);
@@ -208,13 +219,11 @@ impl Doubts {
             contact.overlap_max / pair.regions(1.0).plastic_overlap
         };
         let depth = if design.law.is_plastic() { record.contacts.iter().map(depth).fold(0.0, f64::max) } else { 0.0 };
-        let target = &design.target;
         let strongest = max_kinetic.iter().copied().fold(0.0, f64::max);
-        let unreached = [target.focal_sites(lattice), target.protect.sites(lattice)]
-            .into_iter()
-            .flatten()
-            .filter(|&site| max_kinetic[site] <= UNREACHED * strongest)
-            .count();
+        let mut wanted = [&sites.focal[..], &sites.protected].concat();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let unreached = wanted.into_iter().filter(|&site| max_kinetic[site] <= UNREACHED * strongest).count();
         // Of a run that was stopped early nobody expects that it gets there.
         let unreached = if record.stop.is_none() { unreached } else { 0 };
         let made = Some((made::gain(design.law, &record.contacts), record.ledger.work_in));

@@ -3,7 +3,8 @@
 use super::stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 use crate::contact::{AnyLaw, NormalLaw, Pair};
 use crate::dem::Integrator;
-use crate::design::Design;
+use crate::design::{Design, SpaceDesign};
+use crate::lattice::Layered;
 use crate::material::Material;
 use crate::units::Dimension::{Fraction, Time};
 use crate::wave::{self, Dimension};
@@ -39,6 +40,20 @@ pub struct Plan {
     /// What the user should know about these choices.
     pub warnings: Vec<String>,
 }
+
+/// What a plan has to know of a crystal.
+struct Ground {
+    dimension: Dimension,
+    /// Of its spheres (m)
+    diameter: f64,
+    /// What its layers are called.
+    row: &'static str,
+    /// That the wave has to pass (m)
+    depth: f64,
+}
+
+/// Layers behind the regions that the wave has to pass within the window.
+const MARGIN: u32 = 10;
 
 /// A step or window with which nothing can be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -90,22 +105,55 @@ impl Plan {
     /// # Errors
     /// See [`PlanError`].
     pub fn new(design: &Design, overrides: Overrides, materials: &[Material]) -> Result<Self, PlanError> {
+        let lattice = &design.lattice;
+        let far = design.target.focal_rows()[1].max(design.target.protect.rows[1]);
+        let ground = Ground {
+            dimension: Dimension::Two,
+            diameter: lattice.diameter(),
+            row: "rows",
+            depth: lattice.depth(f64::from(far + MARGIN)),
+        };
+        Self::on(ground, design, overrides, materials)
+    }
+
+    /// The same of a design in space.
+    ///
+    /// # Errors
+    /// See [`PlanError`].
+    pub fn in_space(design: &SpaceDesign, overrides: Overrides, materials: &[Material]) -> Result<Self, PlanError> {
+        let (block, target) = (&design.lattice, &design.target);
+        let solids = target.foci.iter().map(|focus| &focus.region).chain([&target.protect]);
+        let last = solids.map(|solid| solid.layers(block.layer_spacing(), block.layers())[1]).max().unwrap_or(1);
+        let ground = Ground {
+            dimension: Dimension::Three,
+            diameter: block.diameter(),
+            row: "layers",
+            depth: f64::from(last - 1 + MARGIN) * block.layer_spacing(),
+        };
+        Self::on(ground, design, overrides, materials)
+    }
+
+    fn on<L, R>(
+        ground: Ground,
+        design: &Design<L, R>,
+        overrides: Overrides,
+        materials: &[Material],
+    ) -> Result<Self, PlanError> {
         // Friction is a rig's, and rigs are advanced with Verlet.
         let integrator = match design.friction {
             Some(_) => Integrator::Verlet,
             None => overrides.integrator.unwrap_or(design.integrator),
         };
-        let diameter = design.lattice.diameter();
-        let force = overshoot(design.law) * wave::contact_force(design.impact.force);
-        let stiffest = Stiffest::find::<2>(
-            materials,
-            |_| diameter,
-            force,
-            |a, b| {
-                let pair = Pair::new([&materials[a], &materials[b]], [0.5 * diameter; 2], design.constants);
-                AnyLaw::new(design.law, &pair).stiffness_max(force)
-            },
-        );
+        let Ground { dimension, diameter, row, depth } = ground;
+        let force = overshoot(design.law) * dimension.contact_force(design.impact.force);
+        let stiffness = |a: usize, b: usize| {
+            let pair = Pair::new([&materials[a], &materials[b]], [0.5 * diameter; 2], design.constants);
+            AnyLaw::new(design.law, &pair).stiffness_max(force)
+        };
+        let stiffest = match dimension {
+            Dimension::Three => Stiffest::find::<3>(materials, |_| diameter, force, stiffness),
+            _ => Stiffest::find::<2>(materials, |_| diameter, force, stiffness),
+        };
         let divisor = divisor(design.accuracy, integrator);
         let accurate = stiffest.limit / divisor;
         let class = Fraction.show(design.accuracy.fraction());
@@ -134,11 +182,11 @@ impl Plan {
                 (step, format!("{class} class: {limit} over {divisor}, {:.0} steps in the pulse", pulse / step))
             }
         };
-        let speed = |m: &Material| wave::bound(Dimension::Two, [m, m], diameter, design.constants).speed;
+        let speed = |m: &Material| wave::bound(dimension, [m, m], diameter, design.constants).speed;
         let slowest = materials.iter().min_by(|a, b| speed(a).total_cmp(&speed(b))).unwrap_or(&design.host);
-        let chosen = design.target.window(&design.lattice, speed(slowest));
+        let chosen = crate::target::window(depth, speed(slowest));
         let formula = format!(
-            "(depth of the regions' far edge + 10 rows)/({:.0} m/s, {}) + 120 us",
+            "(depth of the regions' far edge + {MARGIN} {row})/({:.0} m/s, {}) + 120 us",
             speed(slowest),
             slowest.name
         );

@@ -7,12 +7,9 @@ use crate::score::{Measure, Scores, geometric};
 /// The measures that a verdict is given on.
 const JUDGED: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Protection];
 
-/// What a lens has to beat, and the kinds of arrangements that are it.
-const RIVALS: [(&str, [&str; 2]); 3] = [
-    ("flat", ["flat-height", "flat-count"]),
-    ("uniform", ["all-host", "all-lens"]),
-    ("random", ["random-lens-rows", "random-behind"]),
-];
+/// What a lens has to beat, and how the kinds of arrangements begin that are it: in space strips of 1, 2, ... layers are flat too, each a kind.
+const RIVALS: [(&str, &[&str]); 3] =
+    [("flat", &["flat-", "strip-"]), ("uniform", &["all-host", "all-lens"]), ("random", &["random-"])];
 
 /// One arrangement: its kind, and its scores under each force.
 pub(super) struct Judged<'a> {
@@ -23,24 +20,31 @@ pub(super) struct Judged<'a> {
 /// The first of some arrangements against the others. All have scores under the same forces; those that a guard stopped are left out
 /// by the caller.
 pub(super) fn verdict(subject: &[Scores], others: &[Judged]) -> Vec<Verdict> {
-    let of = |measure: Measure, (against, kinds): &'static (&'static str, [&'static str; 2])| {
+    let of = |measure: Measure, (against, kinds): &(&'static str, &[&str])| {
         let values = |runs: &[Scores]| runs.iter().map(|run| run.get(measure)).collect::<Option<Vec<f64>>>();
         let own = values(subject).filter(|own| !own.is_empty())?;
         let value = geometric(&own);
-        let of_kind = |kind: &&'static str| {
+        let mut found: Vec<&str> = Vec::new();
+        for other in others.iter().filter(|other| kinds.iter().any(|kind| other.kind.starts_with(kind))) {
+            if !found.contains(&other.kind) {
+                found.push(other.kind);
+            }
+        }
+        let of_kind = |kind: &&str| {
             let members: Vec<Vec<f64>> =
                 others.iter().filter(|other| other.kind == *kind).filter_map(|other| values(other.runs)).collect();
             let all: Vec<f64> = members.iter().flatten().copied().collect();
             let differences: Vec<f64> =
                 members.iter().flat_map(|each| own.iter().zip(each).map(|(a, b)| a - b)).collect();
-            (!all.is_empty()).then(|| (*kind, geometric(&all), differences))
+            (!all.is_empty()).then(|| ((*kind).to_owned(), geometric(&all), differences))
         };
         let better = |a: f64, b: f64| measure.best(b, a) == a && a != b;
         let (kind, best, differences) =
-            kinds.iter().filter_map(of_kind).reduce(|a, b| if better(b.1, a.1) { b } else { a })?;
+            found.iter().filter_map(of_kind).reduce(|a, b| if better(b.1, a.1) { b } else { a })?;
         let spread = if own.len() > 1 { Mean::of(&differences).deviation } else { None };
         let word = Word::of(measure, value, best, spread);
-        let [measure, against, arrangement] = [measure.name(), against, kind].map(str::to_owned);
+        let [measure, against] = [measure.name(), *against].map(str::to_owned);
+        let arrangement = kind;
         Some(Verdict { measure, against, arrangement, value, best, spread, word })
     };
     JUDGED.iter().flat_map(|&measure| RIVALS.iter().filter_map(move |rivals| of(measure, rivals))).collect()

@@ -136,13 +136,13 @@ impl Subject<'_> {
             None => simulate(&sample, &field.impact, interrupt)?,
         };
         let folded = field.folded(&record.max_kinetic);
-        let within = (lattice, &design.target);
-        let mut scores = Scores::of_energies(&folded, within.0, within.1);
-        scores.add_records(&record, within, |site| field.on(site), 0.5, |sphere| sample.mass(sphere));
+        let within = design.target.on(lattice);
+        let mut scores = Scores::of_sites(&folded, &within);
+        scores.add_records(&record, &within, |site| field.on(site), 0.5, |sphere| sample.mass(sphere));
         let piece = self.scores(|material| design.price(material));
         (scores.piece_mass, scores.piece_cost, scores.piece_spheres) =
             (piece.piece_mass, piece.piece_cost, piece.piece_spheres);
-        let doubts = Doubts::of(&record, &sample, &folded, design);
+        let doubts = Doubts::of(&record, &sample, &folded, (design, lattice.diameter()), &within);
         Ok(Evaluation { scores, record, doubts })
     }
 }

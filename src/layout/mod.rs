@@ -1,12 +1,14 @@
 //! Which material sits on which site (from the core), and layouts as files.
 //!
 //! - `write`: as CSV and JSON; `read`: the half or the whole piece; `error`: what a refused file hears
+//! - `space`: layouts of crystals in space
 //! - `extent`: the lattice that a file was written for; `piece`: the whole piece, both halves
 
 mod error;
 mod extent;
 mod piece;
 mod read;
+mod space;
 mod write;
 
 pub use error::LayoutFileError;
@@ -14,4 +16,5 @@ pub use extent::lattice_of;
 pub use granulens_core::layout::*;
 pub use piece::{PieceSphere, whole};
 pub use read::{ReadLayout, read, read_noted, read_piece};
+pub use space::{read_in_space, write_in_space, write_whole_in_space};
 pub use write::{write, write_full, write_json, write_piece};

@@ -14,9 +14,9 @@ use crate::units::Dimension::Length;
 pub(super) const HEADER: [&str; 6] = ["row", "column", "x", "z", "diameter", "material"];
 
 /// How far a position may lie off its site without a word (diameters): digits that are lost in writing.
-const EXACT: f64 = 1e-6;
+pub(super) const EXACT: f64 = 1e-6;
 /// How far at most: what spreadsheets lose that show few digits. No two sites lie nearer to each other than half a diameter.
-const ROUNDED: f64 = 1e-3;
+pub(super) const ROUNDED: f64 = 1e-3;
 
 /// A layout that was read, and what should be known of it.
 #[derive(Clone, Debug)]
@@ -257,7 +257,7 @@ fn parse(
 }
 
 /// How to come by a layout to begin with.
-const START: &str = "Begin with a proposed layout: granulens design DESIGN.toml --out LAYOUT.csv.";
+pub(super) const START: &str = "Begin with a proposed layout: granulens design DESIGN.toml --out LAYOUT.csv.";
 
 /// Where in the simulated half the sphere of a row and column of the whole piece is, and whether it is left of the axis there.
 fn folded(lattice: HexagonalSheet, sites: &[Site], row: u32, column: u32) -> Option<(usize, bool)> {

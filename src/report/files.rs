@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::summary::{Spread, lines};
 use super::{drawing, maps, page, profiles, spots};
-use crate::outcome::{FORMAT, Method, Outcome, Proposal, Scores, Verdict};
+use crate::outcome::{FORMAT, Method, Outcome, Scores, Verdict};
 use crate::score::{Measure, Spreads};
 use crate::target::Target;
 
@@ -85,7 +85,7 @@ fn number_files(outcome: &Outcome) -> Result<Vec<(String, String)>, ReportError>
 ///
 /// # Errors
 /// [`ReportError::Json`].
-pub fn outcome_json(outcome: &Outcome) -> Result<String, ReportError> {
+pub fn outcome_json(outcome: &impl Serialize) -> Result<String, ReportError> {
     Ok(serde_json::to_string(outcome)? + "\n")
 }
 
@@ -123,7 +123,7 @@ fn write_all(files: &[(String, String)], directory: &Path) -> Result<(), ReportE
 ///
 /// # Errors
 /// [`ReportError::Csv`].
-pub fn numbers_csv(outcome: &Outcome) -> Result<String, ReportError> {
+pub fn numbers_csv<S, R, P>(outcome: &Outcome<S, R, P>) -> Result<String, ReportError> {
     let fail = |error: &dyn std::fmt::Display| ReportError::Csv(error.to_string());
     let mut writer = csv::Writer::from_writer(Vec::new());
     let foci = outcome.arrangements.iter().map(|a| a.scores.foci.len()).max().unwrap_or(0);
@@ -192,12 +192,12 @@ pub fn spheres_csv(outcome: &Outcome) -> String {
 }
 
 /// The scores without the lists per site, to be serialised.
-pub fn numbers(outcome: &Outcome) -> impl Serialize + '_ {
+pub fn numbers<S, R: Serialize, P: Serialize>(outcome: &Outcome<S, R, P>) -> impl Serialize + '_ {
     Numbers::of(outcome)
 }
 
 #[derive(Serialize)]
-struct Numbers<'a> {
+struct Numbers<'a, R> {
     format: u32,
     name: &'a str,
     #[serde(flatten)]
@@ -212,7 +212,7 @@ struct Numbers<'a> {
     proposal: Option<serde_json::Value>,
     diameter_m: f64,
     half_width_m: f64,
-    target: &'a Target,
+    target: &'a Target<R>,
     arrangements: Vec<Numbered<'a>>,
     /// Means and deviations of random kinds over their seeds.
     over_seeds: Vec<OverSeeds<'a>>,
@@ -241,19 +241,17 @@ struct OverSeeds<'a> {
 }
 
 /// A proposal in numbers, without what is only drawn.
-fn without_lines(proposal: &Proposal) -> Option<serde_json::Value> {
-    let drawn =
-        |proposal: &Proposal| Proposal { faces: Vec::new(), rays: Vec::new(), spots: Vec::new(), ..proposal.clone() };
-    let mut value = serde_json::to_value(drawn(proposal)).ok()?;
+fn without_lines(proposal: &impl Serialize) -> Option<serde_json::Value> {
+    let mut value = serde_json::to_value(proposal).ok()?;
     let numbers = value.as_object_mut()?;
-    for key in ["faces_m", "rays_m"] {
+    for key in ["faces_m", "rays_m", "spots"] {
         numbers.remove(key);
     }
     Some(value)
 }
 
-impl<'a> Numbers<'a> {
-    fn of(outcome: &'a Outcome) -> Self {
+impl<'a, R> Numbers<'a, R> {
+    fn of<S, P: Serialize>(outcome: &'a Outcome<S, R, P>) -> Self {
         let arrangements = outcome
             .arrangements
             .iter()

@@ -12,6 +12,7 @@
 //! - `page`, `files`: what is written
 //! - `contact_curve`: a contact law as a picture
 //! - `look`: figures for papers; `pdf`: pictures as PDF
+//! - `space`: a crystal in space, by sections and layers
 //! - `spots`: where rays pass the focal row
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `transmission`: what small vibrations get through
@@ -42,6 +43,7 @@ mod pdf;
 mod frame;
 mod profiles;
 mod site_map;
+mod space;
 mod spots;
 mod study;
 mod summary;
@@ -71,11 +73,12 @@ pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures
 pub use inside::{View, draw_motion, draw_network};
 pub use look::Look;
 pub use pdf::{PdfError, pdf};
+pub use space::{draw_space, space_files};
 pub use spots::spot_diagram;
 pub use study::{StudyPage, study_page};
 pub use surface::{surface, surface_csv};
 pub use surface_page::{surface_data, surface_page};
-pub use table::table;
+pub use table::{solid_words, space_table, table};
 pub use trace::trace;
 pub use transmission::transmission;
 pub use trial::{TrialReportError, draw_trial};

@@ -71,7 +71,7 @@ pub fn sites_of(outcome: &Outcome, row: u32) -> Vec<usize> {
 }
 
 /// Kinds of random arrangement with their members, in order of appearance.
-pub fn random_kinds(outcome: &Outcome) -> Vec<(&str, Vec<&ArrangementOutcome>)> {
+pub fn random_kinds<S, R, P>(outcome: &Outcome<S, R, P>) -> Vec<(&str, Vec<&ArrangementOutcome>)> {
     let mut kinds: Vec<(&str, Vec<&ArrangementOutcome>)> = Vec::new();
     for arrangement in outcome.arrangements.iter().filter(|a| a.seed.is_some()) {
         match kinds.iter_mut().find(|(kind, _)| *kind == arrangement.kind) {

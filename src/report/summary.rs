@@ -127,7 +127,7 @@ fn show(spread: Spread, digits: Digits) -> String {
 }
 
 /// All lines, in the outcome's order; a random kind stands where its first seed does.
-pub fn lines(outcome: &Outcome) -> Vec<Line<'_>> {
+pub fn lines<S, R, P>(outcome: &Outcome<S, R, P>) -> Vec<Line<'_>> {
     let mut random = random_kinds(outcome).into_iter();
     let mut seen: Vec<&str> = Vec::new();
     let mut lines = Vec::new();
@@ -144,7 +144,7 @@ pub fn lines(outcome: &Outcome) -> Vec<Line<'_>> {
 }
 
 /// The greatest residual of the energy ledger over all arrangements, without its sign.
-pub fn worst_residual(outcome: &Outcome) -> Option<f64> {
+pub fn worst_residual<S, R, P>(outcome: &Outcome<S, R, P>) -> Option<f64> {
     let residuals =
         outcome.arrangements.iter().filter_map(|a| Some(a.scores.residual?.abs())).filter(|r| r.is_finite());
     residuals.max_by(f64::total_cmp)

@@ -7,9 +7,9 @@ use super::summary::{
     AGAINST, CONTRAST, Column, DISSIPATED, FOCAL, GAIN, Line, PIECE, PROTECTED, PROTECTION, lines, worst_residual,
 };
 use super::verdict;
-use crate::outcome::{Outcome, Scores};
+use crate::outcome::{Outcome, Scores, SpaceOutcome};
 use crate::score::Measure;
-use crate::target::Focus;
+use crate::target::{Focus, Region, Solid};
 
 const COLUMNS: [&Column; 8] = [&PIECE, &FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &AGAINST, &DISSIPATED];
 
@@ -29,6 +29,43 @@ const WIDTH: usize = 100;
 /// random-lens-rows    200±9  0.264±0.026  ...
 /// ```
 pub fn table(outcome: &Outcome) -> String {
+    let span = |x: [f64; 2]| {
+        let [from, to] = x.map(|x| short(x / outcome.diameter));
+        format!("x {from} to {to} D")
+    };
+    let region = |region: &Region| format!("rows {}-{}, {}", region.rows[0], region.rows[1], span(region.x));
+    let foci: Vec<String> = outcome.target.foci.iter().map(|Focus { region: of, .. }| region(of)).collect();
+    const PIECE: &str =
+        "The piece is both halves, its spheres those not of the host; energies are of the simulated half.\n";
+    filled(outcome, [&foci.join("; "), &region(&outcome.target.protect)], PIECE)
+}
+
+/// The same in space, where strips of 1, 2, ... layers stand among the arrangements.
+pub fn space_table(outcome: &SpaceOutcome) -> String {
+    let region = |solid: &Solid| solid_words(solid, outcome.diameter);
+    let foci: Vec<String> = outcome.target.foci.iter().map(|focus| region(&focus.region)).collect();
+    const PIECE: &str =
+        "The piece is the whole crystal, its spheres those not of the host; F and P are means over its spheres.\n";
+    filled(outcome, [&foci.join("; "), &region(&outcome.target.protect)], PIECE)
+}
+
+/// A region in space in words: `layers 15-17, r 0 to 1.5 D`.
+pub fn solid_words(solid: &Solid, diameter: f64) -> String {
+    let span = |x: [f64; 2]| {
+        let [from, to] = x.map(|x| short(x / diameter));
+        format!("{from} to {to} D")
+    };
+    match *solid {
+        Solid::Box { layers: [a, b], x, y } => format!("layers {a}-{b}, x {}, y {}", span(x), span(y)),
+        Solid::Cylinder { layers: [a, b], r } => format!("layers {a}-{b}, r {}", span(r)),
+        Solid::Sphere { centre, radius } => {
+            let [x, y, z] = centre.map(|x| short(x / diameter));
+            format!("within {} D of x {x} D, y {y} D, depth {z} D", short(radius / diameter))
+        }
+    }
+}
+
+fn filled<S, R, P>(outcome: &Outcome<S, R, P>, [focal, protected]: [&str; 2], piece: &str) -> String {
     let lines = lines(outcome);
     let head = |column: &&Column| match column.measure {
         Measure::PieceSpheres => "piece".to_owned(),
@@ -54,24 +91,9 @@ pub fn table(outcome: &Outcome) -> String {
         let _ = writeln!(text, "{}", line.trim_end());
     }
     text.push('\n');
-    let protect = &outcome.target.protect;
-    let span = |x: [f64; 2]| {
-        let [from, to] = x.map(|x| short(x / outcome.diameter));
-        format!("x {from} to {to} D")
-    };
-    let foci: Vec<String> = outcome
-        .target
-        .foci
-        .iter()
-        .map(|Focus { region, .. }| format!("rows {}-{}, {}", region.rows[0], region.rows[1], span(region.x)))
-        .collect();
     let _ = writeln!(
         text,
-        "F, P: mean over the focal ({}) and the protected region\n(rows {}-{}, {}) of each sphere's greatest kinetic energy.",
-        foci.join("; "),
-        protect.rows[0],
-        protect.rows[1],
-        span(protect.x)
+        "F, P: mean over the focal ({focal}) and the protected region\n({protected}) of each sphere's greatest kinetic energy.",
     );
     if outcome.target.foci.len() > 1 {
         text.push_str(&by_focus(&lines));
@@ -82,7 +104,7 @@ pub fn table(outcome: &Outcome) -> String {
     };
     let _ = writeln!(text, "C = F/P; G = F/F(all-host); Q = P/P(all-lens);\n{reference}.");
     text.push_str("Plens/P: below 1 the first protects better than this arrangement; lost: in all contacts.\n");
-    text.push_str("The piece is both halves, its spheres those not of the host; energies are of the simulated half.\n");
+    text.push_str(piece);
     if let Some(seeds) = lines.iter().map(|line| line.members.len()).max().filter(|&n| n > 1) {
         let _ = writeln!(text, "±: standard deviation over {seeds} seeds.");
     }

@@ -6,7 +6,7 @@ use crate::score::Measure;
 use crate::units::Dimension;
 
 /// Over which forces it is judged.
-pub fn over(outcome: &Outcome) -> String {
+pub fn over<S, R, P>(outcome: &Outcome<S, R, P>) -> String {
     match &outcome.forces[..] {
         [] => "none: interrupted, or nothing to compare with".to_owned(),
         [_] => "one force, which does not say how much scores scatter; within 4 % nothing is decided".to_owned(),
@@ -20,7 +20,7 @@ pub fn over(outcome: &Outcome) -> String {
 }
 
 /// A line for each measure: `C 2.23: better than flat-height (1.00, ±0.02), ...`.
-pub fn lines(outcome: &Outcome) -> Vec<String> {
+pub fn lines<S, R, P>(outcome: &Outcome<S, R, P>) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut before = "";
     for verdict in &outcome.verdict {

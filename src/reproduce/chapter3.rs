@@ -119,6 +119,7 @@ fn collisions(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
                 law,
                 constants: Constants::Code,
                 pulse: ForcePulse { force: 0.0, duration: 1e-6 },
+                periods: Vec::new(),
                 slope: 0.0,
                 struck: Vec::new(),
                 moving: vec![(0, speed)],

@@ -198,6 +198,7 @@ pub(super) fn struck(layout: &Layout, law: LawKind, integrator: Integrator, step
         law,
         constants: Constants::Code,
         pulse: ForcePulse { force: FORCE, duration: 20e-6 },
+        periods: Vec::new(),
         slope: 0.0,
         struck: (0..sheet.columns(1) as usize).collect(),
         moving: Vec::new(),

@@ -8,6 +8,7 @@
 //! - `chapter3`: the contact law; `chapter4`: chains; `uniform`: sheets and close packings (5.2); `guided`: stripes and wedges
 //!   (5.3.1, 5.3.2); `lens`: the impact lens (5.3.3)
 //! - `crystals`: uniform and layered crystals, struck; `wedge`: the angle by which an interface bends a wave
+//! - `space`: the lens in three dimensions (6.1)
 //! - `kondic`: impacts on granular beds; `laws`: the lens under other contact laws;
 //!   `optimum`: the best layouts that were found
 //!
@@ -21,6 +22,7 @@ mod kondic;
 mod laws;
 mod lens;
 mod optimum;
+mod space;
 mod table;
 mod uniform;
 mod wedge;
@@ -258,7 +260,7 @@ impl From<OverlapAtRest> for RowError {
 
 /// All rows, in the order of the source.
 pub fn rows() -> Vec<&'static Row> {
-    let of_burgoyne = [chapter3::ROWS, chapter4::ROWS, uniform::ROWS, guided::ROWS, lens::ROWS];
+    let of_burgoyne = [chapter3::ROWS, chapter4::ROWS, uniform::ROWS, guided::ROWS, lens::ROWS, space::ROWS];
     of_burgoyne.into_iter().chain([kondic::ROWS, laws::ROWS, optimum::ROWS]).flatten().collect()
 }
 

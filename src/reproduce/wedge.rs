@@ -155,6 +155,7 @@ impl Wedge {
             law: self.law,
             constants: Constants::Code,
             pulse: ForcePulse { force, duration: PULSE },
+            periods: Vec::new(),
             slope: 0.0,
             struck: (0..sheet.columns(1) as usize).collect(),
             moving: Vec::new(),

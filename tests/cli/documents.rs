@@ -9,8 +9,10 @@ use super::network::SQUARES;
 use super::{Desk, names, shipped};
 
 /// Commands that take more than some seconds; their files are read and checked, and their cost is told.
-const LONG: [&str; 8] = [
+const LONG: [&str; 10] = [
     "run designs/gallery",
+    "run designs/space",
+    "compare designs/space",
     "study run",
     "reproduce",
     "impact",
@@ -62,7 +64,7 @@ fn words(line: &str) -> Vec<String> {
 /// The repository's own files, and those that the pages take for a user's.
 fn desk() -> Desk {
     let desk = Desk::new();
-    for folder in ["designs", "designs/gallery", "designs/tolerances", "studies"] {
+    for folder in ["designs", "designs/gallery", "designs/space", "designs/tolerances", "studies"] {
         std::fs::create_dir_all(desk.path(folder)).unwrap();
         for name in names(Path::new(&shipped(folder))) {
             let (from, to) = (shipped(&format!("{folder}/{name}")), desk.path(&format!("{folder}/{name}")));

@@ -11,6 +11,7 @@
 //! - `tolerance`: pieces as made, and the gate
 //! - `cost`: what --dry-run says; `documents`: what README and docs promise; `truth`: the same numbers from every command
 //! - `figures`: figures for papers, and pages
+//! - `space`: designs in space
 //! - `shards`: studies evaluated apart and folded, by hand and as job arrays
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption; `kept`: nothing of a user's is lost
@@ -33,6 +34,7 @@ mod refusals;
 mod sensitivity;
 mod shards;
 mod simulate;
+mod space;
 mod studies;
 mod surface;
 mod tolerance;

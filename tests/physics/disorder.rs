@@ -26,6 +26,7 @@ fn struck(spheres: Vec<Sphere<2>>, speed: f64, window: f64) -> Record<2> {
         law: LawKind::Hertz,
         constants: Constants::Code,
         pulse: ForcePulse { force: 0.0, duration: step },
+        periods: Vec::new(),
         slope: 0.0,
         struck: vec![0],
         moving: vec![(0, speed)],

@@ -5,16 +5,27 @@
 //!
 //! - here: the hexagonal sheet that lenses are designed on
 //! - `cell`, `crystal`: chains, sheets and crystals of every structure, orientation and outline
+//! - `block`: close-packed crystals in space about the axis of a lens
 
+mod block;
 mod cell;
 mod crystal;
 #[cfg(test)]
 mod crystal_tests;
 
+pub use block::{Block, BlockError, BlockSide};
 pub use cell::Cell;
 pub use crystal::{Crystal, CrystalError, CrystalSite, Outline, Width, hexagonal_distance};
 
 use serde::{Deserialize, Serialize};
+
+/// Sites in layers across the wave, numbered layer by layer.
+pub trait Layered {
+    /// Number of layers.
+    fn layers(&self) -> u32;
+    /// Indices of the sites of a layer, from 1 on.
+    fn layer(&self, layer: u32) -> std::ops::Range<usize>;
+}
 
 /// One lattice site.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -153,6 +164,17 @@ impl HexagonalSheet {
     }
 }
 
+impl Layered for HexagonalSheet {
+    fn layers(&self) -> u32 {
+        self.rows
+    }
+
+    fn layer(&self, layer: u32) -> std::ops::Range<usize> {
+        let start = self.index(layer, 1).unwrap_or_default();
+        start..start + self.columns(layer) as usize
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,7 +185,9 @@ mod tests {
             let sheet = HexagonalSheet::new(1.0, 7, half_width).unwrap();
             for (index, site) in sheet.sites().iter().enumerate() {
                 assert_eq!(sheet.index(site.row, site.column), Some(index));
+                assert!(sheet.layer(site.row).contains(&index));
             }
+            assert_eq!(sheet.layer(7).end, sheet.len());
             assert_eq!(sheet.len(), sheet.sites().len());
         }
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::{HexagonalSheet, Site};
+use crate::lattice::{Block, CrystalSite, HexagonalSheet, Site};
 
 /// A rectangle of the crystal: whole rows between two distances from the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,12 +32,108 @@ impl Region {
     }
 }
 
+/// A part of a crystal in space about the axis x = y = 0, itself and its image in the plane x = 0. Edges count as inside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "shape", rename_all = "kebab-case")]
+pub enum Solid {
+    /// Whole layers between two distances from the plane x = 0 and two places along y.
+    Box {
+        /// First and last layer, both included, from 1.
+        layers: [u32; 2],
+        /// Least and greatest distance from the plane x = 0 (m).
+        x: [f64; 2],
+        /// Lowest and highest y (m).
+        y: [f64; 2],
+    },
+    /// Whole layers between two distances from the axis: a disc or a ring.
+    Cylinder {
+        /// First and last layer, both included, from 1.
+        layers: [u32; 2],
+        /// Least and greatest distance from the axis (m).
+        r: [f64; 2],
+    },
+    /// All within a distance of a point, and its image.
+    Sphere {
+        /// The point (m), x not negative.
+        centre: [f64; 3],
+        /// The distance (m).
+        radius: f64,
+    },
+}
+
+impl Solid {
+    /// Whether a site lies inside; edges count as inside to one part in 10⁹ of the diameter.
+    pub fn contains(&self, site: &CrystalSite<3>, diameter: f64) -> bool {
+        let slack = 1e-9 * diameter;
+        let within = |[low, high]: [f64; 2], at: f64| (low - slack..=high + slack).contains(&at);
+        let ([x, y, z], holds) = (site.centre, |[a, b]: [u32; 2]| (a..=b).contains(&site.layer));
+        match *self {
+            Self::Box { layers, x: across, y: along } => holds(layers) && within(across, x.abs()) && within(along, y),
+            Self::Cylinder { layers, r } => holds(layers) && within(r, x.hypot(y)),
+            Self::Sphere { centre: [a, b, c], radius } => {
+                let apart = (x.abs() - a).hypot(y - b).hypot(z - c);
+                apart <= radius + slack
+            }
+        }
+    }
+
+    /// Indices of the block's sites inside, in its order, each once for every sphere of the whole crystal that it stands for.
+    pub fn sites(&self, block: &Block) -> Vec<usize> {
+        on(block, |site| self.contains(site, block.diameter()))
+    }
+
+    /// First and last layer that it reaches, with layers so far apart (m) and so many of them.
+    pub fn layers(&self, spacing: f64, last: u32) -> [u32; 2] {
+        match *self {
+            Self::Box { layers, .. } | Self::Cylinder { layers, .. } => layers,
+            Self::Sphere { centre, radius } => {
+                let layer = |z: f64| (z / spacing + 1.0).clamp(1.0, f64::from(last));
+                let edge = 1e-9;
+                [(layer(centre[2] - radius) - edge).ceil() as u32, (layer(centre[2] + radius) + edge).floor() as u32]
+            }
+        }
+    }
+
+    /// Least and greatest distance from the axis (m) of what lies inside it, as seen by a lens of revolution.
+    pub fn distances(&self) -> [f64; 2] {
+        match *self {
+            Self::Cylinder { r, .. } => r,
+            Self::Box { x, y, .. } => {
+                let near = if y[0] <= 0.0 && y[1] >= 0.0 { 0.0 } else { y[0].abs().min(y[1].abs()) };
+                [x[0].hypot(near), x[1].hypot(y[0].abs().max(y[1].abs()))]
+            }
+            Self::Sphere { centre: [x, y, _], radius } => {
+                let middle = x.hypot(y);
+                [(middle - radius).max(0.0), middle + radius]
+            }
+        }
+    }
+}
+
+/// Indices of a block's sites that are wanted, each once for every sphere that it stands for.
+fn on(block: &Block, wanted: impl Fn(&CrystalSite<3>) -> bool) -> Vec<usize> {
+    let sites = block.sites().iter().zip(block.copies()).enumerate();
+    let wanted = sites.filter(|(_, (site, _))| wanted(site));
+    wanted.flat_map(|(index, (_, &copies))| std::iter::repeat_n(index, usize::from(copies))).collect()
+}
+
+/// The sites of a target's regions on a crystal; scores are means over these.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetSites {
+    /// Those of all focal regions, each once: F is the mean over these.
+    pub focal: Vec<usize>,
+    /// Those of each focal region, with its share of the blow.
+    pub foci: Vec<(Vec<usize>, f64)>,
+    /// Those of the protected region: P is the mean over these.
+    pub protected: Vec<usize>,
+}
+
 /// A region where energy is wanted, and how much of the blow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Focus {
+pub struct Focus<R = Region> {
     /// Where.
     #[serde(flatten)]
-    pub region: Region,
+    pub region: R,
     /// Its part of the blow; those of all foci sum to 1.
     #[serde(default = "whole", skip_serializing_if = "is_whole")]
     pub share: f64,
@@ -53,15 +149,37 @@ fn is_whole(share: &f64) -> bool {
 
 /// Where energy is wanted and where it is not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Target {
+pub struct Target<R = Region> {
     /// The focal regions, one or several, in the order of the design file. In JSON a single one is no list.
     #[serde(rename = "focus", with = "one_or_several")]
-    pub foci: Vec<Focus>,
+    pub foci: Vec<Focus<R>>,
     /// The protected region.
-    pub protect: Region,
+    pub protect: R,
+}
+
+impl Target<Solid> {
+    /// The sites of its regions, each once for every sphere of the whole crystal that it stands for.
+    pub fn on(&self, block: &Block) -> TargetSites {
+        let wanted =
+            |site: &CrystalSite<3>| self.foci.iter().any(|focus| focus.region.contains(site, block.diameter()));
+        TargetSites {
+            focal: on(block, wanted),
+            foci: self.foci.iter().map(|focus| (focus.region.sites(block), focus.share)).collect(),
+            protected: self.protect.sites(block),
+        }
+    }
 }
 
 impl Target {
+    /// The sites of its regions.
+    pub fn on(&self, lattice: &HexagonalSheet) -> TargetSites {
+        TargetSites {
+            focal: self.focal_sites(lattice),
+            foci: self.foci.iter().map(|focus| (focus.region.sites(lattice), focus.share)).collect(),
+            protected: self.protect.sites(lattice),
+        }
+    }
+
     /// With one focal region.
     pub fn one(focus: Region, protect: Region) -> Self {
         Self { foci: vec![Focus { region: focus, share: 1.0 }], protect }
@@ -99,8 +217,13 @@ impl Target {
     /// room for the bound not being reached and for the pulse's own length.
     pub fn window(&self, lattice: &HexagonalSheet, slowest_speed: f64) -> f64 {
         let far = self.focal_rows()[1].max(self.protect.rows[1]);
-        lattice.depth(f64::from(far + 10)) / slowest_speed + 120e-6
+        window(lattice.depth(f64::from(far + 10)), slowest_speed)
     }
+}
+
+/// The same in any dimension, with the `depth` (m) that the first front has to pass.
+pub fn window(depth: f64, slowest_speed: f64) -> f64 {
+    depth / slowest_speed + 120e-6
 }
 
 /// One region as it is, several as a list.
@@ -111,19 +234,21 @@ mod one_or_several {
 
     #[derive(Deserialize)]
     #[serde(untagged)]
-    enum Foci {
-        One(Focus),
-        Several(Vec<Focus>),
+    enum Foci<R> {
+        One(Focus<R>),
+        Several(Vec<Focus<R>>),
     }
 
-    pub fn serialize<S: Serializer>(foci: &[Focus], serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<R: Serialize, S: Serializer>(foci: &[Focus<R>], serializer: S) -> Result<S::Ok, S::Error> {
         match foci {
             [one] => one.serialize(serializer),
             several => several.serialize(serializer),
         }
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Focus>, D::Error> {
+    pub fn deserialize<'de, R: Deserialize<'de>, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<Focus<R>>, D::Error> {
         Ok(match Foci::deserialize(deserializer)? {
             Foci::One(one) => vec![one],
             Foci::Several(several) => several,
@@ -134,6 +259,7 @@ mod one_or_several {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::{BlockSide, Cell};
 
     /// Stored results of one focus read as before, and several come back as they went.
     #[test]
@@ -149,6 +275,29 @@ mod tests {
             let text = serde_json::to_string(&target).unwrap();
             assert_eq!(serde_json::from_str::<Target>(&text).unwrap(), target);
         }
+    }
+
+    /// A disc about the axis as a box and a sphere that hold the same, and of each the spheres of the whole crystal: 1 + 6 in a layer.
+    #[test]
+    fn regions_in_space_count_spheres_of_the_whole() {
+        let sides = [BlockSide::Mirror, BlockSide::Free];
+        let block = Block::new(Cell::<3>::named("hcp").unwrap(), 1.0, 5, [8, 5], 3, sides).unwrap();
+        let spacing = block.layer_spacing();
+        let disc = Solid::Cylinder { layers: [3, 3], r: [0.0, 1.0] };
+        let ball = Solid::Sphere { centre: [0.0, 0.0, 2.0 * spacing], radius: 0.5 };
+        let cube = Solid::Box { layers: [3, 3], x: [0.0, 1.0], y: [-0.9, 0.9] };
+        assert_eq!((disc.sites(&block).len(), ball.sites(&block).len()), (7, 1));
+        assert_eq!(cube.sites(&block), disc.sites(&block));
+        // Twelve neighbours, three of them in each layer beside.
+        let all = Solid::Sphere { centre: [0.0, 0.0, 2.0 * spacing], radius: 1.0 };
+        assert_eq!((all.sites(&block).len(), all.layers(spacing, 5)), (13, [2, 4]));
+        let ring = Solid::Sphere { centre: [2.0, 0.0, 2.0 * spacing], radius: 0.5 };
+        assert_eq!((ring.sites(&block).len(), ring.distances()), (2, [1.5, 2.5]));
+        let target = Target { foci: vec![Focus { region: disc, share: 1.0 }], protect: ring };
+        let text = serde_json::to_string(&target).unwrap();
+        assert!(text.starts_with(r#"{"focus":{"shape":"cylinder","layers":[3,3],"r":[0.0,1.0]}"#), "{text}");
+        assert_eq!(serde_json::from_str::<Target<Solid>>(&text).unwrap(), target);
+        assert_eq!(target.on(&block).focal.len(), 7);
     }
 
     /// Foci may overlap; a site in both counts once.

@@ -131,15 +131,16 @@ pub fn simulate_batch_with_friction(
     Ok(side_by_side(samples, width, &Terms { limit, friction: Some(coefficient), ..terms(impact, interrupt) })?.0)
 }
 
-/// As [`simulate_batch`], in the plane, with a pulse for each sample in place of the impact's own, with friction and limits where there are any.
+/// As [`simulate_batch`], with a pulse for each sample in place of the impact's own, with limits where there are any and friction, which is written
+/// for the plane.
 ///
 /// # Errors
 /// As there.
 ///
 /// # Panics
-/// If there are fewer pulses, or limits, than samples.
-pub fn simulate_batch_under(
-    samples: &[Sample<2>],
+/// If there are fewer pulses, or limits, than samples; friction out of the plane.
+pub fn simulate_batch_under<const D: usize>(
+    samples: &[Sample<D>],
     impact: &Impact,
     pulses: &[ForcePulse],
     friction: Option<f64>,
@@ -149,7 +150,8 @@ pub fn simulate_batch_under(
 ) -> Result<Vec<Brief>, BatchError> {
     assert!(pulses.len() >= samples.len(), "a pulse for each of {} samples", samples.len());
     Limit::assert_each(limit, samples.len());
-    Ok(side_by_side(samples, width, &Terms { pulses, limit, friction, ..terms(impact, interrupt) })?.0)
+    assert!(friction.is_none() || D == 2, "friction is written for the plane");
+    Ok(dispatch(samples, width, &Terms { pulses, limit, friction, ..terms(impact, interrupt) })?.0)
 }
 
 fn terms<'a>(impact: &'a Impact, interrupt: &'a AtomicBool) -> Terms<'a> {

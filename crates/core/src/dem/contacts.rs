@@ -135,7 +135,7 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
         let Some(sizes) = &mut self.sizes else { return };
         sizes.clear();
         for touch in &self.list.pairs {
-            let gap = |one: &Sample<D>| gap_squared(one, touch.pair);
+            let gap = |one: &Sample<D>| gap_squared(one, touch.pair, &touch.offset);
             sizes.push(Size::new(self.samples, touch.pair, self.are_similar, &gap));
         }
         for touch in &self.list.images {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::batch::{Brief, Limit};
 use super::body::Grains;
-use super::boundary::Mirror;
+use super::boundary::{Mirror, Period};
 use super::clock::{Clock, Phase, Phases};
 use super::contacts::{Contacts, Laws, Sweep};
 use super::guard::{Stop, Watch};
@@ -50,8 +50,9 @@ impl<'a, const D: usize> Group<'a, D> {
     /// Finds who touches.
     pub fn new(samples: &'a [&'a Sample<D>], terms: &'a Terms<'a>) -> Result<Self, OverlapAtRest> {
         let mirrors: &[Mirror] = &terms.impact.mirrors;
-        let mut strangers = Strangers::new(samples, mirrors);
-        let touching = Touching::find(samples, mirrors, &mut |i, j| strangers.tell(i, j))?;
+        let periods: &[Period] = &terms.impact.periods;
+        let mut strangers = Strangers::new(samples, mirrors, periods);
+        let touching = Touching::find(samples, (mirrors, periods), &mut |i, j| strangers.tell(i, j))?;
         Ok(Self { samples, terms, touching, strangers })
     }
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::batch::Brief;
 use super::body::Grains;
-use super::boundary::Mirror;
+use super::boundary::{Mirror, Period};
 use super::clock::Phases;
 use super::contacts::Sweep;
 use super::follow::{Group, Run, Terms, follow};
@@ -25,6 +25,8 @@ use crate::sample::{Sample, Sphere};
 pub struct Impact {
     /// Planes of symmetry.
     pub mirrors: Vec<Mirror>,
+    /// Along which axes the crystal repeats itself, where it has no end.
+    pub periods: Vec<Period>,
     /// The contact law.
     pub law: LawKind,
     /// The law's set of fitted constants.
@@ -163,7 +165,8 @@ impl Impact {
     /// The impact on a line that lies along the second axis of the plane.
     pub(super) fn in_plane(&self) -> Self {
         let mirrors = self.mirrors.iter().map(|mirror| Mirror { axis: mirror.axis + 1, ..*mirror }).collect();
-        Self { mirrors, slope: 0.0, ..self.clone() }
+        let periods = self.periods.iter().map(|period| Period { axis: period.axis + 1, ..*period }).collect();
+        Self { mirrors, periods, slope: 0.0, ..self.clone() }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Nothing here depends on laws or on how many designs stand side by side.
 
-use super::boundary::Mirror;
+use super::boundary::{Mirror, Period};
 use super::neighbour::{SelfTouch, Touch, Touching};
 use crate::sample::Sample;
 
@@ -12,6 +12,7 @@ use crate::sample::Sample;
 pub(super) struct List<const D: usize> {
     pub pairs: Vec<Touch<D>>,
     pub images: Vec<SelfTouch>,
+    periods: Vec<Period>,
     /// Pairs weigh 1, or 1/2 where they lie in a mirror; images 1/2.
     pub weight: Vec<f64>,
     /// For each sphere the number of pairs whose first sphere comes before it.
@@ -21,8 +22,8 @@ pub(super) struct List<const D: usize> {
 impl<const D: usize> List<D> {
     /// The contacts at rest; `mobility` is that of the [`Grains`](super::body::Grains).
     pub fn new(touching: Touching<D>, mobility: &[[f64; D]]) -> Self {
-        let Touching { pairs, images } = touching;
-        let mut list = Self { pairs, images, weight: Vec::new(), first_pair: Vec::new() };
+        let Touching { pairs, images, periods } = touching;
+        let mut list = Self { pairs, images, periods, weight: Vec::new(), first_pair: Vec::new() };
         list.describe(mobility);
         list
     }
@@ -64,7 +65,7 @@ impl<const D: usize> List<D> {
     ) -> Vec<Option<usize>> {
         let old = self.pairs.len();
         let mut all: Vec<_> = self.pairs.iter().copied().enumerate().map(|(c, touch)| (touch, Some(c))).collect();
-        all.extend(pairs.iter().map(|&pair| (Touch::new(first, pair), None)));
+        all.extend(pairs.iter().map(|&pair| (Touch::new(first, pair, &self.periods), None)));
         all.sort_by_key(|(touch, _)| touch.pair);
         let mut all_images: Vec<_> =
             self.images.iter().copied().enumerate().map(|(c, touch)| (touch, Some(old + c))).collect();

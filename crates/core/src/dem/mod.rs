@@ -47,7 +47,7 @@ pub use batch::{
     BatchError, Brief, Limit, screen_batch, simulate_batch, simulate_batch_timed, simulate_batch_under,
     simulate_batch_with_friction, simulate_batch_within,
 };
-pub use boundary::Mirror;
+pub use boundary::{Mirror, Period};
 pub use clock::Phases;
 pub use guard::{OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
 pub use impact::{ContactRecord, Impact, Record, simulate, simulate_with_friction, steps_in};

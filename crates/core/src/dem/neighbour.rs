@@ -1,6 +1,6 @@
 //! Which spheres touch at rest or lie so near that their contact is followed from the start.
 
-use super::boundary::Mirror;
+use super::boundary::{Mirror, Period};
 use super::size::{TOUCHING, gap_squared};
 use crate::sample::{Sample, Sphere};
 
@@ -9,7 +9,7 @@ use crate::sample::{Sample, Sphere};
 pub(super) struct Touch<const D: usize> {
     /// Indices, the lower one first.
     pub pair: [usize; 2],
-    /// From the centre of the first to that of the second (m).
+    /// From the centre of the first to that of the second, or its nearest image (m).
     pub offset: [f64; D],
     /// |offset|² − (r₁ + r₂)² (m²) in the first sample; exactly zero where the spheres just touch.
     pub gap: f64,
@@ -18,10 +18,10 @@ pub(super) struct Touch<const D: usize> {
 }
 
 impl<const D: usize> Touch<D> {
-    pub fn new(sample: &Sample<D>, pair: [usize; 2]) -> Self {
+    pub fn new(sample: &Sample<D>, pair: [usize; 2], periods: &[Period]) -> Self {
         let [a, b] = pair.map(|i| &sample.spheres[i]);
-        let offset = std::array::from_fn(|k| b.centre[k] - a.centre[k]);
-        Self { pair, offset, gap: gap_squared(sample, pair), reach: a.radius + b.radius }
+        let offset = Period::nearest(periods, std::array::from_fn(|k| b.centre[k] - a.centre[k]));
+        Self { pair, offset, gap: gap_squared(sample, pair, &offset), reach: a.radius + b.radius }
     }
 }
 
@@ -66,6 +66,8 @@ pub(super) struct Touching<const D: usize> {
     pub pairs: Vec<Touch<D>>,
     /// In order of the sphere, then the mirror.
     pub images: Vec<SelfTouch>,
+    /// Through which some of the pairs touch.
+    pub periods: Vec<Period>,
 }
 
 /// A packing that cannot be simulated as it lies.
@@ -86,7 +88,7 @@ impl<const D: usize> Touching<D> {
     /// pairs whose centres are nearer than two of the greatest diameters.
     pub fn find(
         samples: &[&Sample<D>],
-        mirrors: &[Mirror],
+        (mirrors, periods): (&[Mirror], &[Period]),
         visit: &mut dyn FnMut(usize, usize),
     ) -> Result<Self, OverlapAtRest> {
         let spheres = &samples[0].spheres;
@@ -95,8 +97,9 @@ impl<const D: usize> Touching<D> {
         let mut overlapping = None;
         let widest = widest(samples);
         let far = ((1.0 + 2.0 * NEAR) * widest).powi(2);
-        Cells::new(&centres, 2.0 * widest).pairs(&mut |i, j| {
-            let squared = (0..D).map(|k| (centres[j][k] - centres[i][k]).powi(2)).sum::<f64>();
+        Cells::new(&centres, 2.0 * widest, periods).pairs(&mut |i, j| {
+            let between: [f64; D] = Period::nearest(periods, std::array::from_fn(|k| centres[j][k] - centres[i][k]));
+            let squared = between.iter().map(|x| x.powi(2)).sum::<f64>();
             if squared > far {
                 return visit(i, j);
             }
@@ -114,7 +117,7 @@ impl<const D: usize> Touching<D> {
                 is_near |= gap <= NEAR * reach;
             }
             if is_near {
-                pairs.push(Touch::new(samples[0], [i, j]));
+                pairs.push(Touch::new(samples[0], [i, j], periods));
             } else {
                 visit(i, j);
             }
@@ -144,7 +147,7 @@ impl<const D: usize> Touching<D> {
                 }
             }
         }
-        Ok(Self { pairs, images })
+        Ok(Self { pairs, images, periods: periods.to_vec() })
     }
 }
 
@@ -156,28 +159,58 @@ pub(super) fn widest<const D: usize>(samples: &[&Sample<D>]) -> f64 {
 /// Centres sorted into cubes, so that near pairs are found without looking at all pairs.
 struct Cells<'a, const D: usize> {
     centres: &'a [[f64; D]],
-    width: f64,
+    /// Along each axis its edge (m), and after how many cells the first comes again.
+    edges: [(f64, Option<i64>); D],
     sorted: Vec<([i64; D], usize)>,
 }
 
 impl<'a, const D: usize> Cells<'a, D> {
-    fn new(centres: &'a [[f64; D]], width: f64) -> Self {
-        let mut cells = Self { centres, width, sorted: Vec::new() };
+    /// At least `width` wide, or as wide as a period.
+    fn new(centres: &'a [[f64; D]], width: f64, periods: &[Period]) -> Self {
+        let edge = |axis: usize| match periods.iter().find(|period| period.axis == axis) {
+            Some(Period { length, .. }) => {
+                let count = (length / width).floor().max(1.0);
+                (length / count, Some(count as i64))
+            }
+            None => (width, None),
+        };
+        let mut cells = Self { centres, edges: std::array::from_fn(edge), sorted: Vec::new() };
         cells.sorted = (0..centres.len()).map(|i| (cells.home(i), i)).collect();
         cells.sorted.sort_unstable();
         cells
     }
 
     fn home(&self, sphere: usize) -> [i64; D] {
-        self.centres[sphere].map(|x| (x / self.width).floor() as i64)
+        std::array::from_fn(|k| {
+            let (edge, count) = self.edges[k];
+            let at = (self.centres[sphere][k] / edge).floor() as i64;
+            count.map_or(at, |count| at.rem_euclid(count))
+        })
+    }
+
+    /// The cells next to one along an axis, itself included, each once.
+    fn beside(&self, axis: usize, at: i64) -> impl Iterator<Item = i64> + Clone + use<D> {
+        let count = self.edges[axis].1;
+        let steps = match count {
+            Some(1) => 0..=0,
+            Some(2) => 0..=1,
+            _ => -1..=1,
+        };
+        steps.map(move |step| count.map_or(at + step, |count| (at + step).rem_euclid(count)))
     }
 
     /// Visits every pair i < j whose centres are nearer than the cells are wide, and some that are not.
     fn pairs(&self, visit: &mut dyn FnMut(usize, usize)) {
         for i in 0..self.centres.len() {
             let home = self.home(i);
-            for code in 0..3_usize.pow(D as u32) {
-                let near: [i64; D] = std::array::from_fn(|k| home[k] + (code / 3_usize.pow(k as u32) % 3) as i64 - 1);
+            let beside: [Vec<i64>; D] = std::array::from_fn(|k| self.beside(k, home[k]).collect());
+            for code in 0..beside.iter().map(Vec::len).product() {
+                let mut left: usize = code;
+                let near: [i64; D] = std::array::from_fn(|k| {
+                    let cell = beside[k][left % beside[k].len()];
+                    left /= beside[k].len();
+                    cell
+                });
                 let from = self.sorted.partition_point(|(cell, j)| (cell, *j) <= (&near, i));
                 for &(_, j) in self.sorted[from..].iter().take_while(|(cell, _)| *cell == near) {
                     visit(i, j);
@@ -204,7 +237,7 @@ mod tests {
     }
 
     fn touching(samples: &[&Sample<2>], mirrors: &[Mirror]) -> Result<Touching<2>, OverlapAtRest> {
-        Touching::find(samples, mirrors, &mut |_, _| {})
+        Touching::find(samples, (mirrors, &[]), &mut |_, _| {})
     }
 
     /// In an open sheet of R rows by C columns each row has C − 1 contacts and each pair of rows 2C − 1.
@@ -218,7 +251,7 @@ mod tests {
     fn what_does_not_touch_but_lies_within_two_diameters_is_told() {
         let sample = sheet(7, 9);
         let mut distances = Vec::new();
-        Touching::find(&[&sample], &[], &mut |i, j| {
+        Touching::find(&[&sample], (&[], &[]), &mut |i, j| {
             let [a, b] = [i, j].map(|k| sample.spheres[k].centre);
             distances.push((b[0] - a[0]).hypot(b[1] - a[1]));
         })

@@ -77,13 +77,14 @@ pub(super) fn are_alike<const D: usize>(samples: &[&Sample<D>]) -> bool {
     samples.iter().all(|sample| sample.spheres.iter().all(|sphere| sphere.radius == radius))
 }
 
-/// |offset|² − S² (m²) of two spheres of a sample: exactly zero where they just touch, infinite where one of them is missing.
-pub(super) fn gap_squared<const D: usize>(sample: &Sample<D>, [a, b]: [usize; 2]) -> f64 {
+/// |offset|² − S² (m²) of two spheres of a sample that lie an offset apart (m): exactly zero where they just touch, infinite where one of
+/// them is missing.
+pub(super) fn gap_squared<const D: usize>(sample: &Sample<D>, [a, b]: [usize; 2], offset: &[f64; D]) -> f64 {
     let [a, b] = [a, b].map(|i| &sample.spheres[i]);
     if a.radius * b.radius == 0.0 {
         return f64::INFINITY;
     }
-    let squared = (0..D).map(|k| (b.centre[k] - a.centre[k]) * (b.centre[k] - a.centre[k])).sum::<f64>();
+    let squared = offset.iter().map(|x| x * x).sum::<f64>();
     let reach = a.radius + b.radius;
     if (squared.sqrt() - reach).abs() <= TOUCHING * reach { 0.0 } else { squared - reach * reach }
 }

@@ -7,7 +7,7 @@
 //! spheres reach at half the distance to their image.
 
 use super::body::{Grains, square};
-use super::boundary::Mirror;
+use super::boundary::{Mirror, Period};
 use super::contacts::{Contacts, Laws, NoRoom};
 use super::list::List;
 use super::neighbour::widest;
@@ -50,6 +50,7 @@ pub(super) struct Strangers<const D: usize> {
     /// The greatest of each block's radii (m).
     block_radius: Vec<f64>,
     mirrors: Vec<Mirror>,
+    periods: Vec<Period>,
     /// How far the fastest sphere of each block has come at most (m), and how far it may be at the next look.
     way: Vec<f64>,
     ahead: Vec<f64>,
@@ -68,7 +69,7 @@ const BETWEEN: f64 = 1.25;
 
 impl<const D: usize> Strangers<D> {
     /// For packings with the same centres. Strangers within two diameters are told by [`tell`](Self::tell); their contacts know the rest.
-    pub fn new(samples: &[&Sample<D>], mirrors: &[Mirror]) -> Self {
+    pub fn new(samples: &[&Sample<D>], mirrors: &[Mirror], periods: &[Period]) -> Self {
         let count = samples[0].spheres.len();
         let size = count.isqrt().max(16);
         let blocks = count.div_ceil(size);
@@ -83,7 +84,8 @@ impl<const D: usize> Strangers<D> {
         let mut meet = vec![f64::INFINITY; blocks * blocks];
         for a in 0..blocks {
             for b in a..blocks {
-                meet[a * blocks + b] = widest.max(apart(&bounds[a], &bounds[b]) - block_radius[a] - block_radius[b]);
+                meet[a * blocks + b] =
+                    widest.max(apart(&bounds[a], &bounds[b], periods) - block_radius[a] - block_radius[b]);
             }
         }
         let mut meet_image = Vec::new();
@@ -101,6 +103,7 @@ impl<const D: usize> Strangers<D> {
             radius,
             block_radius,
             mirrors: mirrors.to_vec(),
+            periods: periods.to_vec(),
             way: vec![0.0; blocks],
             ahead: vec![0.0; blocks],
             speed: vec![0.0; blocks],
@@ -112,9 +115,15 @@ impl<const D: usize> Strangers<D> {
 
     /// Says of two spheres that they are near and yet no contact.
     pub fn tell(&mut self, i: usize, j: usize) {
-        let distance = (0..D).map(|k| (self.centres[j][k] - self.centres[i][k]).powi(2)).sum::<f64>().sqrt();
+        let distance = self.between(i, j).iter().map(|x| x.powi(2)).sum::<f64>().sqrt();
         let place = i / self.size * self.way.len() + j / self.size;
         self.meet[place] = self.meet[place].min(distance - self.radius[i] - self.radius[j]);
+    }
+
+    /// From the centre of one sphere to that of another, or its nearest image, at rest (m).
+    #[inline(always)]
+    fn between(&self, i: usize, j: usize) -> [f64; D] {
+        Period::nearest(&self.periods, std::array::from_fn(|k| self.centres[j][k] - self.centres[i][k]))
     }
 
     /// Before a run: the speeds with which it starts.
@@ -222,10 +231,10 @@ impl<const D: usize> Strangers<D> {
     /// Square of the distance of two centres (m²). No closure: it would not be compiled for a register's instructions.
     #[inline(always)]
     fn squared<V: Lanes>(&self, [i, j]: [usize; 2], grains: &Grains<V, D>) -> V {
+        let offset = self.between(i, j);
         let mut between = [V::splat(0.0); D];
         for k in 0..D {
-            between[k] = V::splat(self.centres[j][k] - self.centres[i][k])
-                + (grains.displacement[j][k] - grains.displacement[i][k]);
+            between[k] = V::splat(offset[k]) + (grains.displacement[j][k] - grains.displacement[i][k]);
         }
         square::<V, D>(&between)
     }
@@ -288,7 +297,14 @@ fn bounds<const D: usize>(centres: &[[f64; D]]) -> [[f64; 2]; D] {
     })
 }
 
-/// Distance of two boxes (m).
-fn apart<const D: usize>(a: &[[f64; 2]; D], b: &[[f64; 2]; D]) -> f64 {
-    (0..D).map(|k| (b[k][0] - a[k][1]).max(a[k][0] - b[k][1]).max(0.0).powi(2)).sum::<f64>().sqrt()
+/// Distance of two boxes (m), or of one and the nearest image of the other.
+fn apart<const D: usize>(a: &[[f64; 2]; D], b: &[[f64; 2]; D], periods: &[Period]) -> f64 {
+    let along = |k: usize| {
+        let shifted = |by: f64| (b[k][0] + by - a[k][1]).max(a[k][0] - b[k][1] - by).max(0.0);
+        match periods.iter().find(|period| period.axis == k) {
+            Some(Period { length, .. }) => shifted(0.0).min(shifted(-length)).min(shifted(*length)),
+            None => shifted(0.0),
+        }
+    };
+    (0..D).map(|k| along(k).powi(2)).sum::<f64>().sqrt()
 }

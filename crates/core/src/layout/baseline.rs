@@ -4,6 +4,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 use super::Layout;
+use crate::lattice::Layered;
 
 const HOST: u8 = 0;
 
@@ -14,6 +15,8 @@ pub enum Baseline {
     FlatSameHeight,
     /// A strip from the lens's first row on, of the whole rows that come nearest to the lens's number of spheres.
     FlatSameCount,
+    /// A strip of so many whole layers from the lens's first on.
+    Strip(u32),
     /// No lens.
     AllHost,
     /// Lens material everywhere.
@@ -39,15 +42,17 @@ impl Baseline {
     pub fn name(self) -> String {
         match self {
             Self::RandomLensRows(seed) | Self::RandomBehind(seed) => format!("{}-{seed}", self.kind()),
+            Self::Strip(layers) => format!("strip-{layers}"),
             _ => self.kind().to_owned(),
         }
     }
 
-    /// The name without the seed.
+    /// The name without the seed or the number of layers.
     pub fn kind(self) -> &'static str {
         match self {
             Self::FlatSameHeight => "flat-height",
             Self::FlatSameCount => "flat-count",
+            Self::Strip(_) => "strip",
             Self::AllHost => "all-host",
             Self::AllLens => "all-lens",
             Self::RandomLensRows(_) => "random-lens-rows",
@@ -65,26 +70,33 @@ impl Baseline {
 
     /// Lays the baseline for a lens that occupies `rows` (first, last) of `lens`'s lattice, of its host, the first of its palette, and
     /// of `material`, another place in it.
-    pub fn layout(self, lens: &Layout, rows: [u32; 2], material: u8) -> Layout {
+    pub fn layout<L: Layered + Clone>(self, lens: &Layout<L>, rows: [u32; 2], material: u8) -> Layout<L> {
         let count = lens.materials.iter().filter(|&&m| m != HOST).count();
         self.layout_of_count(lens, rows, material, count)
     }
 
     /// The same where what it is laid for has another number of sites of the half that do not hold the host, as the mean of two halves
     /// that differ.
-    pub fn layout_of_count(self, lens: &Layout, rows: [u32; 2], material: u8, count: usize) -> Layout {
-        let lattice = lens.lattice;
-        let strip =
-            |first: u32, last: u32| {
-                Layout::new(lattice, lens.palette.clone(), |site| {
-                    if (first..=last).contains(&site.row) { material } else { HOST }
-                })
-            };
+    pub fn layout_of_count<L: Layered + Clone>(
+        self,
+        lens: &Layout<L>,
+        rows: [u32; 2],
+        material: u8,
+        count: usize,
+    ) -> Layout<L> {
+        let lattice = &lens.lattice;
+        let strip = |first: u32, last: u32| {
+            let mut materials = vec![HOST; lens.materials.len()];
+            for layer in first..=last.min(lattice.layers()) {
+                materials[lattice.layer(layer)].fill(material);
+            }
+            Layout { lattice: lattice.clone(), palette: lens.palette.clone(), materials }
+        };
         let random = |seed: u64, first: u32, last: u32| {
-            let coins = random_choice(seed, (first..=last).map(|row| lattice.columns(row) as usize).sum());
-            let start = lattice.index(first, 1).unwrap_or(0);
-            let mut layout = strip(0, 0);
-            for (site, coin) in layout.materials[start..].iter_mut().zip(coins) {
+            let sites = lattice.layer(first).start..lattice.layer(last).end;
+            let coins = random_choice(seed, sites.len());
+            let mut layout = strip(1, 0);
+            for (site, coin) in layout.materials[sites].iter_mut().zip(coins) {
                 *site = if coin == 1 { material } else { HOST };
             }
             layout
@@ -92,20 +104,21 @@ impl Baseline {
         match self {
             Self::FlatSameHeight => strip(rows[0], rows[1]),
             Self::FlatSameCount => strip(rows[0], last_row_of_same_count(lens, count, rows[0])),
-            Self::AllHost => strip(0, 0),
-            Self::AllLens => strip(1, lattice.rows()),
+            Self::Strip(layers) => strip(rows[0], rows[0] + layers.max(1) - 1),
+            Self::AllHost => strip(1, 0),
+            Self::AllLens => strip(1, lattice.layers()),
             Self::RandomLensRows(seed) => random(seed, rows[0], rows[1]),
-            Self::RandomBehind(seed) => random(seed, rows[0], lattice.rows()),
+            Self::RandomBehind(seed) => random(seed, rows[0], lattice.layers()),
         }
     }
 }
 
 /// The last row of the strip from `first` on whose number of spheres is nearest to what is wanted; the thinner of two alike.
-fn last_row_of_same_count(lens: &Layout, wanted: usize, first: u32) -> u32 {
+fn last_row_of_same_count<L: Layered>(lens: &Layout<L>, wanted: usize, first: u32) -> u32 {
     let mut count = 0;
     let mut best = (usize::MAX, first);
-    for row in first..=lens.lattice.rows() {
-        count += lens.lattice.columns(row) as usize;
+    for row in first..=lens.lattice.layers() {
+        count += lens.lattice.layer(row).len();
         let miss = count.abs_diff(wanted);
         if miss < best.0 {
             best = (miss, row);
@@ -127,7 +140,7 @@ pub fn random_choice(seed: u64, count: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::HexagonalSheet;
+    use crate::lattice::{Block, BlockSide, Cell, HexagonalSheet};
     use crate::material::find;
 
     fn lens() -> Layout {
@@ -144,6 +157,20 @@ mod tests {
         assert_eq!(Baseline::FlatSameCount.layout(&lens, [5, 16], 1).count(1), 136);
         assert_eq!(Baseline::AllHost.layout(&lens, [5, 16], 1).count(1), 0);
         assert_eq!(Baseline::AllLens.layout(&lens, [5, 16], 1).count(1), 850);
+    }
+
+    /// In the plane as in space, of whole layers.
+    #[test]
+    fn strips_have_their_layers() {
+        assert_eq!(Baseline::Strip(3).layout(&lens(), [5, 16], 1).count(1), 51);
+        let sides = [BlockSide::Mirror, BlockSide::Free];
+        let block = Block::new(Cell::<3>::named("hcp").unwrap(), 1.0, 8, [6, 4], 1, sides).unwrap();
+        let materials = vec![0; block.sites().len()];
+        let host = Layout { lattice: block, palette: lens().palette, materials };
+        let strip = Baseline::Strip(2).layout(&host, [3, 5], 1);
+        let held = |layer: u32| strip.materials[host.lattice.layer(layer)].iter().all(|&m| m == 1);
+        assert_eq!((1..=8).filter(|&layer| held(layer)).collect::<Vec<_>>(), [3, 4]);
+        assert_eq!(strip.count(1), host.lattice.layer(3).len() + host.lattice.layer(4).len());
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Layout;
-use crate::lattice::HexagonalSheet;
+use crate::lattice::{Block, HexagonalSheet};
 use crate::material::Material;
 
 /// Spheres, mass and price of a part or the whole of a crystal.
@@ -175,6 +175,26 @@ fn copies(x: f64, diameter: f64) -> u64 {
 /// Whether all materials that occur have a price.
 fn priced(counts: &[u64], prices: &[Option<f64>]) -> bool {
     counts.iter().zip(prices).all(|(&count, price)| count == 0 || price.is_some())
+}
+
+impl Layout<Block> {
+    /// What the whole crystal in space is made of, at prices of one sphere.
+    pub fn piece_in_space(&self, prices: impl Fn(&Material) -> Option<f64>) -> Bill {
+        let mass: Vec<f64> = self.palette.iter().map(|m| m.sphere_mass(self.lattice.diameter())).collect();
+        let price: Vec<Option<f64>> = self.palette.iter().map(prices).collect();
+        let mut counts = vec![0; self.palette.len()];
+        let mut amount = Amount::default();
+        let mut cost = 0.0;
+        for (&material, &copies) in self.materials.iter().zip(self.lattice.copies()) {
+            let (place, copies) = (usize::from(material), u64::from(copies));
+            counts[place] += copies;
+            amount.mass += copies as f64 * mass[place];
+            cost += copies as f64 * price[place].unwrap_or_default();
+        }
+        amount.spheres = counts.iter().skip(1).sum();
+        amount.cost = priced(&counts, &price).then_some(cost);
+        Bill { counts, amount }
+    }
 }
 
 impl Layout {

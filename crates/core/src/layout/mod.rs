@@ -9,19 +9,40 @@ mod count;
 pub use baseline::{Baseline, random_choice};
 pub use count::{Amount, Bill, LayoutCounter, LayoutStats};
 
-use crate::lattice::{HexagonalSheet, Site};
+use crate::lattice::{Block, HexagonalSheet, Site};
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
 
 /// A material for every site of a lattice.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Layout {
+pub struct Layout<L = HexagonalSheet> {
     /// The sites.
-    pub lattice: HexagonalSheet,
+    pub lattice: L,
     /// The materials that occur; by convention the host first, then the lens material.
     pub palette: Vec<Material>,
     /// For each site, in the lattice's order, an index into `palette`.
     pub materials: Vec<u8>,
+}
+
+impl<L> Layout<L> {
+    /// Number of sites that hold the material with this index.
+    pub fn count(&self, material: u8) -> usize {
+        self.materials.iter().filter(|&&m| m == material).count()
+    }
+}
+
+impl Layout<Block> {
+    /// The spheres to simulate, those of the half x ≥ 0, in the block's order.
+    pub fn sample_in_space(&self) -> Sample<3> {
+        let radius = 0.5 * self.lattice.diameter();
+        let sites = self.lattice.sites().iter().zip(&self.materials);
+        let sphere = |(site, &material): (&crate::lattice::CrystalSite<3>, &u8)| Sphere {
+            centre: site.centre,
+            radius,
+            material: usize::from(material),
+        };
+        Sample { materials: self.palette.clone(), spheres: sites.map(sphere).collect() }
+    }
 }
 
 impl Layout {
@@ -29,11 +50,6 @@ impl Layout {
     pub fn new(lattice: HexagonalSheet, palette: Vec<Material>, pick: impl Fn(&Site) -> u8) -> Self {
         let materials = lattice.sites().iter().map(pick).collect();
         Self { lattice, palette, materials }
-    }
-
-    /// Number of sites that hold the material with this index.
-    pub fn count(&self, material: u8) -> usize {
-        self.materials.iter().filter(|&&m| m == material).count()
     }
 
     /// The spheres to simulate, in the lattice's order.

@@ -1,9 +1,9 @@
 //! Whether a request makes sense in its crystal.
 
 use super::LensRequest;
+use super::Stack;
 use super::plano_convex::least_radius;
 use super::unreachable::Unreachable;
-use crate::lattice::HexagonalSheet;
 use crate::target::Target;
 use crate::units::Dimension::{Angle, Length};
 
@@ -112,14 +112,14 @@ pub enum LensError {
 }
 
 /// Checks a request against its crystal and itself, as far as that needs no rays.
-pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Target) -> Result<(), LensError> {
-    let is_range = |[first, last]: [u32; 2]| 1 <= first && first <= last && last <= lattice.rows();
+pub(super) fn check(stack: &Stack, request: &LensRequest, target: &Target) -> Result<(), LensError> {
+    let is_range = |[first, last]: [u32; 2]| 1 <= first && first <= last && last <= stack.rows;
     if !is_range(request.rows) || request.rows[0] == request.rows[1] {
-        return Err(LensError::Rows { given: request.rows, rows: lattice.rows() });
+        return Err(LensError::Rows { given: request.rows, rows: stack.rows });
     }
     for focus in target.foci.iter().map(|focus| &focus.region) {
         if !is_range(focus.rows) {
-            return Err(LensError::FocusRows { given: focus.rows, rows: lattice.rows() });
+            return Err(LensError::FocusRows { given: focus.rows, rows: stack.rows });
         }
         // A comparison with NaN has no order.
         if focus.x[0].partial_cmp(&focus.x[1]).is_none_or(|order| order.is_gt()) {
@@ -140,9 +140,9 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
         return Err(LensError::MaxAngle(max_angle));
     }
     if let Some(axis) = request.axis
-        && !(0.0..=lattice.half_width() * (1.0 + 1e-9)).contains(&axis)
+        && !(0.0..=stack.half_width * (1.0 + 1e-9)).contains(&axis)
     {
-        return Err(LensError::Axis { given: axis, half_width: lattice.half_width() });
+        return Err(LensError::Axis { given: axis, half_width: stack.half_width });
     }
     let span = request.family.least_span(request.stages);
     if request.rows[1] - request.rows[0] < span {
@@ -175,8 +175,8 @@ pub(super) fn check(lattice: &HexagonalSheet, request: &LensRequest, target: &Ta
             (Some(apex), Some(back)) => back - apex,
             _ => 1,
         };
-        let thickness = f64::from(rows) * lattice.row_spacing();
-        let least = least_radius(thickness, lattice.half_width(), max_angle);
+        let thickness = f64::from(rows) * stack.spacing;
+        let least = least_radius(thickness, stack.half_width, max_angle);
         // 1e-9, so that an angle of exactly the limit is within it.
         if given < least * (1.0 - 1e-9) {
             return Err(LensError::Radius { given, max_angle, least });

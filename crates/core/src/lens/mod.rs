@@ -10,7 +10,8 @@
 //! - `fraction`: how much of the struck width rays send through a region
 //! - `problem`: what is sought, within which limits; `solve`: the search for the form that sends most
 //! - `proposed`: the lens that was found; `first_order`: what to know of it before anything is simulated
-//! - `symmetry`: a sheet's lens or a body of revolution: what is struck, areas and volumes; `body`: the latter, proposed without sites
+//! - `symmetry`: a sheet's lens or a body of revolution: what is struck, areas and volumes; `stack`: the layers that it lies in
+//! - `body`: lenses in space, revolved or extruded, and what they lay on sites
 //! - `unreachable`: why no lens serves a target, and which target near it could be served
 //! - `check`: whether a request makes sense
 
@@ -28,10 +29,11 @@ mod problem;
 mod proposed;
 mod raster;
 mod solve;
+mod stack;
 mod symmetry;
 mod unreachable;
 
-pub use body::{Body, propose_body};
+pub use body::{Body, Continued, propose_body};
 pub use check::LensError;
 pub use equal_time::EqualTime;
 pub use family::Family;
@@ -42,6 +44,7 @@ pub use parts::{FocusRays, Part};
 pub use plano_convex::Shape;
 pub use proposed::Lens;
 pub use raster::Raster;
+pub use stack::Stack;
 pub use symmetry::Symmetry;
 pub use unreachable::{Limit, Nearest, Unreachable};
 
@@ -85,6 +88,8 @@ pub struct LensRequest {
     pub raster: Option<Raster>,
     /// Seed for the random raster.
     pub seed: u64,
+    /// In space, whether it is the same all along y or revolved about the axis; without meaning in a sheet.
+    pub symmetry: Symmetry,
 }
 
 impl LensRequest {
@@ -103,6 +108,7 @@ impl LensRequest {
             stages: 2,
             raster: None,
             seed: 1,
+            symmetry: Symmetry::default(),
         }
     }
 }
@@ -129,7 +135,7 @@ pub fn propose(
     target: &Target,
     constants: Constants,
 ) -> Result<Lens, LensError> {
-    check::check(lattice, request, target)?;
+    check::check(&lattice.into(), request, target)?;
     let speed = |material| bound(Dimension::Two, [material; 2], lattice.diameter(), constants).speed;
     let speeds = [speed(host), speed(&request.material)];
     let strips = if target.foci.len() > 1 && request.family.is_split() {
@@ -140,7 +146,7 @@ pub fn propose(
     let mut parts = Vec::new();
     for strip in &strips {
         let mut problem = match &strips[..] {
-            [_] => Problem::new(lattice, speeds, request, target),
+            [_] => Problem::new(lattice.into(), Some(lattice), speeds, request, target),
             _ => Problem::part(lattice, speeds, request, target, strip),
         };
         problem.others = request.others.iter().map(speed).collect();
@@ -151,7 +157,7 @@ pub fn propose(
         };
         parts.push(Found { problem, shape, form, foci: strip.foci.clone() });
     }
-    Ok(Lens::evaluate(&parts, host, request, target, constants))
+    Ok(Lens::evaluate(lattice, &parts, host, request, target, constants))
 }
 
 /// The best shape that solves a problem, for the focus with this index where there are several.

@@ -59,7 +59,7 @@ pub(super) fn split(foci: &[Focus], lattice: &HexagonalSheet) -> Vec<Strip> {
     };
     let slant = |strip: &Strip| {
         let region = &foci[strip.foci[0]].region;
-        let aim = aim(region, lattice);
+        let aim = aim(region, &lattice.into());
         let across = strip.window.map(|x| (x - aim).abs());
         across[0].max(across[1]) / lattice.depth(region.mid_row()).max(lattice.row_spacing())
     };

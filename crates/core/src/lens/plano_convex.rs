@@ -1,5 +1,6 @@
 //! The plano-convex lens on the hexagonal sheet.
 
+use super::Stack;
 use crate::lattice::{HexagonalSheet, Site};
 use crate::ray::Bench;
 
@@ -22,13 +23,14 @@ pub struct Shape {
 
 impl Shape {
     /// The lens as rays see it.
-    pub fn bench(&self, lattice: &HexagonalSheet, speeds: [f64; 2]) -> Bench {
+    pub fn bench(&self, stack: impl Into<Stack>, speeds: [f64; 2]) -> Bench {
+        let stack = stack.into();
         Bench {
-            apex: lattice.depth(f64::from(self.apex_row)),
+            apex: stack.depth(f64::from(self.apex_row)),
             radius: self.radius,
-            back: lattice.depth(f64::from(self.back_row)),
-            half_width: lattice.half_width(),
-            end: lattice.depth(f64::from(lattice.rows())),
+            back: stack.depth(f64::from(self.back_row)),
+            half_width: stack.half_width,
+            end: stack.depth(f64::from(stack.rows)),
             speeds,
         }
     }

@@ -1,5 +1,6 @@
 //! What a lens is sought for, within which limits, and what rays make of one form of it.
 
+use super::Stack;
 use super::family::Place;
 use super::form::{Form, Surrounds};
 use super::fraction::{passing, without};
@@ -17,7 +18,9 @@ pub(super) const LEAST_GAIN: f64 = 0.01;
 /// What a lens is sought for, and within which limits.
 #[derive(Clone, Debug)]
 pub(super) struct Problem<'a> {
-    pub lattice: &'a HexagonalSheet,
+    /// Whose sites it may take; a lens in space is laid on its sites by others.
+    pub sheet: Option<&'a HexagonalSheet>,
+    pub stack: Stack,
     pub family: Family,
     /// Of host and lens (m/s)
     pub speeds: [f64; 2],
@@ -56,31 +59,38 @@ pub(super) struct Candidate {
 
 impl<'a> Problem<'a> {
     /// One lens for the target's only focus or, of a shield, for its protected region.
-    pub(super) fn new(lattice: &'a HexagonalSheet, speeds: [f64; 2], request: &LensRequest, target: &Target) -> Self {
+    pub(super) fn new(
+        stack: Stack,
+        sheet: Option<&'a HexagonalSheet>,
+        speeds: [f64; 2],
+        request: &LensRequest,
+        target: &Target,
+    ) -> Self {
         let family = request.family;
         let region = if family == Family::Shield { &target.protect } else { &target.foci[0].region };
         let axis = match family {
             Family::PlanoConvex => 0.0,
-            _ => aim(region, lattice),
+            _ => aim(region, &stack),
         };
-        let whole = [0.0, lattice.half_width()];
-        Self::of(lattice, speeds, request, target, region, whole, request.axis.unwrap_or(axis))
+        let whole = [0.0, stack.half_width];
+        Self::of((stack, sheet), speeds, request, target, region, whole, request.axis.unwrap_or(axis))
     }
 
     /// The part of a lens for one of several foci that is given a strip of the width.
     pub(super) fn part(
-        lattice: &'a HexagonalSheet,
+        sheet: &'a HexagonalSheet,
         speeds: [f64; 2],
         request: &LensRequest,
         target: &Target,
         strip: &Strip,
     ) -> Self {
         let region = &target.foci[strip.foci[0]].region;
-        Self::of(lattice, speeds, request, target, region, strip.window, aim(region, lattice))
+        let stack = Stack::from(sheet);
+        Self::of((stack, Some(sheet)), speeds, request, target, region, strip.window, aim(region, &stack))
     }
 
     fn of(
-        lattice: &'a HexagonalSheet,
+        (stack, sheet): (Stack, Option<&'a HexagonalSheet>),
         speeds: [f64; 2],
         request: &LensRequest,
         target: &Target,
@@ -92,7 +102,8 @@ impl<'a> Problem<'a> {
         // No lens may lie in a focal region, nor a shield in the protected one.
         let first = region.rows[0].min(target.focal_rows()[0]);
         Self {
-            lattice,
+            sheet,
+            stack,
             family,
             speeds,
             others: Vec::new(),
@@ -101,7 +112,7 @@ impl<'a> Problem<'a> {
             stages: request.stages,
             symmetry: Symmetry::Plane,
             region: region.x,
-            depth: lattice.depth(region.mid_row()),
+            depth: stack.depth(region.mid_row()),
             mid_row: region.mid_row(),
             region_rows: region.rows[1] - region.rows[0] + 1,
             last_free_row: first - 1,
@@ -115,9 +126,10 @@ impl<'a> Problem<'a> {
 
     /// Whether the fan for plano-convex lenses on the axis serves.
     pub(super) fn is_fast(&self) -> bool {
-        self.family == Family::PlanoConvex
+        self.sheet.is_some()
+            && self.family == Family::PlanoConvex
             && self.axis == 0.0
-            && self.window == [0.0, self.lattice.half_width()]
+            && self.window == [0.0, self.stack.half_width]
             && self.symmetry == Symmetry::Plane
     }
 
@@ -127,14 +139,14 @@ impl<'a> Problem<'a> {
     }
 
     pub(super) fn surrounds<'s>(&self, speeds: &'s [f64]) -> Surrounds<'s> {
-        let end = self.lattice.depth(f64::from(self.lattice.rows()));
-        Surrounds { speeds, half_width: self.lattice.half_width(), end }
+        let end = self.stack.depth(f64::from(self.stack.rows));
+        Surrounds { speeds, half_width: self.stack.half_width, end }
     }
 
     pub(super) fn place(&self, rows: [u32; 2]) -> Place {
         Place {
-            depth: rows.map(|row| self.lattice.depth(f64::from(row))),
-            spacing: self.lattice.row_spacing(),
+            depth: rows.map(|row| self.stack.depth(f64::from(row))),
+            spacing: self.stack.spacing,
             window: self.window,
             axis: self.axis,
             focus: self.depth,
@@ -173,15 +185,20 @@ impl<'a> Problem<'a> {
         if self.family == Family::Shield { 1.0 - passing } else { passing }
     }
 
-    /// Number of sites that a form covers.
+    /// Number of sites that a form covers; in space, where there are none yet, that that they are on average.
     pub(super) fn count(&self, shape: &Shape) -> usize {
-        if self.is_fast() {
-            return shape.count(self.lattice);
+        if let (true, Some(sheet)) = (self.is_fast(), self.sheet) {
+            return shape.count(sheet);
         }
         let Some(form) = self.form([shape.apex_row, shape.back_row], 1.0 / shape.radius) else { return usize::MAX };
-        let slack = 1e-9 * self.lattice.diameter();
+        let Stack { diameter, half_width, .. } = self.stack;
+        let slack = 1e-9 * diameter;
+        let Some(sheet) = self.sheet else {
+            let extents = form.extents(2 + self.others.len(), half_width, self.symmetry);
+            return (extents.iter().sum::<f64>() * self.symmetry.sites(diameter)).round() as usize;
+        };
         let sites = (shape.apex_row..=shape.back_row)
-            .flat_map(|row| (1..=self.lattice.columns(row)).filter_map(move |column| self.lattice.site(row, column)));
+            .flat_map(|row| (1..=sheet.columns(row)).filter_map(move |column| sheet.site(row, column)));
         sites.filter(|site| form.at([site.x, site.z], slack) != 0).count()
     }
 
@@ -210,11 +227,11 @@ impl<'a> Problem<'a> {
 }
 
 /// Where a lens stands by itself, and a part of one aims: on a mirror line that the region touches, or in its middle.
-pub(super) fn aim(region: &Region, lattice: &HexagonalSheet) -> f64 {
-    let near = 0.75 * lattice.diameter();
+pub(super) fn aim(region: &Region, stack: &Stack) -> f64 {
+    let near = 0.75 * stack.diameter;
     match region.x {
         [low, _] if low <= near => 0.0,
-        [_, high] if high >= lattice.half_width() - near => lattice.half_width(),
+        [_, high] if high >= stack.half_width - near => stack.half_width,
         [low, high] => 0.5 * (low + high),
     }
 }

@@ -86,7 +86,7 @@ impl Found<'_> {
     fn part(&self, optics: &dyn Optics, own: &[Trace]) -> Part {
         let Self { problem, shape, form, foci } = self;
         let [low, high] = problem.window;
-        let [_, thickness] = form.extent(problem.axis, problem.lattice.half_width());
+        let [_, thickness] = form.extent(problem.axis, problem.stack.half_width);
         let aimed = problem.family != Family::Prism && (low..=high).contains(&problem.axis);
         Part {
             foci: foci.clone(),
@@ -101,12 +101,7 @@ impl Found<'_> {
                 thickness,
                 focal_length: if aimed { focal_length(optics, problem.axis) } else { None },
             },
-            fraction: passing_of(
-                own,
-                &[(problem.depth, problem.region)],
-                problem.lattice.half_width(),
-                problem.symmetry,
-            ),
+            fraction: passing_of(own, &[(problem.depth, problem.region)], problem.stack.half_width, problem.symmetry),
             fraction_without: without(&[problem.region], problem.window, problem.symmetry),
         }
     }
@@ -115,6 +110,7 @@ impl Found<'_> {
 impl Lens {
     /// Of parts beside each other, or one, which are known to have a form.
     pub(super) fn evaluate(
+        lattice: &HexagonalSheet,
         found: &[Found],
         host: &Material,
         request: &LensRequest,
@@ -123,7 +119,7 @@ impl Lens {
     ) -> Self {
         let Found { problem, shape, .. } = &found[0];
         let one = found.len() == 1;
-        let (lattice, family) = (problem.lattice, problem.family);
+        let family = problem.family;
         let form = if one { found[0].form.clone() } else { Form::beside(found.iter().map(|part| part.form.clone())) };
         let speeds = problem.palette_speeds();
         let half_width = lattice.half_width();
@@ -148,7 +144,7 @@ impl Lens {
         let protected = [share(&[goal(&target.protect)]), without(&[target.protect.x], whole, problem.symmetry)];
         let palette: Vec<Material> = [host, &request.material].into_iter().chain(&request.others).cloned().collect();
         let rule = request.raster.unwrap_or(if family == Family::Graded { Raster::Diffused } else { Raster::Nearest });
-        let materials = sites(problem, &form, &palette, rule, request.seed, constants);
+        let materials = sites(lattice, problem, &form, &palette, rule, request.seed, constants);
         let [_, thickness] = form.extent(problem.axis, half_width);
         let aperture = found.iter().map(|part| part.form.extent(part.problem.axis, half_width)[0]).fold(0.0, f64::max);
         let foci: Vec<FocusRays> = target
@@ -265,6 +261,7 @@ impl Lens {
 
 /// Materials of all sites.
 fn sites(
+    lattice: &HexagonalSheet,
     problem: &Problem,
     form: &Form,
     palette: &[Material],
@@ -272,7 +269,6 @@ fn sites(
     seed: u64,
     constants: Constants,
 ) -> Vec<u8> {
-    let lattice = problem.lattice;
     let diameter = lattice.diameter();
     let slack = 1e-9 * diameter;
     let pure = problem.palette_speeds();

@@ -46,12 +46,12 @@ pub(super) fn raster(lattice: &HexagonalSheet, rule: Raster, seed: u64, fraction
 }
 
 /// The index of the greatest; the last of equal ones, so that a cell half in a lens belongs to it.
-fn greatest(parts: &[f64]) -> u8 {
+pub(super) fn greatest(parts: &[f64]) -> u8 {
     let best = (0..parts.len()).max_by(|&a, &b| parts[a].total_cmp(&parts[b]));
     best.and_then(|k| u8::try_from(k).ok()).unwrap_or(0)
 }
 
-fn drawn(parts: &[f64], place: f64) -> u8 {
+pub(super) fn drawn(parts: &[f64], place: f64) -> u8 {
     let mut sum = 0.0;
     let found = parts.iter().position(|part| {
         sum += part;

@@ -150,7 +150,7 @@ impl Search<'_> {
         match rays {
             Rays::Fan(fan) => {
                 let shape = Shape { apex_row, back_row, radius: 1.0 / curvature };
-                let bench = shape.bench(self.problem.lattice, self.problem.speeds);
+                let bench = shape.bench(self.problem.stack, self.problem.speeds);
                 fan.fraction(&bench, self.problem.depth, self.problem.region)
             }
             Rays::Traced(count) => self.problem.served([apex_row, back_row], curvature, *count),

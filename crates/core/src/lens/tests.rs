@@ -89,7 +89,8 @@ fn no_lens_of_a_fine_grid_beats_the_solution() {
         let target = target(rows, x);
         let request = LensRequest { rows: lens_rows, ..request() };
         let solved = solve(&request, &target).unwrap();
-        let problem = Problem::new(&crystal, [solved.host_speed, solved.lens_speed], &request, &target);
+        let problem =
+            Problem::new((&crystal).into(), Some(&crystal), [solved.host_speed, solved.lens_speed], &request, &target);
         let fan = |rays| Fan::new(rays, request.max_interface_angle, problem.speeds);
         let (usual, dense) = (fan(256), fan(1024));
         let mut best = (0.0_f64, thesis_shape());

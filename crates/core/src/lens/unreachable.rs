@@ -224,7 +224,7 @@ fn binding(problem: &Problem) -> Vec<Limit> {
 
 /// Tries regions of as many rows at other depths, nearest first; in crystals of more than 200 rows not every row.
 fn nearest(problem: &Problem) -> Option<Nearest> {
-    let last = problem.lattice.rows().checked_sub(problem.region_rows)? + 1;
+    let last = problem.stack.rows.checked_sub(problem.region_rows)? + 1;
     // Of several foci the others stay where they are.
     let here = (problem.mid_row - f64::from(problem.region_rows - 1) / 2.0).round() as i64;
     let others = if here > i64::from(problem.last_free_row) + 1 { problem.last_free_row } else { u32::MAX };
@@ -235,7 +235,7 @@ fn nearest(problem: &Problem) -> Option<Nearest> {
             let mut moved = problem.clone();
             moved.last_free_row = others.min(first - 1);
             moved.mid_row = f64::from(first) + f64::from(problem.region_rows - 1) / 2.0;
-            moved.depth = problem.lattice.depth(moved.mid_row);
+            moved.depth = problem.stack.depth(moved.mid_row);
             reachable(&moved).map(|candidate| Nearest { mid_row: moved.mid_row, fraction: candidate.fraction })
         },
     )

@@ -12,7 +12,7 @@ pub use spread::{Spreads, geometric, over_forces};
 use crate::dem::Record;
 use crate::lattice::HexagonalSheet;
 use crate::layout::LayoutStats;
-use crate::target::Target;
+use crate::target::{Target, TargetSites};
 
 /// Mean over sites; none where there are none.
 fn mean(values: &[f64], sites: &[usize]) -> Option<f64> {
@@ -31,8 +31,8 @@ pub fn focal_means(max_kinetic: &[f64], lattice: &HexagonalSheet, target: &Targe
 
 /// How evenly the foci have been served: of their `means`, each over its share, the least over the greatest. 1 where all are
 /// as their shares, 0 where one has nothing; none with a single focus.
-pub fn balance(means: &[f64], target: &Target) -> Option<f64> {
-    let each = || means.iter().zip(&target.foci).map(|(mean, focus)| mean / focus.share);
+pub fn balance(means: &[f64], shares: &[f64]) -> Option<f64> {
+    let each = || means.iter().zip(shares).map(|(mean, share)| mean / share);
     let [least, most] = [each().reduce(f64::min)?, each().reduce(f64::max)?];
     if means.len() > 1 { ratio(least, most) } else { None }
 }
@@ -46,13 +46,20 @@ impl Scores {
     /// What each site's greatest kinetic energy says: F, P, C, and how evenly several foci are served. Ratios to uniform crystals
     /// follow by [`relate`](Self::relate).
     pub fn of_energies(max_kinetic: &[f64], lattice: &HexagonalSheet, target: &Target) -> Self {
-        let [focal_mean, protected_mean] = means(max_kinetic, lattice, target);
-        let foci = focal_means(max_kinetic, lattice, target);
+        Self::of_sites(max_kinetic, &target.on(lattice))
+    }
+
+    /// The same, with the sites of the target's regions, in any dimension.
+    pub fn of_sites(max_kinetic: &[f64], sites: &TargetSites) -> Self {
+        let over = |sites: &[usize]| mean(max_kinetic, sites).unwrap_or(0.0);
+        let (focal_mean, protected_mean) = (over(&sites.focal), over(&sites.protected));
+        let foci: Vec<f64> = sites.foci.iter().map(|(sites, _)| over(sites)).collect();
+        let shares: Vec<f64> = sites.foci.iter().map(|(_, share)| *share).collect();
         Self {
             focal_mean,
             protected_mean,
             contrast: ratio(focal_mean, protected_mean),
-            balance: balance(&foci, target),
+            balance: balance(&foci, &shares),
             foci: if foci.len() > 1 { foci } else { Vec::new() },
             ..Self::default()
         }
@@ -60,16 +67,16 @@ impl Scores {
 
     /// Adds what full records say. `on` names the spheres that stand on a site of the half, one twice where only the half is
     /// simulated; `share` is the part of what was simulated that the half is; `mass` is that of a sphere (kg).
-    pub fn add_records(
+    pub fn add_records<const D: usize>(
         &mut self,
-        record: &Record<2>,
-        (lattice, target): (&HexagonalSheet, &Target),
+        record: &Record<D>,
+        sites: &TargetSites,
         on: impl Fn(usize) -> [usize; 2],
         share: f64,
         mass: impl Fn(usize) -> f64,
     ) {
-        let regions = [target.focal_sites(lattice), target.protect.sites(lattice)]
-            .map(|sites| sites.into_iter().flat_map(&on).collect::<Vec<usize>>());
+        let regions =
+            [&sites.focal, &sites.protected].map(|sites| sites.iter().flat_map(|&i| on(i)).collect::<Vec<usize>>());
         let momentum = |spheres: &Vec<usize>| {
             let of: Vec<f64> = spheres.iter().map(|&i| (2.0 * mass(i) * record.max_kinetic[i]).sqrt()).collect();
             if of.is_empty() { 0.0 } else { of.iter().sum::<f64>() / of.len() as f64 }

@@ -66,6 +66,16 @@ impl Dimension {
         Self::ALL.into_iter().find(|dimension| dimension.number() == number)
     }
 
+    /// Force on each contact below a struck sphere (N): one in a chain, two 30 degrees off the wave's direction in the sheet, three at the
+    /// angle whose cosine is √(2/3) in a close packing, so F, F/√3 and F/√6.
+    pub fn contact_force(self, force_per_sphere: f64) -> f64 {
+        match self {
+            Self::One => force_per_sphere,
+            Self::Two => force_per_sphere / 3.0_f64.sqrt(),
+            Self::Three => force_per_sphere / 6.0_f64.sqrt(),
+        }
+    }
+
     /// A of Burgoyne 2016, eq. 5.3: speed over that of the chain of the same spheres.
     pub fn factor(self) -> f64 {
         match self {
@@ -107,7 +117,7 @@ pub fn bound(dimension: Dimension, materials: [&Material; 2], diameter: f64, con
 ///
 /// The contacts lie 30 degrees off the wave's direction and share the force: 2 N cos 30° = F, N = F/√3.
 pub fn contact_force(force_per_sphere: f64) -> f64 {
-    force_per_sphere / 3.0_f64.sqrt()
+    Dimension::Two.contact_force(force_per_sphere)
 }
 
 /// How fast the wave of an impact is to be expected.

@@ -21,6 +21,7 @@ fn push(force: f64, window: f64) -> Impact {
         law: LawKind::Thesis,
         constants: Constants::Code,
         pulse: ForcePulse { force, duration: 100e-6 },
+        periods: Vec::new(),
         slope: 0.0,
         struck: vec![0],
         moving: Vec::new(),

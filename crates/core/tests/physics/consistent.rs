@@ -116,6 +116,7 @@ fn chain(names: [&str; 2], law: LawKind, step: f64) -> Record<1> {
         law,
         constants: Constants::Code,
         pulse: ForcePulse { force: 2.0 * pair(names).0.plastic_force(), duration: 100e-6 },
+        periods: Vec::new(),
         slope: 0.0,
         struck: vec![0],
         moving: Vec::new(),

@@ -15,6 +15,7 @@ mod lens;
 mod problem;
 mod reference;
 mod rubbing;
+mod space;
 mod surface;
 mod symmetry;
 mod wave;

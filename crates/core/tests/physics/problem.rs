@@ -41,6 +41,7 @@ pub fn impact(lattice: &HexagonalSheet) -> Impact {
         law: LawKind::Thesis,
         constants: Constants::Code,
         pulse: ForcePulse { force: 26e3, duration: 20e-6 },
+        periods: Vec::new(),
         slope: 0.0,
         struck: row(1),
         moving: Vec::new(),

@@ -16,6 +16,7 @@ fn impact(moving: Vec<(usize, f64)>, window: f64) -> Impact {
         law: LawKind::Hertz,
         constants: Constants::Code,
         pulse: ForcePulse { force: 0.0, duration: 0.0 },
+        periods: Vec::new(),
         slope: 0.0,
         struck: Vec::new(),
         moving,

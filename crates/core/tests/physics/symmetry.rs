@@ -42,6 +42,7 @@ fn crystal(seed: u64, law: LawKind) -> (Sample<2>, Impact) {
         law,
         constants: Constants::Code,
         pulse: ForcePulse { force: 5e3, duration: 10e-6 },
+        periods: Vec::new(),
         slope: 0.0,
         struck: (0..COLUMNS).collect(),
         moving: Vec::new(),

@@ -32,6 +32,7 @@ fn a_crystal_moves_as_in_the_fixed_list_simulator() {
             law,
             constants: Default::default(),
             pulse: ForcePulse { force: 26e3, duration: 20e-6 },
+            periods: Vec::new(),
             slope: 0.0,
             struck: (0..6).collect(),
             moving: Vec::new(),

@@ -315,7 +315,7 @@ pub(super) fn kinds(sample: &Sample<2>, impact: &Impact, frame: &mut Frame) -> V
     for (c, place) in frame.places.iter().enumerate() {
         let spheres = frame.ends[c].map(|i| &sample.spheres[i]);
         let geometry = match place {
-            Place::Pair(touch) => [gap_squared(sample, touch.pair), touch.reach],
+            Place::Pair(touch) => [gap_squared(sample, touch.pair, &touch.offset), touch.reach],
             Place::Image(touch) => [image_of(impact, touch.axis, touch.inward, sample, touch.sphere), touch.reach],
         };
         let one = (spheres.map(|sphere| sphere.material), spheres.map(|sphere| sphere.radius), geometry);

@@ -39,6 +39,7 @@ fn impact(law: LawKind, integrator: Integrator) -> Impact {
         law,
         constants: Constants::default(),
         pulse: ForcePulse { force: 8e3, duration: 20e-6 },
+        periods: Vec::new(),
         slope: 0.0,
         struck: (0..sites.len()).filter(|&i| sites[i].row == 1).collect(),
         moving: Vec::new(),

@@ -65,6 +65,7 @@ fn a_sheet_between_mirrors_moves_as_the_simulator_with_lists_says() {
             law: LawKind::Hertz,
             constants: Constants::default(),
             pulse: ForcePulse { force: 10e3, duration: 20.03e-6 },
+            periods: Vec::new(),
             slope: 0.0,
             struck: struck.clone(),
             moving: Vec::new(),

@@ -1,0 +1,246 @@
+//! A close-packed crystal in space about the axis of a lens, held as its half x ≥ 0.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::{Cell, CrystalSite, Layered};
+
+/// How a block ends along an axis across the wave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BlockSide {
+    /// Between mirror planes; along x only, where the structure is its own image.
+    Mirror,
+    /// It repeats itself.
+    Period,
+    /// At a smooth wall that touches the outermost spheres and is as their mirror image.
+    Wall,
+    /// Nothing holds it.
+    Free,
+}
+
+/// Why a block cannot be laid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BlockError {
+    /// The sphere diameter is not a positive number.
+    #[error("diameter {0} m must be positive")]
+    Diameter(f64),
+    /// Its layers are no close-packed ones across the wave.
+    #[error("layers of {0} are not close-packed across the wave; those of hcp and fcc-111 are")]
+    Structure(&'static str),
+    /// Too few layers or cells, or more sites than can be simulated.
+    #[error("{0} layers of {1} by {2} cells: it has 2 layers and 4 by 3 cells at least, and ten million sites at most")]
+    Size(u32, u32, u32),
+    /// A mirror across an axis along which the structure has none.
+    #[error("y has no mirror: a close packing is not its own image there")]
+    Mirror,
+}
+
+/// A crystal of close-packed layers across the wave, HCP or FCC along (111), symmetric about the plane x = 0, of which the half x ≥ 0
+/// is held. The axis of the lens, x = y = 0, passes through the centre of a sphere in one of the layers, and so in all that lie
+/// straight above each other.
+///
+/// ```
+/// use granulens_core::lattice::{Block, BlockSide, Cell, Layered};
+/// let sides = [BlockSide::Period, BlockSide::Period];
+/// let block = Block::new(Cell::<3>::named("hcp").unwrap(), 6.35e-3, 24, [14, 8], 4, sides).unwrap();
+/// // Of 14 x 16 spheres a layer, those on the planes x = 0 and x = 7 D, which are each 8, count once.
+/// assert_eq!((block.layer(1).len(), block.spheres()), (14 * 8 + 8, 24 * 14 * 16));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    cell: Cell<3>,
+    diameter: f64,
+    cells: [u32; 2],
+    axis_layer: u32,
+    sides: [BlockSide; 2],
+    sites: Arc<[CrystalSite<3>]>,
+    copies: Arc<[u8]>,
+    /// Where each layer begins, and where the last ends.
+    starts: Arc<[usize]>,
+}
+
+/// Close-packed structures across whose layers the wave runs.
+const CLOSE: [&str; 2] = ["hcp", "fcc-111"];
+
+const MOST_SITES: f64 = 1e7;
+
+impl Block {
+    /// Lays a block of spheres of `diameter` (m): so many layers of so many unit cells along x (one diameter wide) and y (√3 diameters), with
+    /// the axis through a sphere of `axis_layer`.
+    ///
+    /// # Errors
+    /// See [`BlockError`].
+    pub fn new(
+        cell: Cell<3>,
+        diameter: f64,
+        layers: u32,
+        cells: [u32; 2],
+        axis_layer: u32,
+        sides: [BlockSide; 2],
+    ) -> Result<Self, BlockError> {
+        if !(diameter.is_finite() && diameter > 0.0) {
+            return Err(BlockError::Diameter(diameter));
+        }
+        if !CLOSE.contains(&cell.name()) {
+            return Err(BlockError::Structure(cell.name()));
+        }
+        let [wide, high] = cells;
+        let expected = f64::from(layers) * f64::from(wide) * f64::from(high);
+        if layers < 2 || wide < 4 || high < 3 || expected > MOST_SITES {
+            return Err(BlockError::Size(layers, wide, high));
+        }
+        if sides[1] == BlockSide::Mirror {
+            return Err(BlockError::Mirror);
+        }
+        // In halves of a diameter along x and, along y, sixths of the cell, √3/6 diameters.
+        let place = |basis: [u8; 3]| [i64::from(basis[0]) / 6, i64::from(basis[1]) / 2];
+        let axis = cell.layer(axis_layer.saturating_sub(1)).next().map_or([0, 0], place);
+        let (far, edge) = (i64::from(wide), 3 * i64::from(high));
+        let [unit_x, unit_y] = [0.5 * diameter, diameter / 12.0_f64.sqrt()];
+        let spacing = cell.layer_spacing() * diameter;
+        let (mut sites, mut copies, mut starts) = (Vec::new(), Vec::new(), vec![0]);
+        for layer in 0..layers {
+            let mut places: Vec<[i64; 2]> = Vec::new();
+            for basis in cell.layer(layer) {
+                let [x, y] = place(basis);
+                let columns = (0..=far).filter(|at| (at + axis[0] - x).rem_euclid(2) == 0);
+                let rows = (-edge..=edge).filter(|at| (at + axis[1] - y).rem_euclid(6) == 0);
+                let rows = rows.filter(|at| sides[1] != BlockSide::Period || *at < edge);
+                places.extend(rows.flat_map(|y| columns.clone().map(move |x| [x, y])));
+            }
+            places.sort_by_key(|&[x, y]| [y, x]);
+            for ([x, y], column) in places.into_iter().zip(1..) {
+                let centre = [x as f64 * unit_x, y as f64 * unit_y, f64::from(layer) * spacing];
+                sites.push(CrystalSite { layer: layer + 1, column, centre });
+                // Of a period the two rims are one.
+                copies.push(if x == 0 || (x == far && sides[0] == BlockSide::Period) { 1 } else { 2 });
+            }
+            starts.push(sites.len());
+        }
+        let (sites, copies, starts) = (sites.into(), copies.into(), starts.into());
+        Ok(Self { cell, diameter, cells, axis_layer, sides, sites, copies, starts })
+    }
+
+    /// Structure.
+    pub fn cell(&self) -> Cell<3> {
+        self.cell
+    }
+
+    /// Sphere diameter D (m).
+    pub fn diameter(&self) -> f64 {
+        self.diameter
+    }
+
+    /// Unit cells of the whole crystal along x and y.
+    pub fn cells(&self) -> [u32; 2] {
+        self.cells
+    }
+
+    /// A layer in which the axis passes through the centre of a sphere.
+    pub fn axis_layer(&self) -> u32 {
+        self.axis_layer
+    }
+
+    /// How it ends along x and y.
+    pub fn sides(&self) -> [BlockSide; 2] {
+        self.sides
+    }
+
+    /// Distance between layers, √(2/3) D (m).
+    pub fn layer_spacing(&self) -> f64 {
+        self.cell.layer_spacing() * self.diameter
+    }
+
+    /// From the axis to the edge along x and y (m): to the far plane of symmetry, or half a period.
+    pub fn half_widths(&self) -> [f64; 2] {
+        let [wide, high] = self.cells.map(f64::from);
+        [0.5 * wide * self.diameter, 0.75_f64.sqrt() * high * self.diameter]
+    }
+
+    /// The sites of the half x ≥ 0, layer by layer, each in order of y, then x; centres from the axis on.
+    pub fn sites(&self) -> &[CrystalSite<3>] {
+        &self.sites
+    }
+
+    /// For each site the spheres of the whole crystal that it stands for: one on the plane x = 0, two beside it.
+    pub fn copies(&self) -> &[u8] {
+        &self.copies
+    }
+
+    /// Spheres of the whole crystal.
+    pub fn spheres(&self) -> usize {
+        self.copies.iter().map(|&copies| usize::from(copies)).sum()
+    }
+
+    /// Index of a site in [`sites`](Self::sites); both count from 1.
+    pub fn index(&self, layer: u32, column: u32) -> Option<usize> {
+        let layer = (1..=self.layers()).contains(&layer).then(|| self.layer(layer))?;
+        let index = layer.start + (column as usize).checked_sub(1)?;
+        layer.contains(&index).then_some(index)
+    }
+}
+
+impl Layered for Block {
+    fn layers(&self) -> u32 {
+        (self.starts.len() - 1) as u32
+    }
+
+    fn layer(&self, layer: u32) -> Range<usize> {
+        self.starts[layer as usize - 1]..self.starts[layer as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block(name: &str, axis_layer: u32, sides: [BlockSide; 2]) -> Block {
+        Block::new(Cell::<3>::named(name).unwrap(), 1.0, 6, [7, 4], axis_layer, sides).unwrap()
+    }
+
+    /// Both halves, each rim once where the crystal repeats itself, have twelve neighbours inside, whichever layer the axis is set by; and
+    /// the axis goes through a sphere there.
+    #[test]
+    fn the_whole_of_a_block_is_a_close_packing() {
+        for (name, axis_layer) in [("hcp", 1), ("hcp", 4), ("fcc-111", 1), ("fcc-111", 2), ("fcc-111", 6)] {
+            let block = block(name, axis_layer, [BlockSide::Period; 2]);
+            let [half, high] = block.half_widths();
+            let mut whole: Vec<[f64; 3]> = Vec::new();
+            for (site, copies) in block.sites().iter().zip(block.copies()) {
+                let [x, y, z] = site.centre;
+                whole.push([x, y, z]);
+                if *copies == 2 {
+                    whole.push([-x, y, z]);
+                }
+            }
+            assert_eq!(whole.len(), 6 * 7 * 8);
+            for a in whole.iter().filter(|a| (0.5..4.0).contains(&a[2])) {
+                let near = |b: &&[f64; 3]| {
+                    let [mut x, mut y, z] = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+                    x -= 2.0 * half * (x / (2.0 * half)).round();
+                    y -= 2.0 * high * (y / (2.0 * high)).round();
+                    (x * x + y * y + z * z).sqrt() < 1.0 + 1e-9
+                };
+                assert_eq!(whole.iter().filter(near).count(), 13, "{name} {axis_layer} {a:?}");
+            }
+            let on_axis = |site: &CrystalSite<3>| site.centre[0] == 0.0 && site.centre[1] == 0.0;
+            assert!(block.sites().iter().any(|site| site.layer == axis_layer && on_axis(site)), "{name} {axis_layer}");
+            for (index, site) in block.sites().iter().enumerate() {
+                assert_eq!(block.index(site.layer, site.column), Some(index));
+            }
+            assert_eq!((block.index(7, 1), block.index(1, 1000), block.index(1, 0)), (None, None, None));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_laid_is_refused() {
+        let cell = Cell::<3>::named("hcp").unwrap();
+        let free = [BlockSide::Free; 2];
+        assert!(Block::new(cell, 1.0, 6, [3, 4], 1, free).is_err());
+        assert!(Block::new(cell, f64::NAN, 6, [7, 4], 1, free).is_err());
+        assert!(Block::new(cell, 1.0, 100_000, [7000, 4000], 1, free).is_err());
+        let mirrored = [BlockSide::Free, BlockSide::Mirror];
+        assert_eq!(Block::new(cell, 1.0, 6, [7, 4], 1, mirrored), Err(BlockError::Mirror));
+        assert!(Block::new(Cell::<3>::named("bcc-001").unwrap(), 1.0, 6, [7, 4], 1, free).is_err());
+    }
+}

@@ -1,0 +1,463 @@
+//! Crystals in space: a lens or any layout, its baselines and strips of 1, 2, ... layers, all side by side in lanes.
+//!
+//! What is judged is what [`compare`](super::compare) judges in the plane; here records are kept of the subject alone, and all else is energies.
+
+use std::sync::atomic::AtomicBool;
+
+use rayon::prelude::*;
+
+use super::compare::{Begun, of_first, relate};
+use super::{Doubts, EvaluateError, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError};
+use super::{Progress, method, stops, unnamed};
+use crate::dem::{ForcePulse, Impact, Mirror, Period, Stop, simulate, simulate_batch_under};
+use crate::design::SpaceDesign;
+use crate::lattice::{Block, BlockSide, Layered};
+use crate::layout::{Baseline, Layout};
+use crate::lens::{Body, LensRequest};
+use crate::material::Material;
+use crate::outcome::{
+    ArrangementOutcome, FORMAT, Manifest, SpaceOutcome, SpaceProposal, SpaceSite, SphereRecord, Verdict,
+};
+use crate::real::Width;
+use crate::sample::Sample;
+use crate::score::{Scores, Spreads, over_forces as over_forces_of};
+
+/// The design's impact: a pulse on layer 1, sides as the block's, the far end free.
+pub fn impact_in_space(design: &SpaceDesign, plan: &Plan) -> Impact {
+    let block = &design.lattice;
+    let ([half, high], [across, along]) = (block.half_widths(), block.sides());
+    let radius = 0.5 * block.diameter();
+    let mut mirrors = vec![Mirror { axis: 0, position: 0.0, inward: 1.0 }];
+    let mut periods = Vec::new();
+    match across {
+        // The structure is its own image there, and so a period is two mirrors.
+        BlockSide::Mirror | BlockSide::Period => mirrors.push(Mirror { axis: 0, position: half, inward: -1.0 }),
+        BlockSide::Wall => mirrors.push(Mirror { axis: 0, position: half + radius, inward: -1.0 }),
+        BlockSide::Free => {}
+    }
+    match along {
+        BlockSide::Period => periods.push(Period { axis: 1, length: 2.0 * high }),
+        BlockSide::Mirror | BlockSide::Wall => {
+            let y = |fold: fn(f64, f64) -> f64, from| block.sites().iter().map(|site| site.centre[1]).fold(from, fold);
+            mirrors.push(Mirror { axis: 1, position: y(f64::min, f64::INFINITY) - radius, inward: 1.0 });
+            mirrors.push(Mirror { axis: 1, position: y(f64::max, f64::NEG_INFINITY) + radius, inward: -1.0 });
+        }
+        BlockSide::Free => {}
+    }
+    Impact {
+        mirrors,
+        periods,
+        law: design.law,
+        constants: design.constants,
+        pulse: design.impact,
+        slope: 0.0,
+        struck: block.layer(1).collect(),
+        moving: Vec::new(),
+        exit: block.layer(block.layers()).collect(),
+        integrator: plan.integrator,
+        step: plan.step,
+        window: plan.window,
+    }
+}
+
+/// Simulates and scores one layout of a design in space, with full records.
+///
+/// # Errors
+/// See [`EvaluateError`].
+pub fn evaluate_in_space(
+    design: &SpaceDesign,
+    layout: &Layout<Block>,
+    plan: &Plan,
+    interrupt: &AtomicBool,
+) -> Result<Evaluation<3>, EvaluateError> {
+    let sample = layout.sample_in_space();
+    let record = simulate(&sample, &impact_in_space(design, plan), interrupt)?;
+    let within = design.target.on(&design.lattice);
+    let mut scores = Scores::of_sites(&record.max_kinetic, &within);
+    scores.add_records(&record, &within, |site| [site; 2], 1.0, |sphere| sample.mass(sphere));
+    add_piece(&mut scores, design, layout);
+    let doubts = Doubts::of(&record, &sample, &record.max_kinetic, (design, layout.lattice.diameter()), &within);
+    Ok(Evaluation { scores, record, doubts })
+}
+
+fn add_piece(scores: &mut Scores, design: &SpaceDesign, layout: &Layout<Block>) {
+    let piece = layout.piece_in_space(|material| design.price(material)).amount;
+    (scores.piece_mass, scores.piece_cost, scores.piece_spheres) = (Some(piece.mass), piece.cost, Some(piece.spheres));
+}
+
+/// A run's scores, and the greatest kinetic energy of each sphere (J).
+type Run = (Evaluated, Vec<f64>);
+
+/// Layouts of one design under several forces, in lanes: for each layout its energies and scores under each, not yet related to uniform crystals.
+/// The bits of a layout's numbers depend neither on the number of threads nor on what stands beside it.
+///
+/// # Errors
+/// See [`EvaluatorError`].
+fn under_forces(
+    design: &SpaceDesign,
+    plan: &Plan,
+    layouts: &[&Layout<Block>],
+    forces: &[f64],
+    interrupt: &AtomicBool,
+) -> Result<Vec<Vec<Run>>, EvaluatorError> {
+    let (impact, within) = (impact_in_space(design, plan), design.target.on(&design.lattice));
+    let width = Width::widest();
+    // The forces of a layout stand together, so that a lane's contacts are of few kinds.
+    let members: Vec<(usize, f64)> = (0..layouts.len()).flat_map(|k| forces.iter().map(move |&f| (k, f))).collect();
+    let groups: Vec<&[(usize, f64)]> = members.chunks(width.lanes()).collect();
+    let found = groups
+        .par_iter()
+        .map(|group| {
+            let samples: Vec<Sample<3>> = group.iter().map(|&(k, _)| layouts[k].sample_in_space()).collect();
+            let pulses: Vec<ForcePulse> =
+                group.iter().map(|&(_, force)| ForcePulse { force, ..design.impact }).collect();
+            let briefs = simulate_batch_under(&samples, &impact, &pulses, None, None, width, interrupt)?;
+            let scored = briefs.into_iter().map(|brief| {
+                let scores = Scores::of_sites(&brief.max_kinetic, &within);
+                (Evaluated { scores, stop: brief.stop }, brief.max_kinetic)
+            });
+            Ok(scored.collect::<Vec<_>>())
+        })
+        .collect::<Result<Vec<_>, EvaluatorError>>()?;
+    let mut all = found.into_iter().flatten();
+    Ok(layouts.iter().map(|_| all.by_ref().take(forces.len()).collect()).collect())
+}
+
+/// A layout in space beside the uniform crystals that G and Q refer to.
+pub struct SpaceBeside {
+    /// F of the host alone and P of the design's lens material alone (J), where no guard stopped them.
+    pub uniform: [Option<f64>; 2],
+    /// Uniform crystals that a guard stopped, and why.
+    pub stopped: Vec<(String, Stop)>,
+    /// The material that Q refers to.
+    pub reference: Option<String>,
+    /// The forces that the layout was judged over (N); none with the design's own alone.
+    pub forces: Vec<f64>,
+    /// The scores over these, and how they scatter; none where a guard stopped one of the runs.
+    pub over_forces: Option<(Scores, Spreads)>,
+}
+
+/// The uniform crystals that a layout in space is compared with, under the design's own force and, with the layout, under several.
+///
+/// # Errors
+/// See [`EvaluatorError`].
+pub fn beside_in_space(
+    design: &SpaceDesign,
+    layout: &Layout<Block>,
+    plan: &Plan,
+    forces: Forces,
+    interrupt: &AtomicBool,
+) -> Result<SpaceBeside, EvaluatorError> {
+    let mut subject = layout.clone();
+    let reference = reference(design, &mut subject.palette, &subject.materials);
+    let kinds = std::iter::once((Baseline::AllHost, 0)).chain(reference.map(|material| (Baseline::AllLens, material)));
+    let (names, uniform): (Vec<String>, Vec<Layout<Block>>) =
+        kinds.map(|(kind, material)| (kind.name(), kind.layout(&subject, [1, 1], material))).unzip();
+    let own = design.impact.force;
+    let over = if forces.is_one() { Vec::new() } else { forces.about(own) };
+    let all: Vec<f64> = [own].into_iter().chain(over.iter().copied()).collect();
+    let layouts: Vec<&Layout<Block>> = std::iter::once(&subject).chain(&uniform).collect();
+    let first = if forces.is_one() { 1 } else { 0 };
+    let mut runs = under_forces(design, plan, &layouts[first..], &all, interrupt)?;
+    if runs.iter().flatten().any(|(run, _)| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
+        return Err(EvaluatorError::Interrupted);
+    }
+    if first == 1 {
+        runs.insert(0, Vec::new());
+    }
+    let stopped = runs.iter().skip(1).zip(&names);
+    let stopped = stopped.filter_map(|(runs, name)| Some((name.clone(), runs[0].0.stop.clone()?))).collect();
+    let of = |k: usize, force: usize| Some(&runs.get(k)?.get(force)?.0).filter(|run| run.stop.is_none());
+    let means = |force: usize| {
+        [of(1, force).map(|run| run.scores.focal_mean), of(2, force).map(|run| run.scores.protected_mean)]
+    };
+    let related = |force: usize| {
+        let mut scores = of(0, force)?.scores.clone();
+        let [host, lens] = means(force);
+        scores.relate(host, lens);
+        Some(scores)
+    };
+    let over_forces = if over.is_empty() { None } else { (1..all.len()).map(related).collect::<Option<Vec<Scores>>>() };
+    Ok(SpaceBeside {
+        uniform: means(0),
+        stopped,
+        reference: reference.map(|material| subject.palette[usize::from(material)].name.clone()),
+        forces: over,
+        over_forces: over_forces.map(|scores| over_forces_of(&scores)),
+    })
+}
+
+/// The arrangements to compare in space: a subject, which may be a proposed lens or any layout, its baselines, and strips from its first layer on
+/// of one layer up to as many as it has.
+pub struct SpaceComparison<'a> {
+    /// The design whose impact and target count.
+    pub design: &'a SpaceDesign,
+    /// Step and window.
+    pub plan: Plan,
+    /// The forces that the verdict is judged over.
+    pub forces: Forces,
+    /// The subject's name, `lens` for a proposal.
+    pub name: String,
+    /// The subject.
+    pub subject: Layout<Block>,
+    /// Place in the subject's palette of what baselines are made of and Q refers to.
+    pub reference: Option<u8>,
+    /// First and last layer in which the subject holds anything but the host.
+    pub layers: [u32; 2],
+    /// What ray tracing said about it.
+    pub proposal: Option<SpaceProposal>,
+}
+
+impl<'a> SpaceComparison<'a> {
+    /// A proposed lens against its baselines.
+    ///
+    /// # Errors
+    /// A step or window with which nothing can be simulated.
+    pub fn of_lens(
+        design: &'a SpaceDesign,
+        (body, request, materials): (&Body, &LensRequest, Vec<u8>),
+        overrides: Overrides,
+    ) -> Result<Self, PlanError> {
+        let palette = design.palette_of_lens(request);
+        let layout = Layout { lattice: design.lattice.clone(), palette, materials };
+        let proposal = space_proposal(design, body, request, &layout);
+        Ok(Self { proposal: Some(proposal), ..Self::of_layout(design, "lens".to_owned(), layout, overrides)? })
+    }
+
+    /// Any layout against its baselines.
+    ///
+    /// # Errors
+    /// A step or window with which nothing can be simulated.
+    pub fn of_layout(
+        design: &'a SpaceDesign,
+        name: String,
+        mut subject: Layout<Block>,
+        overrides: Overrides,
+    ) -> Result<Self, PlanError> {
+        let block = &subject.lattice;
+        let held = (1..=block.layers()).filter(|&layer| subject.materials[block.layer(layer)].iter().any(|&m| m != 0));
+        let layers =
+            held.fold(None, |range, layer| Some(range.map_or([layer; 2], |[first, _]: [u32; 2]| [first, layer])));
+        let reference = reference(design, &mut subject.palette, &subject.materials);
+        let plan = Plan::in_space(design, overrides, &subject.palette)?;
+        let layers = layers.unwrap_or([1, 1]);
+        Ok(Self { design, plan, forces: Forces::USUAL, name, subject, reference, layers, proposal: None })
+    }
+
+    /// Judged over other forces than the usual ones.
+    #[must_use]
+    pub fn over(mut self, forces: Forces) -> Self {
+        self.forces = forces;
+        self
+    }
+
+    /// Number of arrangements.
+    pub fn len(&self) -> usize {
+        self.arrangements().len()
+    }
+
+    /// Never: the subject is always there.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Name, kind, seed and layout of all, the subject first.
+    fn arrangements(&self) -> Vec<(String, String, Option<u64>, Layout<Block>)> {
+        let mut all = vec![(self.name.clone(), self.name.clone(), None, self.subject.clone())];
+        let Some(material) = self.reference else {
+            let host = Baseline::AllHost.layout(&self.subject, self.layers, 0);
+            all.push(("all-host".to_owned(), "all-host".to_owned(), None, host));
+            return all;
+        };
+        for baseline in Baseline::set(self.plan.first_seed, self.design.seeds).into_iter().chain(strips(self.layers)) {
+            // Strips are no seeds of one kind: each is a rival of its own.
+            let kind =
+                if matches!(baseline, Baseline::Strip(_)) { baseline.name() } else { baseline.kind().to_owned() };
+            all.push((baseline.name(), kind, baseline.seed(), baseline.layout(&self.subject, self.layers, material)));
+        }
+        all
+    }
+}
+
+/// Strips of one layer up to one less than all layers that a lens spans, which is its strip of the same height.
+pub fn strips(layers: [u32; 2]) -> impl Iterator<Item = Baseline> {
+    (1..=layers[1] - layers[0]).map(Baseline::Strip)
+}
+
+/// Where in a palette stands what Q refers to; see [`Design::reference`](crate::design::Design::reference).
+fn reference(design: &SpaceDesign, palette: &mut Vec<Material>, materials: &[u8]) -> Option<u8> {
+    let Some(reference) = design.reference() else {
+        return materials.iter().copied().find(|&material| material != 0);
+    };
+    let place = palette.iter().position(|material| material == reference).unwrap_or_else(|| {
+        palette.push(reference.clone());
+        palette.len() - 1
+    });
+    u8::try_from(place).ok()
+}
+
+/// What ray tracing proposed, as it is stored.
+fn space_proposal(design: &SpaceDesign, body: &Body, request: &LensRequest, layout: &Layout<Block>) -> SpaceProposal {
+    SpaceProposal {
+        family: request.family.name().to_owned(),
+        symmetry: request.symmetry,
+        host_speed: body.speeds[0],
+        lens_speed: body.speeds[1],
+        apex_layer: body.apex_row,
+        back_layer: body.back_row,
+        radius: body.radius,
+        steepest: body.steepest,
+        fraction: body.fraction,
+        fraction_without: body.fraction_without,
+        protected: body.protected,
+        materials: layout.palette.iter().map(|material| material.name.clone()).collect(),
+        piece: layout.piece_in_space(|material| design.price(material)),
+        faces: body.form.faces(design.stack(request.symmetry).half_width),
+    }
+}
+
+/// Simulates subject, baselines and strips on all threads of the current pool, each under the design's own force and those of the verdict.
+/// When `interrupt` is set the outcome holds no arrangement.
+///
+/// # Errors
+/// See [`EvaluatorError`].
+pub fn compare_in_space(
+    comparison: &SpaceComparison<'_>,
+    interrupt: &AtomicBool,
+    progress: &impl Progress,
+) -> Result<SpaceOutcome, EvaluatorError> {
+    let SpaceComparison { design, plan, .. } = comparison;
+    let begun = Begun::now();
+    let named = comparison.arrangements();
+    let own = design.impact.force;
+    // The design's own force comes first; where the verdict is over it alone it is not simulated twice.
+    let over = if comparison.forces.is_one() { Vec::new() } else { comparison.forces.about(own) };
+    let forces: Vec<f64> = [own].into_iter().chain(over.iter().copied()).collect();
+    let subject = evaluate_in_space(design, &comparison.subject, plan, interrupt)?;
+    progress.finished(&comparison.name);
+    let mut runs = Vec::new();
+    // A few at a time, so that progress is seen.
+    let lanes = Width::widest().lanes() * rayon::current_num_threads();
+    let mut arrangements = Vec::new();
+    for some in named.chunks(lanes.div_ceil(forces.len()).max(1)) {
+        let layouts: Vec<&Layout<Block>> = some.iter().map(|(.., layout)| layout).collect();
+        let found = under_forces(design, plan, &layouts, &forces, interrupt)?;
+        for ((name, kind, seed, layout), mut of_layout) in some.iter().zip(found) {
+            let (first, max_kinetic) = of_layout.remove(0);
+            let mut scores = first.scores;
+            add_piece(&mut scores, design, layout);
+            arrangements.push(ArrangementOutcome {
+                name: name.clone(),
+                kind: kind.clone(),
+                seed: *seed,
+                scores,
+                over_forces: None,
+                simulated: None,
+                layout: layout.materials.clone(),
+                record: SphereRecord { max_kinetic, ..SphereRecord::default() },
+                stop: first.stop,
+            });
+            runs.push(of_layout.into_iter().map(|(run, _)| run).collect::<Vec<Evaluated>>());
+            if name != &comparison.name {
+                progress.finished(name);
+            }
+        }
+        if arrangements.iter().any(|a| matches!(a.stop, Some(Stop::Interrupted { .. }))) {
+            return Err(EvaluatorError::Interrupted);
+        }
+    }
+    let mut warnings = plan.warnings.clone();
+    let Evaluation { scores, record, doubts } = subject;
+    let first = &mut arrangements[0];
+    first.scores = scores;
+    first.record = SphereRecord {
+        max_kinetic: record.max_kinetic,
+        max_net_force: record.max_net_force,
+        max_contact_force: record.max_contact_force,
+        arrival: record.arrival,
+        dissipated: record.dissipated,
+    };
+    first.stop = first.stop.take().or(record.stop);
+    relate(&mut arrangements);
+    let (forces, verdict) = judge(own, over, &mut arrangements, runs);
+    warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
+    warnings.extend(doubts.words(&comparison.name));
+    Ok(outcome(comparison, begun, (forces, verdict), arrangements, warnings))
+}
+
+/// Relates the runs under each force to the uniform crystals under it, and judges the first.
+fn judge(
+    own: f64,
+    over: Vec<f64>,
+    arrangements: &mut [ArrangementOutcome],
+    mut runs: Vec<Vec<Evaluated>>,
+) -> (Vec<f64>, Vec<Verdict>) {
+    let kinds: Vec<String> = arrangements.iter().map(|arrangement| arrangement.kind.clone()).collect();
+    let kinds: Vec<&str> = kinds.iter().map(String::as_str).collect();
+    if over.is_empty() {
+        let own_scores = |a: &ArrangementOutcome| a.stop.is_none().then(|| vec![a.scores.clone()]);
+        let scores: Vec<Option<Vec<Scores>>> = arrangements.iter().map(own_scores).collect();
+        return (vec![own], of_first(&kinds, &scores));
+    }
+    let [host, lens] = ["all-host", "all-lens"].map(|kind| kinds.iter().position(|known| *known == kind));
+    for force in 0..over.len() {
+        let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
+        let host = of(host).map(|run| run.scores.focal_mean);
+        let lens = of(lens).map(|run| run.scores.protected_mean);
+        runs.iter_mut().for_each(|runs| runs[force].scores.relate(host, lens));
+    }
+    let finished =
+        |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
+    let scores: Vec<Option<Vec<Scores>>> = runs.into_iter().map(finished).collect();
+    for (arrangement, scores) in arrangements.iter_mut().zip(&scores) {
+        arrangement.over_forces = scores.as_ref().map(|scores| over_forces_of(scores).1);
+    }
+    (over, of_first(&kinds, &scores))
+}
+
+fn outcome(
+    comparison: &SpaceComparison<'_>,
+    begun: Begun,
+    (forces, verdict): (Vec<f64>, Vec<Verdict>),
+    arrangements: Vec<ArrangementOutcome>,
+    mut warnings: Vec<String>,
+) -> SpaceOutcome {
+    let SpaceComparison { design, plan, subject, .. } = comparison;
+    let block = &design.lattice;
+    let reference = comparison.reference.map(|material| subject.palette[usize::from(material)].name.clone());
+    if let (None, Some(material)) = (design.reference(), &reference) {
+        warnings.push(unnamed(material));
+    }
+    let site = |(site, &copies): (&crate::lattice::CrystalSite<3>, &u8)| {
+        let [x, y, z] = site.centre;
+        SpaceSite { layer: site.layer, column: site.column, x, y, z, copies }
+    };
+    SpaceOutcome {
+        format: FORMAT,
+        manifest: Manifest {
+            format: FORMAT,
+            name: design.name.clone(),
+            method: method(design, plan),
+            design_file: design.path.display().to_string(),
+            design: design.text.clone(),
+            command: None,
+            impact: design.impact_in_words(),
+            seeds: [plan.first_seed, design.seeds],
+            threads: rayon::current_num_threads(),
+            started_unix_s: begun.unix_s,
+            seconds: begun.clock.elapsed().as_secs_f64(),
+        },
+        sites: block.sites().iter().zip(block.copies()).map(site).collect(),
+        diameter: block.diameter(),
+        half_width: block.half_widths()[0],
+        target: design.target.clone(),
+        materials: subject.palette.iter().map(|m| m.name.clone()).collect(),
+        reference,
+        is_published: false,
+        forces,
+        verdict,
+        proposal: comparison.proposal.clone(),
+        arrangements,
+        warnings,
+    }
+}

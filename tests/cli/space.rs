@@ -1,0 +1,182 @@
+//! Designs in space: the same commands, the same rules, and what cannot be done is refused in words.
+
+use super::{Desk, shipped};
+
+/// A lens of 9 layers in a crystal of 1260 spheres: a second or so.
+const SMALL: &str = r#"format = 1
+name = "small-space"
+[crystal]
+packing = "hcp"
+diameter = "6.35 mm"
+layers = 9
+cells = [10, 7]
+axis_layer = 2
+sides = ["mirror", "period"]
+host = "stainless-440c"
+law = "thesis"
+[impact]
+kind = "force-pulse"
+force = "20 kN"
+duration = "20 us"
+[target]
+focus = { layers = [7, 8], r = ["0 D", "1.1 D"] }
+protect = { layers = [7, 8], r = ["4 D", "5 D"] }
+[lens]
+family = "plano-convex"
+material = "brass-260"
+apex_layer = 2
+back_layer = 5
+radius = "5.5 D"
+max_interface_angle = "75 deg"
+[run]
+window = "70 us"
+[compare]
+seeds = 1
+[thresholds]
+contrast = { min = 100 }
+"#;
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.write("space.toml", SMALL);
+    desk
+}
+
+/// `design` writes a layout that `check` and `compare` read; both say what `compare` says of the lens, to the last bit; strips of 1, 2, ... layers
+/// stand among the arrangements, and the verdict is against the best of them.
+#[test]
+fn design_check_and_compare_agree() {
+    let desk = desk();
+    let ran = desk.run(&["design", "space.toml", "--out", "lens.csv"]).ok();
+    assert!(ran.stdout.contains("lens: layers 2 to 5, plano-convex, revolved about the axis"), "{}", ran.stdout);
+    let text = desk.read("lens.csv");
+    assert!(text.lines().any(|line| line == "layer,column,x,y,z,diameter,material"), "{text:.300}");
+    let lens = desk.run(&["compare", "space.toml", "--forces", "2", "--json", "--out", "all.json"]).ok().json();
+    let given =
+        desk.run(&["compare", "space.toml", "lens.csv", "--forces", "1", "--json", "--threads", "1"]).ok().json();
+    let checked =
+        desk.run(&["check", "lens.csv", "--design", "space.toml", "--json", "--spheres", "felt.csv"]).ok().json();
+    let first = &lens["arrangements"][0]["scores"];
+    for key in ["focal_mean_J", "protected_mean_J", "contrast", "focal_gain", "protection", "piece_mass_kg"] {
+        let of = |json: &serde_json::Value| json[key].as_f64();
+        assert!(of(first).is_some_and(f64::is_finite), "{key} {first}");
+        assert_eq!(of(first), of(&given["arrangements"][0]["scores"]), "{key}");
+        if key != "piece_mass_kg" {
+            assert_eq!(of(first), of(&checked), "{key}");
+        }
+    }
+    let names: Vec<&str> = lens["arrangements"].as_array().unwrap().iter().filter_map(|a| a["name"].as_str()).collect();
+    assert!(
+        ["strip-1", "strip-2", "strip-3", "flat-height", "all-host"].iter().all(|name| names.contains(name)),
+        "{names:?}"
+    );
+    let flat =
+        lens["verdict"].as_array().unwrap().iter().find(|v| v["measure"] == "focal_gain" && v["against"] == "flat");
+    assert!(flat.is_some_and(|verdict| verdict["spread"].is_number()), "{}", lens["verdict"]);
+    // A crystal in which all is host is that alone.
+    let host = lens["arrangements"].as_array().unwrap().iter().find(|a| a["name"] == "all-host").unwrap();
+    assert_eq!(host["scores"]["focal_gain"].as_f64(), Some(1.0));
+    assert_eq!(desk.read("felt.csv").lines().count(), text.lines().filter(|line| !line.starts_with('#')).count());
+    let json = desk.json("all.json");
+    assert_eq!(json["sites"].as_array().unwrap().len(), json["arrangements"][0]["layout"].as_array().unwrap().len());
+    // Thresholds are judged with --strict alone.
+    let strict = desk.run(&["check", "lens.csv", "--design", "space.toml", "--strict"]);
+    assert_eq!(strict.code, 3, "{}", strict.stderr);
+}
+
+/// `run` leaves a folder with page, pictures, tables and layouts; extruded along y and stacked ABCABC too.
+#[test]
+fn run_leaves_a_report() {
+    let desk = desk();
+    let changed = SMALL.replace("\"hcp\"", "\"fcc-111\"").replace("[lens]", "[lens]\nsymmetry = \"plane\"");
+    desk.write("extruded.toml", changed.replace("[\"mirror\", \"period\"]", "[\"free\", \"wall\"]"));
+    let ran = desk.run(&["run", "extruded.toml", "--forces", "1", "--out", "report"]).ok();
+    assert!(ran.stdout.contains("flat-height") && ran.stdout.contains("layers 7-8, r 0 to 1.1 D"), "{}", ran.stdout);
+    for name in [
+        "report.html",
+        "section.svg",
+        "layers.svg",
+        "profile.svg",
+        "numbers.json",
+        "spheres.csv",
+        "layout.csv",
+        "layout-full.csv",
+    ] {
+        assert!(!desk.read(&format!("report/{name}")).is_empty(), "{name}");
+    }
+    let page = desk.read("report/report.html");
+    assert!(page.contains("Verdict over") && !page.contains("NaN"), "{page:.300}");
+    // All along y the same: what one site of a layer and x holds, all do.
+    let layout = desk.read("report/layout.csv");
+    let mut held: std::collections::BTreeMap<(String, String), String> = std::collections::BTreeMap::new();
+    for line in layout.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = (cells[0].to_owned(), cells[2].to_owned());
+        let known = held.entry(place).or_insert_with(|| cells[6].to_owned());
+        assert_eq!(known, cells[6], "{line}");
+    }
+    assert!(held.values().any(|material| material == "brass-260"));
+}
+
+#[test]
+fn what_is_wrong_or_cannot_be_done_is_said() {
+    let desk = desk();
+    desk.run(&["design", "space.toml", "--out", "lens.csv"]).ok();
+    for (from, to, said) in [
+        ("layers = 9", "rows = 9", "rows"),
+        ("cells = [10, 7]", "cells = [10, 2]", "cells"),
+        ("[\"mirror\", \"period\"]", "\"mirror\"", "mirror along y"),
+        ("r = [\"0 D\", \"1.1 D\"]", "r = [\"1.1 D\", \"0 D\"]", "reversed"),
+        ("r = [\"4 D\", \"5 D\"]", "r = [\"0 D\", \"5 D\"]", "shares spheres"),
+        ("layers = [7, 8], r = [\"4 D\", \"5 D\"]", "centre = [\"4 D\", \"0 D\"], radius = \"1 D\"", "three lengths"),
+        ("apex_layer = 2", "apex_row = 2", "apex_row"),
+        ("radius = \"5.5 D\"", "raster = \"diffused\"", "raster"),
+        ("packing = \"hcp\"", "packing = \"hcpp\"", "packing"),
+        ("[compare]", "[[target.focus]]", "focus"),
+    ] {
+        assert!(SMALL.contains(from), "{from}");
+        desk.write("wrong.toml", SMALL.replace(from, to));
+        let ran = desk.run(&["design", "wrong.toml"]);
+        assert!(ran.code == 2 && ran.stderr.contains(said), "{to}: {} {}", ran.code, ran.stderr);
+    }
+    for command in [
+        &["trace", "space.toml"][..],
+        &["simulate", "space.toml"],
+        &["bench", "space.toml"],
+        &["design", "space.toml", "--rank"],
+        &["check", "lens.csv", "--design", "space.toml", "--gate"],
+        &["compare", "space.toml", "--laws", "all"],
+    ] {
+        let ran = desk.run(command);
+        assert!(ran.code == 2 && ran.stderr.contains("in space"), "{command:?}: {} {}", ran.code, ran.stderr);
+    }
+    let text = desk.read("lens.csv");
+    let line = text.lines().rfind(|line| line.ends_with("stainless-440c")).unwrap();
+    for (from, to, said) in [
+        (line.to_owned(), String::new(), "is missing"),
+        (line.to_owned(), line.replace("stainless-440c", "stainles"), "unknown"),
+        ("layer,column".to_owned(), "row,column".to_owned(), "header"),
+        (line.to_owned(), format!("{line}\n{line}"), "given twice"),
+        (line.to_owned(), line.replacen("9,", "99,", 1), "no site"),
+    ] {
+        desk.write("wrong.csv", text.replacen(&from, &to, 1));
+        let ran = desk.run(&["check", "wrong.csv", "--design", "space.toml"]);
+        assert!(ran.code == 2 && ran.stderr.contains(said), "{to}: {} {}", ran.code, ran.stderr);
+    }
+}
+
+/// Against the independent solution: F, P, C and G of the shipped design over 150 us; tolerances of tests/data/space for another integrator.
+#[test]
+fn the_shipped_lens_is_that_of_the_second_code() {
+    let desk = Desk::new();
+    let design = shipped("designs/space/revolved-lens.toml");
+    let ran = desk.run(&["design", &design, "--out", "lens.csv"]).ok();
+    assert!(ran.stdout.contains("732 brass-260"), "{}", ran.stdout);
+    let json = desk.run(&["check", "lens.csv", "--design", &design, "--json"]).ok().json();
+    for (key, theirs) in
+        [("focal_mean_J", 1.831_864), ("protected_mean_J", 0.904_705), ("contrast", 2.0248), ("focal_gain", 1.3202)]
+    {
+        let ours = json[key].as_f64().unwrap();
+        assert!((ours / theirs - 1.0).abs() < 1e-3, "{key}: {ours} and {theirs}");
+    }
+}
