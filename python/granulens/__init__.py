@@ -6,7 +6,9 @@ as those of the command line, for any number of threads.
 - `materials`, `Material`, `contact`, `contact_path`, `collide`, `wave_speed`, `surface`: materials, contacts and waves
 - `Design`, `design`, `Lens`, `Layout`: what is asked for and what is proposed
 - `evaluate`, `Evaluator`, `simulate`, `Record`: layouts under an impact
+- `sensitivity`, `tolerance`: how scores change with every sphere, and what pieces as made are worth
 - `Rig`, `Bed`, `Packing`: anything a lab can build, and granular beds; `network`, `motion`: what goes on inside
+- `arrow`: tables as pyarrow has them
 - `Study`, `Result`: searches, here or through an executor; `granulens.engines`: Dask, HyperQueue
 """
 
@@ -36,7 +38,20 @@ from ._granulens import (
 )
 
 if TYPE_CHECKING:
-    from ._run import Network, Record, Surface, design, evaluate, network, simulate, surface
+    from ._run import (
+        Network,
+        Record,
+        Sensitivity,
+        Surface,
+        arrow,
+        design,
+        evaluate,
+        network,
+        sensitivity,
+        simulate,
+        surface,
+        tolerance,
+    )
     from ._study import Result, Study
 
 __all__ = [
@@ -55,10 +70,12 @@ __all__ = [
     "Record",
     "Result",
     "Rig",
+    "Sensitivity",
     "Study",
     "Surface",
     "__commit__",
     "__version__",
+    "arrow",
     "collide",
     "contact",
     "contact_path",
@@ -68,14 +85,32 @@ __all__ = [
     "materials",
     "motion",
     "network",
+    "sensitivity",
     "simulate",
     "surface",
+    "tolerance",
     "wave_speed",
 ]
 
 # Read when they are first asked for, so that to import the package takes a few hundredths of a second.
 _LATER = {
-    **dict.fromkeys(("Network", "Record", "Surface", "design", "evaluate", "network", "simulate", "surface"), "_run"),
+    **dict.fromkeys(
+        (
+            "Network",
+            "Record",
+            "Sensitivity",
+            "Surface",
+            "arrow",
+            "design",
+            "evaluate",
+            "network",
+            "sensitivity",
+            "simulate",
+            "surface",
+            "tolerance",
+        ),
+        "_run",
+    ),
     **dict.fromkeys(("Result", "Study"), "_study"),
     "engines": "engines",
 }

@@ -27,8 +27,10 @@ __all__ = [
     "merge_text",
     "motion",
     "network",
+    "sensitivity",
     "simulate",
     "surface",
+    "tolerance",
     "wave_speed",
 ]
 
@@ -219,6 +221,26 @@ def simulate(
     *,
     forces: int = 1,
     band: float = 0.01,
+    step: _Quantity | None = None,
+    window: _Quantity | None = None,
+    integrator: str | None = None,
+    threads: int | None = None,
+) -> dict[str, Any]: ...
+def sensitivity(
+    layout: Layout,
+    of: Sequence[str] | None = None,
+    *,
+    step: _Quantity | None = None,
+    window: _Quantity | None = None,
+    integrator: str | None = None,
+    threads: int | None = None,
+) -> dict[str, Any]: ...
+def tolerance(
+    layout: Layout,
+    tolerances: _Path | None = None,
+    *,
+    samples: int | None = None,
+    seed: int | None = None,
     step: _Quantity | None = None,
     window: _Quantity | None = None,
     integrator: str | None = None,

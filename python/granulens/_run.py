@@ -300,3 +300,87 @@ def table_html(values: Mapping[str, Any], head: str) -> str:
 
     rows = "".join(f"<tr><td>{escape(name)}</td><td>{shown(value)}</td></tr>" for name, value in values.items())
     return f"<table><thead><tr><th>{escape(head)}</th><th></th></tr></thead><tbody>{rows}</tbody></table>"
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How scores change with every sphere.
+
+    Derivatives of the logarithm of a measure by the logarithms of density, Young's modulus, yield stress and radius of each sphere: −0.5 says that
+    one per cent more of the quantity takes 0.5 % off the measure. `secant_density` is the same quotient over 1 % of density, by a run of its own;
+    `linear` says whether both agree to a tenth. Where they do not, the derivative is right and of no use.
+
+    Attributes
+    ----------
+    layout : Layout
+    sites : dict of tables, by measure
+        Each a dict of arrays of shape (sites,): d_density, d_youngs_modulus, d_yield_stress, d_radius, secant_density (float64), linear (bool).
+    d_force : dict of float
+        By measure, of its logarithm by that of the impact's force.
+    focal_mean_J, protected_mean_J : float
+        F and P at the same step.
+    bytes : int
+        Memory that the derivatives took.
+    """
+
+    layout: Layout
+    sites: dict[str, dict[str, Any]]
+    d_force: dict[str, float]
+    focal_mean_J: float
+    protected_mean_J: float
+    method: dict[str, Any]
+    bytes: int
+
+    def plot(self, ax: Any = None, measure: str = "focal_mean", column: str = "secant_density") -> Any:
+        """Draws a column of `sites` on a matplotlib axis; gives the axis."""
+        return self.layout.plot(ax, values=self.sites[measure][column], label=f"{column} of {measure}")
+
+
+def sensitivity(layout: Layout, of: Sequence[str] | None = None, **options: Any) -> Sensitivity:
+    """How scores change with every sphere, by the adjoint of the run: what `granulens sensitivity` does.
+
+    Parameters
+    ----------
+    layout : Layout
+    of : list of str, optional
+        Among focal_mean, protected_mean, contrast, focal_gain, protection; the first three where left out.
+    **options
+        step, window (s, or text with a unit), integrator, threads.
+    """
+    return Sensitivity(layout, **_granulens.sensitivity(layout, None if of is None else list(of), **options))
+
+
+def tolerance(layout: Layout, tolerances: str | PathLike[str] | None = None, **options: Any) -> dict[str, Any]:
+    """What a layout is worth once a workshop has made it: what `granulens tolerance` does.
+
+    Parameters
+    ----------
+    layout : Layout
+    tolerances : path, optional
+        A file of tolerances; diameters of grade G100 and all else nominal where left out.
+    **options
+        samples, seed, step, window, integrator, threads.
+
+    Returns
+    -------
+    dict
+        yield, interval (Wilson, 95 %), yield_of, samples, passed, stopped, seed; pieces, a table with a row for each piece made; sensitivity, as_built,
+        distribution, quantities, method. The numbers are those of the command line with the same seed, to the last bit.
+    """
+    return _granulens.tolerance(layout, tolerances, **options)
+
+
+def arrow(table: Mapping[str, Any]) -> Any:
+    """A table of this package, a dict of columns, as a `pyarrow.Table`; needs pyarrow. Columns of points become one column for each axis."""
+    import numpy as np
+    import pyarrow
+
+    columns: dict[str, Any] = {}
+    for name, column in table.items():
+        array = np.asarray(column)
+        if array.ndim == 2:
+            for axis, part in zip("xyz" if array.shape[1] == 3 else "xz", array.T):
+                columns[f"{name}_{axis}"] = np.ascontiguousarray(part)
+        else:
+            columns[name] = column
+    return pyarrow.table(columns)

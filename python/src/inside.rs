@@ -93,7 +93,7 @@ pub fn network<'py>(
     };
     let svg = chains
         .as_ref()
-        .and_then(|chains| report::draw_network(title, &network, network.mean(Carrier::Contacts), chains));
+        .and_then(|chains| report::draw_network(title, &network, network.mean(Carrier::Contacts), chains, report::View::PLAIN));
     let chains = chains.map(|chains| {
         let each = chains.chains.iter().map(|chain| vector(py, chain.iter().map(|&grain| i64::from(grain)).collect()));
         each.collect::<Vec<_>>()

@@ -6,6 +6,7 @@
 //! - `material`: materials, contacts and wave speeds; `surface`: design surfaces
 //! - `design`: designs, lenses, layouts; `evaluate`: layouts to scores; `simulate`: one impact with its records
 //! - `rig`, `bed`: anything a lab can build, and granular beds; `inside`: force networks and motion
+//! - `robust`: how scores change with every sphere, and what pieces as made are worth
 //! - `study`: searches, here or on an engine
 
 mod bed;
@@ -15,6 +16,7 @@ mod failure;
 mod inside;
 mod material;
 mod rig;
+mod robust;
 mod running;
 mod simulate;
 mod study;
@@ -37,6 +39,8 @@ mod _granulens {
     use super::material::{Material, collide, contact, contact_path, find_material, materials, wave_speed};
     #[pymodule_export]
     use super::rig::Rig;
+    #[pymodule_export]
+    use super::robust::{sensitivity, tolerance};
     #[pymodule_export]
     use super::simulate::simulate;
     #[pymodule_export]
