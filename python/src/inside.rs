@@ -91,9 +91,9 @@ pub fn network<'py>(
         let count = bars.len();
         shaped(py, flat, [count, 2])
     };
-    let svg = chains
-        .as_ref()
-        .and_then(|chains| report::draw_network(title, &network, network.mean(Carrier::Contacts), chains, report::View::PLAIN));
+    let svg = chains.as_ref().and_then(|chains| {
+        report::draw_network(title, &network, network.mean(Carrier::Contacts), chains, report::View::PLAIN)
+    });
     let chains = chains.map(|chains| {
         let each = chains.chains.iter().map(|chain| vector(py, chain.iter().map(|&grain| i64::from(grain)).collect()));
         each.collect::<Vec<_>>()

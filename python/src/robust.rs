@@ -40,7 +40,12 @@ pub fn sensitivity<'py>(
     let usual = || vec!["focal_mean".to_owned(), "protected_mean".to_owned(), "contrast".to_owned()];
     let named = |name: String| {
         let found = Measure::find(&name).filter(|measure| MEASURES.contains(measure));
-        found.ok_or_else(|| Failure::input(format!("there are derivatives of {}, not of {name}", MEASURES.map(Measure::name).join(", "))))
+        found.ok_or_else(|| {
+            Failure::input(format!(
+                "there are derivatives of {}, not of {name}",
+                MEASURES.map(Measure::name).join(", ")
+            ))
+        })
     };
     let of = of.unwrap_or_else(usual).into_iter().map(named).collect::<Result<Vec<Measure>>>()?;
     let Layout { inner, design } = layout;
@@ -120,12 +125,8 @@ pub fn tolerance<'py>(
     let (seed, count) = (seed.or(tolerances.seed).unwrap_or(1), samples.unwrap_or(tolerances.samples));
     let thresholds = tolerances.thresholds.as_ref().unwrap_or(&design.thresholds);
     let asked: Vec<Measure> = thresholds.iter().map(|threshold| threshold.measure).collect();
-    let given = Overrides {
-        step: Some(plan.step),
-        window: Some(plan.window),
-        integrator: Some(plan.integrator),
-        ..overrides
-    };
+    let given =
+        Overrides { step: Some(plan.step), window: Some(plan.window), integrator: Some(plan.integrator), ..overrides };
     let workshop = Workshop::new((design, subject), &tolerances, &plan, &asked).map_err(of_workshop)?;
     let job = |interrupt: &AtomicBool| -> Result<_> {
         let criterion = Criterion::new(design, subject, &tolerances, given, interrupt)
