@@ -21,7 +21,7 @@ pub struct Ball {
     pub diameter: f64,
 }
 
-/// What is wrong with a batch.
+/// What is wrong with a file of measured spheres.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}:{} {message}", .path.display(), .line.map_or(String::new(), |line| format!("{line}:")))]
 pub struct BatchError {

@@ -48,7 +48,8 @@ pub fn unnamed(material: &str) -> String {
 }
 
 /// Evaluates a layout, or a piece of two halves, beside the crystals of the host and of the design's lens material alone, which `compare` has among its
-/// baselines.
+/// baselines: F, P, C, G and Q of [`compare`](super::compare) to the last bit, without strips and mixtures. `plan` is how it is simulated, `forces` over how
+/// many forces it is judged besides its own, `interrupt` the request to stop.
 ///
 /// # Errors
 /// See [`EvaluatorError`].

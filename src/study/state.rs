@@ -95,7 +95,7 @@ fn one() -> u64 {
     1
 }
 
-/// What a step is worth.
+/// What was evaluated at one time step, and how well its order of layouts agrees with the finest step's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RungState {
     /// The step (s).

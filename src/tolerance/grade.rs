@@ -36,7 +36,7 @@ const fn abma(name: &'static str, lot: f64, tolerance: f64) -> Grade {
     Grade { name, lot: lot * 1e-6, one_gauge: tolerance * 1e-6, any_gauge: tolerance * 1e-6, source: ABMA }
 }
 
-/// All grades, the finest first. Of ISO lot variation, gauge interval and outermost preferred gauge (µm); of ABMA, above G200, lot variation
+/// All grades, the finest first (ISO 3290-1:2014 and ABMA Std 10A). Of ISO lot variation, gauge interval and outermost preferred gauge (µm); of ABMA, above G200, lot variation
 /// and tolerance of the nominal diameter (µm).
 pub const GRADES: &[Grade] = &[
     iso("G3", 0.13, 0.5, 5.0),

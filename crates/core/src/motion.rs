@@ -10,9 +10,9 @@
 pub struct Local {
     /// Neighbours within the radius.
     pub neighbours: usize,
-    /// D²_min; none below three neighbours.
+    /// D²_min, summed over the neighbours (square of the places' unit; Falk and Langer 1998, eq. 2.11, without the mean); none below three neighbours.
     pub d2min: Option<f64>,
-    /// A, by rows (x, z); none below three neighbours, or where all lie on one line and A is not determined.
+    /// A, the affine map Δ' ≈ A Δ of the vectors to the neighbours, by rows (x, z); none below three neighbours, or where all lie on one line and A is not determined.
     pub map: Option<[[f64; 2]; 2]>,
 }
 
@@ -52,7 +52,8 @@ pub enum MotionError {
     },
 }
 
-/// The motion around every grain between two moments, by neighbours within `radius` before; `period` along x.
+/// The motion around every grain between two moments, by neighbours within `radius` before, with `period` along x where there is one, both in the
+/// unit of the places.
 ///
 /// # Errors
 /// See [`MotionError`].

@@ -99,9 +99,9 @@ pub struct Outcome {
     pub speed: f64,
     /// Seed of the bed; none for one from a file.
     pub seed: Option<u64>,
-    /// Of the bed at rest.
+    /// Area of the grains over that of the bed at rest, of 0 to 1.
     pub volume_fraction: f64,
-    /// Of the bed at rest.
+    /// Contacts of a grain of the bed at rest, on average.
     pub coordination: f64,
     /// Mean depth at the end (d).
     pub final_depth_d: f64,

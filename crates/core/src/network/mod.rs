@@ -26,9 +26,9 @@ pub use topology::{Topology, default_thresholds};
 pub struct Contact {
     /// The grains, by number from 0.
     pub grains: [u32; 2],
-    /// Normal force; positive where it presses.
+    /// Normal force (N, or what the forces came in; only ratios matter to topology); positive where it presses.
     pub normal: f64,
-    /// Tangential force on the second grain, along the normal from the first to the second turned from x towards z. Where only
+    /// Tangential force, in the same unit, on the second grain, along the normal from the first to the second turned from x towards z. Where only
     /// sizes are known, its size.
     pub tangential: f64,
 }

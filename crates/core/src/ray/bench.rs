@@ -108,7 +108,7 @@ impl Bench {
         (thickness * (2.0 * self.radius - thickness)).sqrt().min(self.half_width)
     }
 
-    /// Follows the ray that starts at a distance `x` from the axis, 0 ≤ x ≤ half width.
+    /// Follows the ray that starts at a distance `x` (m) from the axis, 0 ≤ x ≤ half width.
     ///
     /// # Errors
     /// [`Stray`] if it does not come out of the back of the lens.

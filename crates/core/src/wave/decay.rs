@@ -24,7 +24,7 @@ pub struct Decay {
 pub struct RowPassage {
     /// Depth (m).
     pub depth: f64,
-    /// Time of arrival (s).
+    /// Time of arrival (s): when the row's first sphere reached 1 % of its own greatest speed.
     pub arrival: f64,
     /// Greatest force on a contact (N).
     pub force: f64,

@@ -46,7 +46,8 @@ impl Interface {
     }
 }
 
-/// Every two of the media, in the order of the list.
+/// What happens between every two of the media, for spheres of `diameter` (m) in a crystal of that dimension: n (n − 1)/2 interfaces of n media, pairs
+/// in the order of the list.
 pub fn interfaces(media: &[Medium], dimension: Dimension, diameter: f64, constants: Constants) -> Vec<Interface> {
     let pairs = (0..media.len()).flat_map(|a| (a + 1..media.len()).map(move |b| [a, b]));
     pairs.map(|pair| Interface::new(media, pair, dimension, diameter, constants)).collect()

@@ -83,7 +83,7 @@ pub fn sealed(value: &impl Serialize) -> Vec<u8> {
     bytes
 }
 
-/// The value of sealed bytes; none if they are damaged.
+/// The value that [`sealed`] made these bytes of; none where their checksum does not fit, or they are of another type.
 pub fn unsealed<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     let (checksum, body) = bytes.split_first_chunk::<4>()?;
     let whole = crc32fast::hash(body) == u32::from_le_bytes(*checksum);
