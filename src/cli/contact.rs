@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use granulens::contact::{AnyLaw, Constants, LawKind, Pair, collide};
 use granulens::design::Shelf;
 use granulens::report::ContactCurve;
-use granulens::units::Dimension::{Force, Length};
+use granulens::units::Dimension::{self, Force, Length};
 use serde_json::json;
 
 use super::console::{emit, emit_json, note};
@@ -49,12 +49,20 @@ pub struct Contact {
     /// CSV with the columns d,v,dmax,Fmax in SI, v > 0 closing; dmax = Fmax = 0 is a fresh contact
     #[arg(long, value_name = "FILE")]
     states: Option<PathBuf>,
-    /// Closing speeds of head-on collisions in m/s, such as 0.1,1,10
-    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with = "states")]
+    /// Closing speeds of head-on collisions in m/s, such as 0.1,1,10, or with their unit
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = speed, conflicts_with = "states")]
     speeds: Vec<f64>,
     /// Fit the law to a measurement: CSV with the columns overlap_m,force_N (slow) or speed_m_s,restitution (of closing)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["states", "speeds"])]
     fit: Option<PathBuf>,
+}
+
+/// A speed, in m/s where no unit is written.
+fn speed(text: &str) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(speed) => Ok(speed),
+        Err(_) => Dimension::Speed.parse(text).map_err(|error| error.to_string()),
+    }
 }
 
 impl Contact {
@@ -97,8 +105,8 @@ impl Contact {
                 write_picture(common, path, &curve.svg(&title, &self.paper.look()))?;
             } else {
                 return Err(Failure::input_with_help(
-                    format!("--out {}: the curve is drawn as SVG or PDF, or written as CSV", path.display()),
-                    "Let the name end in .svg, .pdf or .csv.",
+                    format!("--out {}: the curve is drawn as SVG, PDF or PNG, or written as CSV", path.display()),
+                    "Let the name end in .svg, .pdf, .png or .csv.",
                 ));
             }
             note(common, &format!("curve: {}", path.display()));

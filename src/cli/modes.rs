@@ -12,6 +12,7 @@ use super::Common;
 use super::console::{emit, emit_json, note};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
+use super::picture::{KINDS, ends_in, write_picture};
 
 /// Normal modes of a rig as it stands before it is struck, and its transmission over frequency
 ///
@@ -46,13 +47,12 @@ enum Kind {
 
 impl Kind {
     fn of(path: &Path) -> Result<Self, Failure> {
-        let is = |ending: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
-        match (is("svg"), is("csv")) {
-            (true, _) => Ok(Self::Picture),
-            (_, true) => Ok(Self::Table),
+        match () {
+            () if KINDS.iter().any(|kind| ends_in(path, kind)) => Ok(Self::Picture),
+            () if ends_in(path, "csv") => Ok(Self::Table),
             _ => Err(Failure::input_with_help(
                 format!("--out {}: is neither a picture nor a table", path.display()),
-                "Let the name end in .svg or .csv.",
+                "Let the name end in .svg, .pdf, .png or .csv.",
             )),
         }
     }
@@ -101,15 +101,18 @@ impl Modes {
         let over: Vec<f64> = (1..=self.points).map(|k| 1.2 * highest * f64::from(k) / f64::from(self.points)).collect();
         let transmission = modes.transmission(D - 1, [&first, &last], &over, self.loss);
         if let Some((path, kind)) = out {
-            let text = match kind {
-                Kind::Picture => report::transmission(&bench.name, &over, &transmission, &modes.frequencies()),
+            match kind {
+                Kind::Picture => {
+                    let picture = report::transmission(&bench.name, &over, &transmission, &modes.frequencies());
+                    write_picture(common, path, &picture)?;
+                }
                 Kind::Table => {
                     let rows =
                         over.iter().zip(&transmission).map(|(frequency, part)| format!("{frequency:?},{part:?}\n"));
-                    std::iter::once("frequency_Hz,transmission\n".to_owned()).chain(rows).collect()
+                    let text: String = std::iter::once("frequency_Hz,transmission\n".to_owned()).chain(rows).collect();
+                    write_file(common, path, &text)?;
                 }
-            };
-            write_file(common, path, &text)?;
+            }
             note(common, &format!("transmission: {}", path.display()));
         }
         let frequencies = modes.frequencies();

@@ -47,18 +47,19 @@ impl Paper {
 }
 
 /// What a figure may be written as.
-pub const KINDS: [&str; 2] = ["svg", "pdf"];
+pub const KINDS: [&str; 3] = ["svg", "pdf", "png"];
 
 /// Whether a file is to hold something of that kind.
 pub fn ends_in(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
-/// Writes a picture as the file's name says: PDF, else SVG.
+/// Writes a picture as the file's name says: PDF, PNG, else SVG.
 pub fn write_picture(common: &Common, path: &Path, svg: &str) -> Result<(), Failure> {
-    if ends_in(path, "pdf") {
-        let bytes = report::pdf(svg).map_err(|error| Failure::input(error.to_string()))?;
-        return write_bytes(common, path, &bytes);
-    }
-    write_file(common, path, svg)
+    let drawn = match () {
+        () if ends_in(path, "pdf") => report::pdf(svg),
+        () if ends_in(path, "png") => report::png(svg),
+        () => return write_file(common, path, svg),
+    };
+    write_bytes(common, path, &drawn.map_err(|error| Failure::input(format!("{}: {error}", path.display())))?)
 }

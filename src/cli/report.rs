@@ -26,9 +26,15 @@ pub struct Report {
     source: PathBuf,
     /// Layout, CSV with the header row,column,x,z,diameter,material; left out: the design's lens
     layout: Option<PathBuf>,
+    /// Draw what exchanging each sphere does to C too; simulates every sphere for each other material, some seconds to minutes
+    #[arg(long)]
+    swaps: bool,
     /// Write every figure as PDF too, for a paper
     #[arg(long)]
     pdf: bool,
+    /// Write every figure as PNG too, for slides
+    #[arg(long)]
+    png: bool,
     #[command(flatten)]
     motion: Motion,
     #[command(flatten)]
@@ -84,7 +90,12 @@ impl Report {
             return super::compare::cost(common, &design, &comparison);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(name));
-        deliver(common, &comparison, &place, Delivery { words: None, pdf: self.pdf })
+        deliver(common, &comparison, &place, Delivery { words: None, kinds: &self.kinds(), swaps: self.swaps })
+    }
+
+    /// As what figures are written beside SVG.
+    fn kinds(&self) -> Vec<&'static str> {
+        [(self.pdf, "pdf"), (self.png, "png")].into_iter().filter_map(|(wanted, kind)| wanted.then_some(kind)).collect()
     }
 
     /// Draws results anew; nothing is simulated.
@@ -110,9 +121,7 @@ impl Report {
                 let place = common.out.clone().unwrap_or_else(|| beside(&folder));
                 let folder = begin(common, &place)?;
                 report::write(&outcome, folder.path())?;
-                if self.pdf {
-                    super::run::pdfs(&outcome, &folder)?;
-                }
+                super::run::figures(&outcome, &folder, &self.kinds())?;
                 folder.finish()?;
                 super::run::tell(common, &outcome, &place);
             }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use granulens::design::AnyDesign;
-use granulens::evaluate::{Comparison, Forces, Subject, compare};
+use granulens::evaluate::{Comparison, Forces, Subject, compare, swaps};
 use granulens::layout;
 use granulens::outcome::Outcome;
 use granulens::output::Folder;
@@ -47,7 +47,7 @@ impl Run {
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
         let words = super::design::words(&design, &lens);
-        deliver(common, &comparison, &place, Delivery { words: Some(&words), pdf: false })
+        deliver(common, &comparison, &place, Delivery { words: Some(&words), kinds: &[], swaps: false })
     }
 }
 
@@ -55,8 +55,10 @@ impl Run {
 pub struct Delivery<'a> {
     /// What is said first, once it is known that the folder may be written.
     pub words: Option<&'a str>,
-    /// Whether figures are written as PDF too.
-    pub pdf: bool,
+    /// As what figures are written beside SVG: pdf, png.
+    pub kinds: &'a [&'static str],
+    /// Whether it is asked what exchanging single spheres does.
+    pub swaps: bool,
 }
 
 /// Simulates a comparison and writes its report, which appears when it is complete.
@@ -87,10 +89,18 @@ pub fn deliver(
             kept.display()
         )));
     }
-    fill(&folder, &outcome, comparison.piece())?;
-    if delivery.pdf {
-        pdfs(&outcome, &folder)?;
+    if delivery.swaps {
+        if comparison.piece().left.is_some() {
+            return Err(Failure::input_with_help(
+                "--swaps exchanges spheres in both halves alike, and the halves of this piece differ",
+                "Leave it out, or give a layout of the half x >= 0.",
+            ));
+        }
+        note(common, "simulating every exchange of a sphere ...");
+        outcome.swaps = Some(swaps(comparison.design, &comparison.subject, &comparison.plan, interrupt())?);
     }
+    fill(&folder, &outcome, comparison.piece())?;
+    figures(&outcome, &folder, delivery.kinds)?;
     folder.finish()?;
 
     tell(common, &outcome, place);
@@ -123,11 +133,17 @@ pub fn fill(folder: &Folder, outcome: &Outcome, piece: Subject<'_>) -> Result<()
     Ok(())
 }
 
-/// Every figure as PDF beside its SVG.
-pub fn pdfs(outcome: &Outcome, folder: &Folder) -> Result<(), Failure> {
+/// Every figure as PDF or PNG beside its SVG.
+pub fn figures(outcome: &Outcome, folder: &Folder, kinds: &[&str]) -> Result<(), Failure> {
+    if kinds.is_empty() {
+        return Ok(());
+    }
     for (name, svg) in report::pictures(outcome)? {
-        let bytes = report::pdf(&svg).map_err(|error| Failure::input(format!("{name}: {error}")))?;
-        folder.write(&name.replace(".svg", ".pdf"), &bytes)?;
+        for kind in kinds {
+            let drawn = if *kind == "pdf" { report::pdf(&svg) } else { report::png(&svg) };
+            let bytes = drawn.map_err(|error| Failure::input(format!("{name}: {error}")))?;
+            folder.write(&name.replace(".svg", &format!(".{kind}")), &bytes)?;
+        }
     }
     Ok(())
 }

@@ -11,7 +11,7 @@
 //! - `claims`: what was published of the thesis's lens, measured on that lens and on no other
 //! - `page`, `files`: what is written
 //! - `contact_curve`: a contact law as a picture
-//! - `look`: figures for papers; `pdf`: pictures as PDF
+//! - `look`: figures for papers; `paper`: pictures as PDF and PNG
 //! - `space`: a crystal in space, by sections and layers
 //! - `spots`: where rays pass the focal row
 //! - `trace`: rays, wavefronts and first arrivals as a picture
@@ -20,13 +20,14 @@
 //! - `histogram`: how a number is distributed; `site_map`: a number for every site
 //! - `frame`: the frame of all other pages
 //! - `chart`: lines over a quantity; `bed`: an impact on a granular bed; `ensemble`: many of them; `inside`: a force network, and how grains moved
-//! - `study`: what a search came to
+//! - `study`: what a search came to; `compared`: several side by side
 //! - `trial`: one simulated rig, from the records in its folder
 
 mod bed;
 mod chart;
 mod claims;
 mod colour;
+mod compared;
 mod contact_curve;
 mod crystal;
 mod digits;
@@ -39,8 +40,8 @@ mod labels;
 mod look;
 mod maps;
 mod page;
-mod pdf;
 mod frame;
+mod paper;
 mod profiles;
 mod site_map;
 mod space;
@@ -59,7 +60,7 @@ mod verdict;
 pub(crate) use chart::{COLOURS, Chart, Line};
 pub(crate) use colour::material as material_colour;
 pub use frame::Provenance;
-pub(crate) use frame::{Figure, Frame};
+pub(crate) use frame::{Figure, Frame, prose};
 pub(crate) use histogram::{Bound, histogram};
 pub(crate) use site_map::site_map;
 pub(crate) use svg::escape;
@@ -67,12 +68,13 @@ pub(crate) use svg::escape;
 pub use bed::{BedPictures, BedRecord, draw_bed};
 pub use claims::{Claim, claims};
 pub use colour::{Palette, scale_colours};
+pub use compared::{ComparedStudy, compared_page};
 pub use contact_curve::ContactCurve;
-pub use ensemble::draw_ensemble;
+pub use ensemble::{draw_ensemble, ensemble_page};
 pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures, spheres_csv, write, write_numbers};
 pub use inside::{View, draw_motion, draw_network};
 pub use look::Look;
-pub use pdf::{PdfError, pdf};
+pub use paper::{PaperError, pdf, png};
 pub use space::{draw_space, space_files};
 pub use spots::spot_diagram;
 pub use study::{StudyPage, study_page};
