@@ -31,6 +31,7 @@ mod svg;
 mod three_mf;
 mod walls;
 
+pub use crate::page::Hatch;
 pub use diff::{Change, changes};
 pub use dxf::dxf;
 pub use frame::{Frame, Solid};
@@ -38,7 +39,7 @@ pub use inspection::{Inspected, inspection, inspection_csv};
 pub use map::map_svg;
 pub use pages::{Paper, map_pdf};
 pub use parts::{Part, parts, parts_csv, total_cost};
-pub use piece::{Hatch, Mark, Piece};
+pub use piece::{Mark, Piece};
 pub use placement::{placement_csv, placement_pdf};
 pub use sorted::{Ball, BatchError, Placing, placings, placings_csv, read_batch};
 pub use spares::{Spares, Yield};

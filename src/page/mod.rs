@@ -1,10 +1,12 @@
-//! What all pages share: one style sheet, and colours and letters of materials that everybody can tell apart.
+//! What all pages share: one style sheet, and colours, letters and hatchings of materials that everybody can tell apart.
 //!
 //! Reports and the explorer put these into what they make; a page needs no network. Nothing here knows what a page says.
 
+mod hatch;
 mod letters;
 mod palette;
 
+pub use hatch::Hatch;
 pub(crate) use letters::letter_width;
 pub use palette::{Ink, MATERIALS, ink};
 

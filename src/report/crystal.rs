@@ -126,11 +126,14 @@ impl<'a> Crystal<'a> {
     pub fn map(&self, svg: &mut Svg, scale: &Scale, length: usize, value: impl Fn(usize) -> Option<f64>) {
         let mut levels = vec![Shapes::default(); LEVELS + 1];
         let [half, quarter] = CORNER.map(|c| c * self.diameter());
+        // To a tenth of a pixel: maps are most of a page's weight, and the stroke below closes what rounding opens.
+        let tenths = |point: [f64; 2]| point.map(|c| (c * 10.0).round() / 10.0);
         let steps = [[half, quarter], [0.0, 2.0 * quarter], [-half, quarter], [-half, -quarter], [0.0, -2.0 * quarter]];
+        let steps = steps.map(tenths);
         for index in 0..length.max(self.ground.sites.len()) {
             let chosen = value(index).map_or(LEVELS, |v| scale.level(v));
             for [x, y] in self.places(index, length) {
-                levels[chosen].closed([x, y - 2.0 * quarter], &steps);
+                levels[chosen].closed(tenths([x, y - 2.0 * quarter]), &steps);
             }
         }
         for (k, shapes) in levels.iter().enumerate() {

@@ -1,9 +1,10 @@
-//! The lens as it would be built: every sphere in true proportion and in the colour of its material.
+//! The lens as it would be built: every sphere in true proportion, with colour, letter and hatching of its material.
 
 use super::colour::{material, round_up};
 use super::crystal::{Crystal, Extent};
-use super::svg::{Anchor, Svg};
+use super::svg::{Anchor, Shapes, Svg};
 use crate::outcome::{ArrangementOutcome, Outcome};
+use crate::page::{Hatch, Ink, ink};
 
 /// Room for the crystal (px).
 const ROOM: [f64; 2] = [620.0, 900.0];
@@ -70,7 +71,40 @@ pub(super) fn spheres(svg: &mut Svg, crystal: &Crystal, materials: usize, layout
                 }
             }
         });
+        let places = (0..layout.len()).filter(|&site| usize::from(layout[site]) == index);
+        let places: Vec<[f64; 2]> = places.flat_map(|site| crystal.places(site).collect::<Vec<_>>()).collect();
+        mark(svg, index, &places, radius);
     }
+}
+
+/// Smaller spheres (px) bear no letters, which nobody could read.
+const LEGIBLE: f64 = 5.0;
+
+/// Hatching and letter of a material on its spheres, by which it is known without its colour; the host, of which most are, is the one without.
+fn mark(svg: &mut Svg, index: usize, places: &[[f64; 2]], radius: f64) {
+    let Ink { text, letter, .. } = ink(index);
+    let mut lines = Shapes::default();
+    // Lines that would cross the letter are left out.
+    let chords = Hatch::of(index).chords(radius).into_iter();
+    let chords: Vec<_> =
+        chords.filter(|[a, b]| (0.5 * (a[0] + b[0])).hypot(0.5 * (a[1] + b[1])) > 0.3 * radius).collect();
+    for [x, y] in places {
+        for [a, b] in &chords {
+            lines.segment([x + a[0], y + a[1]], [x + b[0], y + b[1]]);
+        }
+    }
+    svg.path(lines.data(), &format!(r#"fill="none" stroke="{text}" stroke-opacity="0.4" stroke-width="0.8""#));
+    // Where most are of the host, a letter on each would hide the others; the legend names it.
+    if radius >= LEGIBLE && (index > 0 || places.len() == 1) {
+        svg.letters(letter, places, radius, text);
+    }
+}
+
+/// A sphere of a material, for legends.
+pub(super) fn swatch(svg: &mut Svg, at: [f64; 2], index: usize) {
+    const RADIUS: f64 = 8.0;
+    svg.circle(at, RADIUS, &format!(r##"fill="{}" stroke="#444" stroke-width="0.5""##, material(index)));
+    mark(svg, index, &[at], RADIUS);
 }
 
 pub(super) fn axis(svg: &mut Svg, crystal: &Crystal) {
@@ -98,8 +132,7 @@ fn legend(svg: &mut Svg, outcome: &Outcome, arrangement: &ArrangementOutcome, to
             continue;
         }
         let role = super::page::role(outcome, index);
-        let style = format!(r##"fill="{}" stroke="#444" stroke-width="0.5""##, material(index));
-        svg.circle([left, y], 8.0, &style);
+        swatch(svg, [left, y], index);
         svg.text([left + 16.0, y + 4.0], 12.0, Anchor::Start, "", &format!("{name}{role}, {whole} spheres"));
         y += 21.0;
     }

@@ -3,9 +3,9 @@
 use super::chart::{COLOURS, Chart, Line};
 use super::crystal::{Crystal, Extent, Ground};
 use super::digits::significant;
+use super::drawing;
 use super::frame::{self, Figure, Frame, Provenance};
 use super::svg::{Anchor, Svg, escape};
-use super::{colour, drawing};
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::outcome::Word;
@@ -98,7 +98,7 @@ fn verdict(state: &State) -> String {
     };
     let lines: String = RATIOS.into_iter().filter_map(line).collect();
     format!(
-        "{kept}, after {} evaluations. Of single scores nothing is decided within 4 %.</p>\n<ul>\n{lines}</ul>\n",
+        "{kept}, after {} evaluations. Of single scores nothing is decided within 4\u{a0}%.</p>\n<ul>\n{lines}</ul>\n",
         state.evaluations
     )
 }
@@ -233,8 +233,7 @@ fn best(study: &StudyPage<'_>, layout: &Layout) -> String {
     crystal.row_numbers(&mut svg, 11.0);
     for (line, &k) in used.iter().enumerate() {
         let y = CORNER[1] + height + 36.0 + 21.0 * line as f64;
-        let style = format!(r##"fill="{}" stroke="#444" stroke-width="0.5""##, colour::material(k));
-        svg.circle([CORNER[0] + 8.0, y], 8.0, &style);
+        drawing::swatch(&mut svg, [CORNER[0] + 8.0, y], k);
         let text = format!("{}, {} spheres of the piece", layout.palette[k].name, counts[k]);
         svg.text([CORNER[0] + 24.0, y + 4.0], 12.0, Anchor::Start, "", &text);
     }

@@ -190,6 +190,19 @@ impl Svg {
         let _ = writeln!(self.body, r#"<circle cx="{x}" cy="{y}" r="{radius}" {attributes}/>"#);
     }
 
+    /// One letter about many points, as large as `size`.
+    pub fn letters(&mut self, letter: char, places: &[[f64; 2]], size: f64, fill: &str) {
+        let (height, escaped) = (Px(size), escape(&letter.to_string()));
+        let _ =
+            writeln!(self.body, r#"<g fill="{fill}" font-size="{height}" font-weight="bold" text-anchor="middle">"#);
+        for &[x, y] in places {
+            // Capitals are some 0.72 of their size high.
+            let (x, y) = (Px(x), Px(y + 0.36 * size));
+            let _ = write!(self.body, r#"<text x="{x}" y="{y}">{escaped}</text>"#);
+        }
+        self.body.push_str("\n</g>\n");
+    }
+
     /// A line of text of the given size, escaped; the point lies on its baseline.
     pub fn text(&mut self, [x, y]: [f64; 2], size: f64, anchor: Anchor, attributes: &str, text: &str) {
         let text = typeset(&escape(text), size);
@@ -260,16 +273,25 @@ impl Shapes {
     /// A closed shape: where it starts, then steps from corner to corner.
     pub fn closed(&mut self, start: [f64; 2], steps: &[[f64; 2]]) {
         onto(&mut self.d, 'M', start);
+        let mut before = 'M';
         for &[x, y] in steps {
             // A letter for steps along an axis, and no blank before a sign.
             let (mut across, mut down) = (String::new(), String::new());
             Px(x).onto(&mut across);
             Px(y).onto(&mut down);
-            match (across.as_str(), down.as_str()) {
-                ("0", _) => self.d.push('v'),
-                (_, "0") => self.d.push('h'),
-                _ => self.d.push('l'),
+            let letter = match (across.as_str(), down.as_str()) {
+                ("0", _) => 'v',
+                (_, "0") => 'h',
+                _ => 'l',
+            };
+            // A letter holds until the next; a sign parts numbers as a blank does.
+            let goes_on = letter == 'l' && before == 'l';
+            if !goes_on {
+                self.d.push(letter);
+            } else if !across.starts_with('-') {
+                self.d.push(' ');
             }
+            before = letter;
             if across != "0" {
                 self.d.push_str(&across);
             }

@@ -1,8 +1,7 @@
 //! Rays, wavefronts and first arrivals on paper.
 
-use super::colour::material;
 use super::crystal::{Crystal, Extent, Ground};
-use super::drawing::{axis, impact, spheres};
+use super::drawing::{axis, impact, spheres, swatch};
 use super::svg::{Anchor, Shapes, Svg};
 use crate::outcome::{Front, Traced};
 use crate::units::Dimension;
@@ -97,7 +96,7 @@ fn legend(svg: &mut Svg, traced: &Traced, top: f64) {
     let left = MARGIN[0] + 8.0;
     for (k, name) in traced.materials.iter().enumerate() {
         let y = top + 21.0 * k as f64;
-        svg.circle([left, y], 8.0, &format!(r##"fill="{}" stroke="#444" stroke-width="0.5""##, material(k)));
+        swatch(svg, [left, y], k);
         svg.text([left + 16.0, y + 4.0], 12.0, Anchor::Start, "", name);
     }
     let first = match traced.decays.is_empty() {
