@@ -2,8 +2,8 @@
 
 use super::chart::{COLOURS, Chart, Line};
 use super::colour::Scale;
-use super::frame::{Figure, Frame, Provenance};
-use super::svg::{Anchor, Svg, escape};
+use super::frame::{Figure, Frame, Provenance, prose};
+use super::svg::{Anchor, Svg};
 use crate::bed::{Bed, BedImpact, Course, Disk, Measures, Moment, Sound};
 
 /// The pictures of an impact by their file names, and a page with all of them.
@@ -41,8 +41,7 @@ pub fn draw_bed(name: &str, record: &BedRecord<'_>, words: &str, provenance: Pro
         ("pair-correlation.svg", correlation(name, measures)),
     ];
     pictures.extend(heard.map(|heard| ("sound.svg", sound(name, heard))));
-    let words = words.lines().map(escape).collect::<Vec<_>>().join("\n");
-    let verdict = format!("<pre>{words}</pre>\n");
+    let verdict = prose(words);
     let figures = pictures.iter().map(|(file, svg)| {
         let (caption, numbers) = match *file {
             "depth.svg" => ("Depth of the intruder's lowest point below the surface before the impact.", "impact.csv"),

@@ -54,6 +54,7 @@ pub fn pictures(outcome: &Outcome) -> Result<Vec<(&'static str, String)>, Report
         ("dissipation.svg", maps::dissipation(outcome, lens)),
         ("forces.svg", maps::forces(outcome, lens)),
     ]);
+    pictures.extend(outcome.swaps.as_ref().map(|swaps| ("swaps.svg", maps::swaps(outcome, lens, swaps))));
     Ok(pictures)
 }
 

@@ -9,7 +9,7 @@ use crate::output::digest;
 
 /// A picture on a page.
 pub struct Figure<'a> {
-    /// Its file beside the page.
+    /// Its file beside the page; empty where there is none.
     pub file: &'a str,
     /// Itself.
     pub svg: &'a str,
@@ -100,6 +100,11 @@ const FIRST: usize = 3;
 impl Frame<'_> {
     /// As HTML that needs no network.
     pub fn html(&self) -> String {
+        self.html_with("")
+    }
+
+    /// The same with a script at its end, for what answers the pointer; without script the page says all it says.
+    pub fn html_with(&self, script: &str) -> String {
         let title = escape(self.title);
         let mut html = format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -117,7 +122,8 @@ impl Frame<'_> {
         if !others.is_empty() {
             let _ = writeln!(html, "<section>\n<h2>Further figures</h2>\n{}</section>", figures(others, first.len()));
         }
-        html + &self.provenance.html() + "</main>\n</body>\n</html>\n"
+        let script = if script.is_empty() { String::new() } else { format!("<script>\n{script}</script>\n") };
+        html + &self.provenance.html() + "</main>\n" + &script + "</body>\n</html>\n"
     }
 }
 
@@ -125,7 +131,8 @@ fn figures(figures: &[Figure<'_>], before: usize) -> String {
     let mut html = String::new();
     for (k, Figure { file, svg, caption, numbers }) in figures.iter().enumerate() {
         let link = |file: &str| format!("<a href=\"{0}\">{0}</a>", escape(file));
-        let links: Vec<String> = std::iter::once(*file).chain(numbers.as_deref()).map(link).collect();
+        let links = std::iter::once(*file).chain(numbers.as_deref()).filter(|file| !file.is_empty()).map(link);
+        let links: Vec<String> = links.collect();
         let _ = writeln!(
             html,
             "<figure>\n{svg}<figcaption><b>Figure {}.</b> {} <span class=\"quiet\">{}</span></figcaption>\n</figure>",
@@ -151,4 +158,40 @@ pub(crate) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
     let rows: String =
         rows.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", &mut row.iter().map(String::as_str)))).collect();
     format!("<div class=\"wide\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n")
+}
+
+/// Words of a terminal as HTML: its tables as tables, every other line as a paragraph.
+pub(crate) fn prose(text: &str) -> String {
+    let mut html = String::new();
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for line in text.lines().chain([""]) {
+        let cells = line.strip_prefix("| ").and_then(|line| line.trim_end().strip_suffix(" |"));
+        match cells {
+            Some(cells) => rows.push(cells.split(" | ").map(|cell| cell.trim().to_owned()).collect()),
+            // The rule below the heads.
+            None if line.starts_with("|---") => {}
+            None => {
+                if let Some((head, body)) = rows.split_first() {
+                    html += &table(&head.iter().map(String::as_str).collect::<Vec<_>>(), body);
+                    rows.clear();
+                }
+                if !line.trim().is_empty() {
+                    let _ = writeln!(html, "<p>{}</p>", escape(line));
+                }
+            }
+        }
+    }
+    html
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_of_a_terminal_are_tables() {
+        let html = prose("first < line\n\n| a | b |\n|---|---|\n| 1 | - |\nlast\n");
+        let table = table(&["a", "b"], &[vec!["1".to_owned(), "-".to_owned()]]);
+        assert_eq!(html, format!("<p>first &lt; line</p>\n{table}<p>last</p>\n"));
+    }
 }

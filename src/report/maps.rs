@@ -4,6 +4,7 @@ use super::colour::{Scale, round_up};
 use super::crystal::{Crystal, Extent};
 use super::summary::{CONTRAST, FOCAL, Line, PROTECTED};
 use super::svg::{Anchor, Svg};
+use crate::evaluate::Swaps;
 use crate::outcome::{ArrangementOutcome, Outcome};
 
 /// Lines between materials in a map, and rays: white within dark, to be seen on either end of the colours.
@@ -237,6 +238,22 @@ pub fn forces(outcome: &Outcome, lens: &ArrangementOutcome) -> String {
         (second, Box::new(share), [false, false]),
     ];
     panels(outcome, &title, [392.0, 620.0], shown)
+}
+
+/// What the best exchange of each sphere does to C, both signs equally strong.
+pub fn swaps(outcome: &Outcome, lens: &ArrangementOutcome, swaps: &Swaps) -> String {
+    let changes: Vec<f64> = swaps.each.iter().map(|swap| swap.change.unwrap_or(f64::NAN)).collect();
+    let most = changes.iter().copied().filter(|c| c.is_finite()).fold(1e-9_f64, |most, c| most.max(c.abs()));
+    let title = format!("{}: what exchanging a sphere does to C", outcome.manifest.name);
+    let panel = Panel {
+        heading: "one sphere exchanged, in both halves",
+        scale: Scale::diverging(-most, most),
+        label: "change of C (%)",
+        unit: 0.01,
+        arrangement: lens,
+        with_rays: false,
+    };
+    panels(outcome, &title, [560.0, 760.0], [(panel, Box::new(|index| at(&changes, index)) as Values, [false, false])])
 }
 
 /// Whether a value in the lists lies above the scale.

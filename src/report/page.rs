@@ -53,7 +53,11 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
     // The telling ones first, then the others.
     let (mut lead, mut further) = (Vec::new(), Vec::new());
     for (file, svg) in pictures {
-        let numbers = if matches!(*file, "layout.svg" | "spots.svg") { None } else { Some("spheres.csv") };
+        let numbers = match *file {
+            "layout.svg" | "spots.svg" => None,
+            "swaps.svg" => Some("outcome.json"),
+            _ => Some("spheres.csv"),
+        };
         let figure = context! { file => *file, svg, caption => caption(outcome, file), numbers };
         match LEAD.iter().position(|name| name == file) {
             Some(place) => lead.push((place, figure)),
@@ -353,6 +357,13 @@ fn caption(outcome: &Outcome, file: &str) -> String {
         "profiles.svg" => format!(
             "Greatest kinetic energy across rows {shown}, from the axis to the rim. {peaks}{means} Each panel row has its own energy scale."
         ),
+        "swaps.svg" => {
+            let noise = outcome.swaps.as_ref().map_or(0.0, |swaps| 100.0 * swaps.noise);
+            format!(
+                "What it does to C to exchange a sphere, in both halves alike, for that other material of the layout which is best there, under the design's own force: red where C \
+                 gains, blue where it loses. Changes below {noise:.1} % are within what a change of the force by 1 % does."
+            )
+        }
         "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
         "forces.svg" => format!("Greatest net contact force on each sphere of {first}. Left: as it is, logarithmic. Right: over the greatest of its row, which takes the decay with depth away. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left."),
         _ => String::new(),

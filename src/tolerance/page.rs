@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::criterion::Criterion;
 use super::samples::Samples;
 use super::told::Told;
-use crate::report::{Bound, Figure, Frame, Provenance, escape, histogram};
+use crate::report::{Bound, Figure, Frame, Provenance, escape, histogram, prose};
 use crate::score::Measure;
 
 /// The file beside the page that holds its numbers.
@@ -52,7 +52,10 @@ pub fn page(
     told.assumed.iter().chain(&told.warnings).for_each(|line| {
         let _ = write!(html, "<li>{}</li>", escape(line));
     });
-    let _ = write!(html, "</ul>\n<pre>{}</pre>\n", escape_lines(&told.words()));
+    // What is assumed stands above.
+    let words = told.words();
+    let rest: Vec<&str> = words.lines().filter(|line| !told.assumed.iter().any(|known| known == line)).collect();
+    let _ = write!(html, "</ul>\n{}", prose(&rest.join("\n")));
     let figures = pictures.iter().enumerate().map(|(k, svg)| Figure {
         file: NUMBERS,
         svg,
@@ -71,9 +74,4 @@ pub fn page(
         provenance,
     };
     frame.html()
-}
-
-/// Line by line: line ends are kept.
-fn escape_lines(text: &str) -> String {
-    text.lines().map(escape).collect::<Vec<_>>().join("\n")
 }

@@ -8,7 +8,7 @@ use granulens::bed::{
 use granulens::chance::Mean;
 use granulens::dem::rig::RigStop;
 use granulens::output;
-use granulens::report::draw_ensemble;
+use granulens::report::{Provenance, draw_ensemble, ensemble_page};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -69,12 +69,16 @@ pub fn run(common: &Common, path: &Path, file: &BedFile, ensemble: &Ensemble, fr
     numbers["name"] = json!(file.name);
     numbers["cells"] = json!(cells);
     numbers["impacts"] = json!(outcomes);
-    numbers["scaling"] = json!(scaling(ensemble, &outcomes, &file.impact));
+    let scaling = scaling(ensemble, &outcomes, &file.impact);
+    numbers["scaling"] = json!(scaling);
     write_file(common, &folder.join("ensemble.json"), &pretty(&numbers))?;
     write_file(common, &folder.join("ensemble.csv"), &table(&cells))?;
     write_file(common, &folder.join("impacts.csv"), &rows(&outcomes))?;
     write_file(common, &folder.join("bed.toml"), &file.text)?;
-    write_file(common, &folder.join("depth.svg"), &draw_ensemble(&file.name, &cells))?;
+    let picture = draw_ensemble(&file.name, &cells);
+    write_file(common, &folder.join("depth.svg"), &picture)?;
+    let page = ensemble_page(&file.name, &cells, &scaling, &picture, provenance(file, &samples));
+    write_file(common, &folder.join("ensemble.html"), &page)?;
     if common.json {
         emit_json(&numbers);
     } else {
@@ -83,6 +87,17 @@ pub fn run(common: &Common, path: &Path, file: &BedFile, ensemble: &Ensemble, fr
     note(common, &format!("tables and figure: {}", folder.display()));
     let stops: Vec<String> = outcomes.iter().filter_map(|outcome| outcome.stop.clone()).collect();
     if stops.is_empty() { Ok(()) } else { Err(Failure::Guard(stops)) }
+}
+
+/// What repeats an ensemble.
+fn provenance(file: &BedFile, samples: &[Sample]) -> Provenance {
+    let path = file.path.display().to_string();
+    let method = BedMethod::of(&file.impact);
+    let seeds: Vec<String> = samples.iter().filter_map(|sample| Some(sample.seed?.to_string())).collect();
+    Provenance::new(format!("granulens impact {path}"), path, file.text.clone())
+        .with("granulens", method.build())
+        .with("Method", method.words())
+        .with("Random seeds of the beds", if seeds.is_empty() { "none".to_owned() } else { seeds.join(", ") })
 }
 
 /// The beds, of successive seeds; those that are not kept settle now, side by side.

@@ -4,12 +4,15 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use granulens::input;
+use granulens::report::{ComparedStudy, Provenance, compared_page};
 use granulens::study::{Report, Spread};
+use granulens::units::Dimension::Time;
 use serde_json::json;
 
-use crate::cli::Common;
-use crate::cli::console::{emit, emit_json};
+use crate::cli::console::{emit, emit_json, note};
 use crate::cli::failure::Failure;
+use crate::cli::folder::write_file;
+use crate::cli::{Common, command_line};
 
 #[derive(clap::Args)]
 pub struct Compare {
@@ -39,8 +42,32 @@ impl Compare {
         } else {
             emit(&table(&rows, alike, same_step));
         }
+        if let Some(path) = &common.out {
+            let words = table(&rows, alike, same_step);
+            let studies: Vec<ComparedStudy<'_>> = rows
+                .iter()
+                .map(|row| ComparedStudy { name: &row.name, report: &row.report, soon: row.soon, differs: row.differs })
+                .collect();
+            write_file(common, path, &compared_page(&studies, alike, &words, provenance(&rows)))?;
+            note(common, &format!("page: {}", path.display()));
+        }
         Ok(())
     }
+}
+
+/// What repeats the page: the studies' own commands are on their pages.
+fn provenance(rows: &[Row]) -> Provenance {
+    let mut provenance = Provenance::new(command_line(), String::new(), String::new())
+        .with("granulens", format!("{}, commit {}", granulens::outcome::VERSION, granulens::outcome::COMMIT));
+    for row in rows {
+        let report = &row.report;
+        let step =
+            report.method.as_ref().map_or(String::new(), |method| format!(", step {}", Time.show(method.step_s)));
+        let problem = report.problem.clone().unwrap_or_else(|| "unknown".to_owned());
+        let facts = format!("{}, seed {}{step}, problem {problem}", report.study, report.seed);
+        provenance = provenance.with(&row.name, facts);
+    }
+    provenance
 }
 
 /// Studies side by side.

@@ -62,6 +62,8 @@ enum Job {
     /// Write a study's best layout, or its journal as a table
     Export(export::Export),
     /// Compare studies that have been run: what each came to, how fast, and how much their best layouts differ
+    ///
+    /// With --out, a page with the same and how each converged.
     Compare(compare::Compare),
 }
 

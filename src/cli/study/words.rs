@@ -156,7 +156,7 @@ fn remarks(best: &Found) -> String {
     };
     let count = |measure: Measure| best.scores.get(measure).unwrap_or_default();
     format!(
-        "evaluation {}, {limits}{proof}; {} spheres of the piece not of the host, {} of the half's alone",
+        "evaluation {}, {limits}{proof}; {} spheres of the piece not of the host; in the half {} touch none of their material",
         best.evaluation,
         count(Measure::PieceSpheres),
         count(Measure::Lone)

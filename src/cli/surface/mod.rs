@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::builder::PossibleValuesParser;
 use granulens::design::Shelf;
 use granulens::material::{Material, MaterialError, library};
-use granulens::report::{self, Look};
+use granulens::report::{self, Look, Provenance};
 use granulens::units::Dimension as Unit;
 use granulens::wave::{self, Axis, Kind, Medium, Point, Setting, Surface as Grid, Value};
 
@@ -15,7 +15,7 @@ use super::console::{emit_json, note};
 use super::failure::Failure;
 use super::folder::{probe_all, write_file};
 use super::picture::{KINDS, Paper, ends_in, write_picture};
-use super::{Common, Crystal};
+use super::{Common, Crystal, command_line};
 use tables::{grid_json, list};
 
 const AXES: [&str; 7] = ["stiffness", "density", "yield-stress", "modulus", "radius", "amplitude", "dimension"];
@@ -160,6 +160,18 @@ fn cheapest_first<T>(list: &mut [T], price: impl Fn(&T) -> Option<f64>) {
     list.sort_by(|a, b| price(a).unwrap_or(f64::INFINITY).total_cmp(&price(b).unwrap_or(f64::INFINITY)));
 }
 
+/// What repeats a surface.
+fn provenance(setting: &Setting) -> Provenance {
+    let mut provenance = Provenance::new(command_line(), String::new(), String::new())
+        .with("granulens", format!("{}, commit {}", granulens::outcome::VERSION, granulens::outcome::COMMIT))
+        .with("Fitted constants", setting.constants.name())
+        .with("Diameter", Unit::Length.show(setting.diameter));
+    if let Some(amplitude) = setting.amplitude {
+        provenance = provenance.with("Force of a contact", format!("{amplitude} F_p"));
+    }
+    provenance
+}
+
 impl Surface {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let shelf = self.materials.as_ref().map(Shelf::read).transpose()?.unwrap_or_default();
@@ -194,8 +206,8 @@ impl Surface {
         };
         if !(ends_in(out, "html") || KINDS.iter().any(|kind| ends_in(out, kind))) {
             return Err(Failure::input_with_help(
-                format!("--out {}: the surface is drawn as SVG, as PDF or as a page", out.display()),
-                "Let the name end in .svg, .pdf or .html; the numbers go to a .csv beside it.",
+                format!("--out {}: the surface is drawn as SVG, PDF or PNG, or as a page", out.display()),
+                "Let the name end in .svg, .pdf, .png or .html; the numbers go to a .csv beside it.",
             ));
         }
         let look = Look { labelled: self.labelled(&media)?, ..self.paper.look() };
@@ -203,7 +215,7 @@ impl Surface {
         probe_all(common, &[Some(out), Some(&table)])?;
         let (grid, points) = self.grid(&media, &setting)?;
         match ends_in(out, "html") {
-            true => write_file(common, out, &report::surface_page(&grid, &points)?)?,
+            true => write_file(common, out, &report::surface_page(&grid, &points, provenance(&setting)))?,
             false => write_picture(common, out, &report::surface(&grid, &points, &look))?,
         }
         write_file(common, &table, &report::surface_csv(&grid, &points))?;
