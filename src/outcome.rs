@@ -113,6 +113,9 @@ pub struct Outcome<S = Site, R = Region, P = Proposal> {
     pub proposal: Option<P>,
     /// The lens first, then its baselines.
     pub arrangements: Vec<ArrangementOutcome>,
+    /// What exchanging single spheres of the first does, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub swaps: Option<crate::evaluate::Swaps>,
     /// What a reader should know before trusting the numbers.
     pub warnings: Vec<String>,
 }

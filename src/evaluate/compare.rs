@@ -191,6 +191,7 @@ impl<'a> Comparison<'a> {
             forces,
             verdict,
             proposal: self.proposal.clone(),
+            swaps: None,
             arrangements,
             warnings,
         }

@@ -10,7 +10,7 @@
 //! - `glance`: what is guessed without a simulation; `glimpse`: a comparison by energies alone, as fast as it can be
 //! - `laws`: one layout under several contact laws; `rank`: which material and family
 //! - `held`: the whole piece between mirrors, or in a frame; `settle`: how unequal spheres lie in it under gravity
-//! - `sensitivity`: how scores change with every sphere, by the adjoint
+//! - `sensitivity`: how scores change with every sphere, by the adjoint; `swaps`: what exchanging single spheres does
 //! - `whole`: pieces whose halves differ
 //! - `space`: crystals in space: lens, baselines and strips in lanes
 //! - `made`: laws that gave back more than was put in
@@ -32,6 +32,7 @@ mod sensitivity;
 mod settle;
 mod space;
 mod stiffest;
+mod swaps;
 mod traced;
 mod verdict;
 mod whole;
@@ -53,6 +54,7 @@ pub use settle::SettleError;
 pub use space::{
     SpaceBeside, SpaceComparison, beside_in_space, compare_in_space, evaluate_in_space, impact_in_space, strips,
 };
+pub use swaps::{Swap, Swaps, swaps};
 pub use traced::{trace_arrivals, trace_fronts, trace_lens};
 pub use whole::Subject;
 

@@ -11,6 +11,31 @@ const site = (page, row, column) => page.evaluate(([row, column]) => {
   return [box.left + box.width / 2 + sites.x[i] * scale, box.top + (0.8 + sites.z[i]) * scale, i];
 }, [row, column]);
 
+export async function a_map_says_what_exchanging_a_sphere_does(desk) {
+  desk.write("small.toml", SMALL);
+  await desk.explore("small.toml");
+  const page = await desk.page({ height: 1200 });
+  await desk.rest(page);
+  await page.click("#paint");
+  await page.click("#swaps");
+  await page.waitForFunction(() => document.getElementById("legend").textContent.includes("chance"), null, { timeout: 120000 });
+  await picture(page, "swaps");
+  // The best exchange, painted, is worth at the same step what the map said.
+  const answer = await page.evaluate(async () => {
+    const { state } = granulens;
+    const ask = (name, question) => fetch(`./api/${name}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ tab: "t", text: state.text, ...question }) }).then((answer) => answer.json());
+    const found = await ask("swaps", { layout: null });
+    const best = found.each.reduce((a, b, i) => (b.change > found.each[a].change ? i : a), 0);
+    const { palette } = state.lens;
+    const materials = state.lens.materials.slice();
+    materials[best] = palette.indexOf(found.each[best].material);
+    const scene = await ask("scene", { layout: { palette, materials }, detail: "coarse" });
+    return { count: found.each.length, sites: state.sites.x.length, drawn: found.contrast, change: found.each[best].change, contrast: scene.numbers.arrangements[0].scores.contrast };
+  });
+  equal(answer.count, answer.sites);
+  assert(answer.change > 0 && Math.abs(answer.contrast / answer.drawn - 1 - answer.change) < 1e-9, JSON.stringify(answer));
+}
+
 export async function painting_by_hand_is_scored_as_the_command_line_does(desk) {
   desk.write("small.toml", SMALL);
   await desk.explore("small.toml");

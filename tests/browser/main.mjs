@@ -1,12 +1,13 @@
 // Runs the tests: every export of the files below, or those that are named.
 
 import * as design from "./design.mjs";
+import * as firefox from "./firefox.mjs";
 import * as hands from "./hands.mjs";
 import * as safety from "./safety.mjs";
 import { Desk, closeBrowser } from "./desk.mjs";
 
 const wanted = process.argv.slice(2);
-const all = Object.entries({ ...safety, ...design, ...hands });
+const all = Object.entries({ ...safety, ...design, ...hands, ...(process.env.FIREFOX ? firefox : {}) });
 let failed = 0;
 for (const [name, test] of all.filter(([name]) => !wanted.length || wanted.includes(name))) {
   const desk = new Desk();

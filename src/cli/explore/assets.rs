@@ -7,7 +7,7 @@ use super::server::Answer;
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// The modules of the page.
-const MODULES: [(&str, &str); 16] = [
+const MODULES: [(&str, &str); 17] = [
     ("app.js", include_str!("page/app.js")),
     ("ask.js", include_str!("page/ask.js")),
     ("chart.js", include_str!("page/chart.js")),
@@ -22,6 +22,7 @@ const MODULES: [(&str, &str); 16] = [
     ("save.js", include_str!("page/save.js")),
     ("state.js", include_str!("page/state.js")),
     ("study.js", include_str!("page/study.js")),
+    ("swaps.js", include_str!("page/swaps.js")),
     ("surface.js", include_str!("page/surface.js")),
     ("words.js", include_str!("page/words.js")),
 ];

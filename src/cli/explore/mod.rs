@@ -5,6 +5,7 @@
 //! - `desk`: a design under somebody's hands: its text, changes to it, what rays say
 //! - `scene`: a layout under the design's impact: energies, scores, verdict
 //! - `play`: the wave, frame by frame; `rank`: which material; `surface`: the design surface; `study`: searches
+//! - `swaps`: what exchanging single spheres does
 //! - `save`: design, layout and report as files
 
 mod assets;
@@ -16,6 +17,7 @@ mod scene;
 mod server;
 mod study;
 mod surface;
+mod swaps;
 mod work;
 
 use std::path::{Path, PathBuf};

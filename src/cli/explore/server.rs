@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use tiny_http::{Method, Request};
 
 use super::work::{Work, caught};
-use super::{Opened, assets, desk, play, rank, save, scene, study, surface};
+use super::{Opened, assets, desk, play, rank, save, scene, study, surface, swaps};
 use crate::cli::failure::Failure;
 
 /// Longest body of a request (bytes): a layout of a million spheres.
@@ -63,7 +63,12 @@ pub struct Shared {
     /// One save at a time.
     pub saving: Mutex<()>,
     pub study: study::Runner,
+    /// Threads for proposals alone: those of simulations are busy for tenths of a second at a time, and a drag is to be followed meanwhile.
+    proposals: rayon::ThreadPool,
 }
+
+/// Threads for proposals.
+const PROPOSING: usize = 4;
 
 /// A server that listens.
 pub struct Server {
@@ -84,8 +89,18 @@ impl Server {
         let mut token = [0; 16];
         getrandom::fill(&mut token).map_err(|error| fail("there are no random numbers", &error))?;
         let token = token.map(|byte| format!("{byte:02x}")).concat();
-        let shared =
-            Shared { opened, work: Work::default(), saving: Mutex::default(), study: study::Runner::default() };
+        let threads = rayon::current_num_threads().min(PROPOSING);
+        let proposals = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|error| fail("there are no threads", &error))?;
+        let shared = Shared {
+            opened,
+            work: Work::default(),
+            saving: Mutex::default(),
+            study: study::Runner::default(),
+            proposals,
+        };
         Ok(Self { listener: Arc::new(listener), here, token, shared: Arc::new(shared) })
     }
 
@@ -245,11 +260,12 @@ fn admitted(request: &mut Request, gate: &Gate, shared: &Shared) -> Answer {
 fn asked(name: &str, body: &[u8], shared: &Shared) -> Answer {
     let answer = caught(|| match name {
         "open" => Ok(Answer::json(&desk::opened(&shared.opened))),
-        "design" => of(body, |asked| desk::look(asked, shared)),
+        "design" => of(body, |asked| shared.proposals.install(|| desk::look(asked, shared))),
         "scene" => of(body, |asked| scene::simulate(asked, shared)),
         "cancel" => of(body, |asked| scene::cancel(&asked, shared)),
         "play" => asks(body).and_then(|asked| play::play(&asked, shared)),
         "rank" => of(body, |asked| rank::ranking(&asked, shared)),
+        "swaps" => of(body, |asked| swaps::map(&asked, shared)),
         "surface" => of(body, |asked| surface::show(&asked, shared)),
         "studies" => study::list(shared).map(|value| Answer::json(&value)),
         "study" => of(body, |asked| study::show(&asked, shared)),

@@ -96,8 +96,27 @@ export class Crystal {
     return this.ranges.get(row) ?? null;
   }
 
-  /// Draws: `fill(i)` gives a sphere's colour, `letter(i)` what stands on it and in which colour, or null.
-  draw({ fill, letter = null, chosen = -1, lines = [] }) {
+  /// A sphere of a colour, drawn once: what moves is made of copies, which cost a tenth of circles.
+  sprite(colour, radius) {
+    const key = `${colour} ${radius} ${this.dots}`;
+    this.sprites ??= new Map();
+    const known = this.sprites.get(key);
+    if (known) return known;
+    if (this.sprites.size > 500) this.sprites.clear();
+    const sprite = document.createElement("canvas");
+    sprite.width = sprite.height = Math.ceil(2 * (radius + 1) * this.dots);
+    const ctx = sprite.getContext("2d");
+    ctx.setTransform(this.dots, 0, 0, this.dots, sprite.width / 2, sprite.height / 2);
+    ctx.fillStyle = colour;
+    ctx.beginPath();
+    ctx.arc(0, 0, radius, 0, 2 * Math.PI);
+    ctx.fill();
+    this.sprites.set(key, sprite);
+    return sprite;
+  }
+
+  /// Draws: `fill(i)` gives a sphere's colour, `letter(i)` what stands on it and in which colour, or null; `quick` while something moves.
+  draw({ fill, letter = null, chosen = -1, lines = [], quick = false }) {
     if (!this.sites || !this.scale) return;
     const ctx = this.canvas.getContext("2d");
     ctx.setTransform(this.dots, 0, 0, this.dots, 0, 0);
@@ -114,7 +133,17 @@ export class Crystal {
       else byColour.set(colour, [i]);
     }
     const drawn = Math.max(radius - (radius > 5 ? 0.4 : 0), 0.7);
-    for (const [colour, list] of byColour) {
+    for (const [colour, list] of quick ? byColour : []) {
+      const sprite = this.sprite(colour, drawn);
+      const half = sprite.width / 2 / this.dots;
+      for (const i of list) {
+        for (const side of x[i] > 1e-9 ? [1, -1] : [1]) {
+          const [px, py] = this.place(side * x[i], z[i]);
+          ctx.drawImage(sprite, px - half, py - half, 2 * half, 2 * half);
+        }
+      }
+    }
+    for (const [colour, list] of quick ? [] : byColour) {
       ctx.fillStyle = colour;
       ctx.beginPath();
       for (const i of list) {

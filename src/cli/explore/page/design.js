@@ -5,7 +5,8 @@ import { Crystal, Scale, quantile } from "./crystal.js";
 import { beginStroke, buildPaint, endStroke, paintAt, painting } from "./paint.js";
 import { profile } from "./profile.js";
 import { state } from "./state.js";
-import { digits, make, quantity } from "./words.js";
+import { askSwaps, swaps } from "./swaps.js";
+import { digits, make, percent, quantity } from "./words.js";
 
 const MAPS = [
   ["materials", "materials"],
@@ -13,6 +14,7 @@ const MAPS = [
   ["arrival", "arrival", "s"],
   ["max_net_force", "greatest net force", "N"],
   ["dissipated", "dissipated energy", "J"],
+  ["swaps", "what exchanging a sphere does to C"],
 ];
 
 let crystal;
@@ -29,7 +31,7 @@ export function buildPicture() {
   const map = document.getElementById("map");
   map.append(...MAPS.map(([name, label]) => make("option", { value: name }, label)));
   map.value = "max_kinetic";
-  map.addEventListener("change", draw);
+  map.addEventListener("change", () => (draw(), rested()));
   for (const layer of ["rays", "fronts", "faces"]) document.getElementById(`layer-${layer}`).addEventListener("change", draw);
   state.on("design painted", () => {
     take();
@@ -41,6 +43,7 @@ export function buildPicture() {
     }
   });
   state.on("scene stale failure", draw);
+  state.on("scene", rested);
   new ResizeObserver(() => requestAnimationFrame(() => {
     if (crystal.fit()) draw();
   })).observe(canvas.parentElement);
@@ -48,6 +51,11 @@ export function buildPicture() {
   read(canvas);
   buildPaint(draw);
   profile();
+}
+
+/// Exchanges take seconds: they are asked for when all else is known.
+function rested() {
+  if (document.getElementById("map").value === "swaps" && state.scenes?.whole) askSwaps(draw);
 }
 
 function take() {
@@ -67,7 +75,7 @@ export function inkOf(palette) {
 function shown() {
   const name = document.getElementById("map").value;
   const scene = fitting();
-  const values = name === "materials" ? null : scene?.felt[name];
+  const values = name === "materials" ? null : name === "swaps" ? swaps()?.each.map((swap) => swap.change) : scene?.felt[name];
   return { name, scene, values: values?.length ? values : null };
 }
 
@@ -76,7 +84,19 @@ function fitting() {
   return state.scene && state.sites && state.scene.materials.length === state.sites.x.length ? state.scene : null;
 }
 
+/// Draws with the browser's next frame, however much changes until then: a drag changes text, lens and numbers one after the other.
 export function draw() {
+  if (due) return;
+  due = true;
+  requestAnimationFrame(() => {
+    due = false;
+    drawNow();
+  });
+}
+
+let due = false;
+
+function drawNow() {
   if (!state.design || !crystal.sites) return;
   const { name, values } = shown();
   const layout = state.layout;
@@ -92,7 +112,7 @@ export function draw() {
     fill = (i) => inks[place(i)][0];
     letter = (i) => (place(i) ? [inks[place(i)][2], inks[place(i)][1]] : null);
   }
-  crystal.draw({ fill, letter, chosen, lines: lines(Boolean(values)) });
+  crystal.draw({ fill, letter, chosen, lines: lines(Boolean(values)), quick: state.moving });
   document.getElementById("stage").classList.toggle("old", Boolean(values) && !layout);
   placeRegions();
   legend(name, values, scale, inks, layout);
@@ -101,7 +121,11 @@ export function draw() {
 
 /// A linear scale ends where 99 of 100 values behind the lens are below: the struck rows would drown all else.
 function scaleOf(name, values) {
-  const [colours] = state.about.scale;
+  const [colours, diverging] = state.about.scale;
+  if (name === "swaps") {
+    const most = Math.max(...values.map((value) => Math.abs(value ?? 0)), 1e-9);
+    return new Scale(diverging, -most, most);
+  }
   if (name === "arrival") return new Scale(colours, 0, Math.max(...values.filter((value) => value !== null), 1e-12));
   const last = Math.max(...state.lastRows(), 1);
   const behind = values.filter((_, i) => state.sites.row[i] > last);
@@ -134,7 +158,8 @@ function legend(name, values, scale, inks, layout) {
   if (!values) {
     const used = new Set(layout?.materials ?? [0]);
     const names = layout?.palette ?? [state.design.host];
-    place.replaceChildren(...names.map((material, k) => used.has(k) && make("span", { className: "material" }, make("i", { style: `background:${inks[k][0]};color:${inks[k][1]}` }, inks[k][2]), material)).filter(Boolean));
+    const waits = name === "swaps" && make("span", { className: "quiet" }, "every sphere is being exchanged …");
+    place.replaceChildren(...[waits].filter(Boolean), ...names.map((material, k) => used.has(k) && make("span", { className: "material" }, make("i", { style: `background:${inks[k][0]};color:${inks[k][1]}` }, inks[k][2]), material)).filter(Boolean));
     return;
   }
   const bar = make("canvas", { width: scale.colours.length, height: 1 });
@@ -143,6 +168,11 @@ function legend(name, values, scale, inks, layout) {
     ctx.fillStyle = colour;
     ctx.fillRect(k, 0, 1, 1);
   });
+  if (name === "swaps") {
+    const { noise } = swaps();
+    place.replaceChildren(make("span", {}, `C ${percent(scale.low)} `), bar, make("span", {}, ` +${percent(scale.high)}, by the best other material, both halves alike; below ${percent(noise, 2)} is chance`));
+    return;
+  }
   const [, label, unit] = MAPS.find(([key]) => key === name);
   const above = values.filter((value) => value > scale.high).length;
   place.replaceChildren(
@@ -319,5 +349,7 @@ function tell() {
     parts.push(`net force ${quantity(felt.max_net_force[chosen], "N")}`, `contact force ${quantity(felt.max_contact_force[chosen], "N")}`);
     parts.push(felt.arrival[chosen] === null ? "not reached" : `reached at ${quantity(felt.arrival[chosen], "s")}`, `dissipated ${quantity(felt.dissipated[chosen], "J")}`);
   }
+  const swap = document.getElementById("map").value === "swaps" ? swaps()?.each[chosen] : null;
+  if (swap) parts.push(swap.change === null ? `${swap.material} here stops the run` : `${swap.material} here: C ${swap.change > 0 ? "+" : ""}${percent(swap.change)}`);
   place.textContent = `${parts.join("; ")}.`;
 }

@@ -15,7 +15,8 @@ export function buildPaint(redraw) {
     bar.hidden = !bar.hidden;
     toggle.setAttribute("aria-pressed", String(!bar.hidden));
     document.getElementById("stage").classList.toggle("painting", !bar.hidden);
-    if (!bar.hidden) document.getElementById("map").value = "materials";
+    const map = document.getElementById("map");
+    if (!bar.hidden && map.value !== "swaps") map.value = "materials";
     fill();
     redraw();
   });
@@ -55,8 +56,16 @@ function fill() {
     choice("Tool", "tool", [["brush", "brush"], ["row", "whole rows"], ["line", "row, from the axis to here"]]),
     choice("Size", "size", [[0, "1 sphere"], [1, "7 spheres"], [2, "19 spheres"]]),
     back,
+    make("button", { type: "button", id: "swaps", onclick: showSwaps, title: "Every sphere is exchanged by itself, which takes some seconds" }, "Where would a sphere help?"),
     make("span", { className: "quiet" }, "Both halves are painted alike. Space paints the sphere that the arrow keys chose."),
   );
+}
+
+/// The map of what exchanging each sphere does.
+function showSwaps() {
+  const map = document.getElementById("map");
+  map.value = map.value === "swaps" ? "materials" : "swaps";
+  map.dispatchEvent(new Event("change"));
 }
 
 /// Begins a stroke; its undo takes back all of it.
