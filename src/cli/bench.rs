@@ -33,8 +33,17 @@ pub struct Bench {
     /// Measure crystals as built beside perfect ones, in turn: radii scattered by 0.1 %, 1 % wrong spheres; and with friction 0.2
     #[arg(long)]
     built: bool,
+    /// How many designs side by side: 1 without vector registers, 4 with AVX2, 8 with AVX-512 [default: the most that this machine has]
+    #[arg(long, value_name = "N", value_parser = width)]
+    lanes: Option<Width>,
     #[command(flatten)]
     motion: Motion,
+}
+
+fn width(text: &str) -> Result<Width, String> {
+    let known = [Width::Scalar, Width::Four, Width::Eight];
+    let wanted = known.into_iter().find(|width| width.lanes().to_string() == text).ok_or("known are 1, 4 and 8")?;
+    if wanted.is_available() { Ok(wanted) } else { Err("this processor has no registers that wide".to_owned()) }
 }
 
 fn accuracy(text: &str) -> Result<Accuracy, String> {
@@ -169,7 +178,7 @@ impl Bench {
         note(common, &method.words());
         let impact = impact(&design, &comparison.plan);
         let sample = comparison.subject.sample();
-        let width = Width::widest();
+        let width = self.lanes.unwrap_or_else(Width::widest);
         let lanes = width.lanes();
         let batch: Vec<Sample<2>> = vec![sample.clone(); lanes];
         let group = || {

@@ -15,7 +15,7 @@ use granulens::material::Material;
 use granulens::outcome::{self, Checked, FORMAT};
 use granulens::score::{Measure, Scores};
 use granulens::tolerance::{MOST_SAMPLES, Tolerances};
-use granulens::units::Dimension::{Energy, Force, Mass};
+use granulens::units::Dimension::{self, Energy, Force, Mass};
 
 use super::compare::read_piece;
 use super::console::{emit, emit_json, interrupt, note};
@@ -280,11 +280,18 @@ pub fn asked(threshold: &Threshold, scores: &Scores) -> outcome::Asked {
 
 /// A threshold in words.
 fn told(asked: &outcome::Asked) -> String {
-    let bound = |word: &str, limit: Option<f64>| limit.map(|limit| format!("{word} {limit}"));
+    let dimension = Measure::find(&asked.measure).and_then(|measure| measure.unit().dimension());
+    let show = |value: f64, digits: usize| match dimension {
+        Some(dimension) => dimension.show(value),
+        None if value.fract() == 0.0 => format!("{value}"),
+        // A miss by little is still seen to be one.
+        None => format!("{value:.digits$}").trim_end_matches('0').to_owned(),
+    };
+    let bound = |word: &str, limit: Option<f64>| limit.map(|limit| format!("{word} {}", show(limit, 6)));
     let wanted: Vec<_> = [bound("at least", asked.min), bound("at most", asked.max)].into_iter().flatten().collect();
     let (name, wanted) = (&asked.measure, wanted.join(" and "));
     match asked.value {
-        Some(value) => format!("{name} = {value}, wanted {wanted}"),
+        Some(value) => format!("{name} = {}, wanted {wanted}", show(value, 6)),
         None => format!("{name} has no value here: its denominator is zero or its baseline is missing"),
     }
 }
@@ -296,9 +303,23 @@ fn shown(checked: &Checked, measure: Measure) -> String {
         None => format!("{value:.4}"),
     };
     match (checked.over_forces.mean(measure), checked.over_forces.deviation(measure)) {
-        (Some(mean), Some(deviation)) => format!("{} ± {}", show(mean), show(deviation)),
+        (Some(mean), Some(deviation)) => match measure.unit().dimension() {
+            Some(dimension) => within(dimension, mean, deviation),
+            None => format!("{} ± {}", show(mean), show(deviation)),
+        },
         _ => checked.scores.get(measure).map_or_else(|| "-".to_owned(), show),
     }
+}
+
+/// A mean and the deviation from it in one unit, to the deviation's second digit.
+fn within(dimension: Dimension, mean: f64, deviation: f64) -> String {
+    let shown = dimension.show(mean);
+    let (number, unit) = shown.split_once(' ').unwrap_or((&shown, ""));
+    // Units are powers of ten apart.
+    let scale = number.parse::<f64>().ok().map_or(1.0, |number| 10f64.powf((mean / number).abs().log10().round()));
+    let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
+    let digits = (1.0 - (deviation / scale).log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{:.digits$} {unit} ± {:.digits$} {unit}", mean / scale, deviation / scale)
 }
 
 fn words(checked: &Checked) -> String {

@@ -1,5 +1,6 @@
 //! `granulens design`: propose a lens by ray tracing.
 
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use granulens::design::{AnyDesign, Design};
@@ -19,7 +20,7 @@ use super::{Common, propose};
 
 /// Propose a lens from the design's target by ray tracing; milliseconds, nothing is simulated
 ///
-/// The layout goes to stdout as CSV, or to the file of --out.
+/// The layout goes to stdout as CSV where that is no terminal, or to the file of --out.
 #[derive(clap::Args)]
 pub struct Propose {
     /// Design file, such as designs/quickstart.toml
@@ -59,7 +60,11 @@ impl Propose {
             emit_json(&json!({ "format": granulens::outcome::FORMAT, "name": design.name, "proposal": proposal }));
         } else if common.out.is_none() {
             note(common, &words(&design, &lens));
-            emit(&text);
+            match std::io::stdout().is_terminal() {
+                // A thousand lines would push the words out of sight.
+                true => note(common, "the layout is not printed on a terminal: --out lens.csv keeps it"),
+                false => emit(&text),
+            }
         } else {
             emit(&words(&design, &lens));
         }
@@ -88,8 +93,9 @@ pub fn all_materials(design: &Design) -> Vec<Material> {
 fn ranking_words(ranked: &[Ranked]) -> String {
     let number = |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |value| format!("{value:.digits$}"));
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.1} %", 100.0 * value));
-    let head = ["material", "family", "C", "G", "Q", "rays to focus", "past protected", "delay", "ratio", "spheres"]
-        .map(str::to_owned);
+    let head =
+        ["material", "family", "C", "G", "Q", "rays to focus", "past protected", "delay [us]", "ratio", "spheres"]
+            .map(str::to_owned);
     let lines = ranked.iter().filter(|of| of.refused.is_none()).map(|of| {
         let score = |get: fn(&Scores) -> Option<f64>| number(of.scores.as_ref().and_then(get), 3);
         [
@@ -100,7 +106,7 @@ fn ranking_words(ranked: &[Ranked]) -> String {
             score(|s| s.protection),
             share(of.fraction.map(|[with, _]| with)),
             share(of.protected.map(|[with, _]| with)),
-            of.delay.map_or("-".to_owned(), |delay| Time.show(delay)),
+            number(of.delay.map(|delay| 1e6 * delay), 2),
             number(of.speed_ratio, 2),
             of.spheres.map_or("-".to_owned(), |count| count.to_string()),
         ]

@@ -3,7 +3,7 @@
 //! - `failure`: what went wrong, as text or JSON, and the exit codes
 //! - `console`: output that survives a closed pipe, Ctrl-C, progress
 //! - `folder`: where output goes; `picture`: figures as files
-//! - `cost`: what a command would cost
+//! - `cost`: what a command would cost; `help`: what the help of each says
 
 mod bench;
 mod build;
@@ -19,6 +19,7 @@ mod explore;
 mod export;
 mod failure;
 mod folder;
+mod help;
 mod impact;
 mod init;
 mod keys;
@@ -47,7 +48,7 @@ use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, FromArgMatches as _, Parser, Subcommand};
 use granulens::design::Design;
 use granulens::evaluate::{Forces, Overrides};
 use granulens::units::Dimension;
@@ -73,7 +74,8 @@ const EXIT_CODES: &str = "Exit codes:
   0    done
   1    a guard stopped a run, or a row of reproduce deviates
   2    usage or input
-  3    the gate fails or a threshold of the design file is not met (check --strict), or no layout keeps a study's limits
+  3    the gate fails or a threshold of the design file is not met (check --strict),
+       or no layout keeps a study's limits
   4    a study asks for evaluations that are not there yet (study ask, study merge, evaluate)
   130  interrupted; what was finished is kept";
 
@@ -92,8 +94,7 @@ struct Common {
     /// First random seed, in place of the design file's
     #[arg(long, global = true, value_name = "SEED")]
     seed: Option<u64>,
-    /// Where to write: run, simulate, study, build, tolerance and measured a folder, design, trace, contact and surface what they make, the others their
-    /// JSON object
+    /// Where to write: a folder of results, or the file that the command makes
     #[arg(long, global = true, value_name = "PATH")]
     out: Option<PathBuf>,
     /// Replace files and folders of results that others wrote or changed; never what the command itself reads
@@ -160,7 +161,8 @@ impl Command {
 }
 
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let parsed = help::command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() && std::env::args_os().any(|arg| arg == "--json") => {
             return Failure::usage(&error).print(true);

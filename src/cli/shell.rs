@@ -1,11 +1,9 @@
 //! `granulens completions` and `man`: what shells and man know of the commands.
 
-use clap::CommandFactory as _;
-
 use super::console::emit;
 use super::failure::Failure;
 use super::folder::begin;
-use super::{Cli, Common};
+use super::{Common, help};
 
 /// Print the completions of a shell
 ///
@@ -19,7 +17,7 @@ pub struct Completions {
 impl Completions {
     pub fn run(self) -> Result<(), Failure> {
         let mut text = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "granulens", &mut text);
+        clap_complete::generate(self.shell, &mut help::command(), "granulens", &mut text);
         emit(&String::from_utf8_lossy(&text));
         Ok(())
     }
@@ -27,10 +25,18 @@ impl Completions {
 
 /// Write the man pages into a folder, one for each command
 #[derive(clap::Args)]
-pub struct Man {}
+pub struct Man {
+    /// Print all commands as the page of the book instead
+    #[arg(long)]
+    page: bool,
+}
 
 impl Man {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
+        if self.page {
+            emit(&help::page());
+            return Ok(());
+        }
         let Some(place) = &common.out else {
             return Err(Failure::input_with_help(
                 "man: where to is not said",
@@ -38,8 +44,7 @@ impl Man {
             ));
         };
         let folder = begin(common, place)?;
-        let mut top = Cli::command();
-        top.build();
+        let top = help::command();
         let of = |command: &clap::Command, name: &str| -> Result<(), Failure> {
             let mut page = Vec::new();
             let man = clap_mangen::Man::new(command.clone()).title(name);

@@ -4,12 +4,15 @@
 //! the readers' messages. `granulens keys`, `granulens schema` and docs/keys.md are made of it.
 //!
 //! - `schema`: as JSON Schema, for editors; `page`: as a page of the book; `starter`: files to begin with
+//! - `results`: what columns and keys of what commands write mean
 
 mod page;
+mod results;
 mod schema;
 mod starter;
 
 pub use page::page;
+pub use results::{Table, meaning, results_page, tables};
 pub use starter::Starter;
 
 use std::fmt;

@@ -36,9 +36,6 @@ impl FileKind {
             let own = Self::Materials.schema()["properties"]["materials"].clone();
             top.insert("materials".to_owned(), own);
         }
-        if self == Self::Design {
-            top.insert("prices".to_owned(), open("Price of one sphere, by material, in any currency."));
-        }
         json!({
             "$schema": "http://json-schema.org/draft-07/schema#",
             "title": keys.title,

@@ -38,7 +38,7 @@ impl FileKind {
             Self::Materials => Starter {
                 file: "materials.toml",
                 text: include_str!("starters/materials.toml"),
-                next: "its sections go into a design or rig file",
+                next: "its sections go into a design or rig file, or stay here for --materials of speed, contact and surface",
             },
         }
     }
