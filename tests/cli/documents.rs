@@ -25,6 +25,9 @@ const LONG: [&str; 10] = [
 /// The page of explore serves until it is stopped: tests/browser opens it. Frames of a bed are those of a run that is only counted here.
 const ELSEWHERE: [&str; 2] = ["explore", "export reports/NAME"];
 
+/// The files of the tutorial, and what its long commands answered when they were last run, by the script beside it.
+const TUTORIAL: &str = "docs/tutorial";
+
 /// The commands of a page: lines of its code that begin with the program's name, in words as a shell takes them.
 fn commands(page: &str) -> Vec<Vec<String>> {
     let mut fenced = false;
@@ -64,7 +67,7 @@ fn words(line: &str) -> Vec<String> {
 /// The repository's own files, and those that the pages take for a user's.
 fn desk() -> Desk {
     let desk = Desk::new();
-    for folder in ["designs", "designs/gallery", "designs/space", "designs/tolerances", "studies"] {
+    for folder in ["designs", "designs/gallery", "designs/space", "designs/tolerances", "studies", TUTORIAL] {
         std::fs::create_dir_all(desk.path(folder)).unwrap();
         for name in names(Path::new(&shipped(folder))) {
             let (from, to) = (shipped(&format!("{folder}/{name}")), desk.path(&format!("{folder}/{name}")));
@@ -74,6 +77,9 @@ fn desk() -> Desk {
         }
     }
     let copy = |from: &str, to: &str| std::fs::copy(desk.path(from), desk.path(to)).unwrap();
+    for name in names(Path::new(&shipped(TUTORIAL))) {
+        copy(&format!("{TUTORIAL}/{name}"), &name);
+    }
     copy("designs/quickstart.toml", "DESIGN.toml");
     copy("designs/drop-tower-hcp.toml", "LONG.toml");
     desk.run(&["design", "DESIGN.toml", "--out", "LAYOUT.csv"]).ok();
@@ -136,7 +142,8 @@ fn the_commands_of_the_pages_do_what_they_say() {
     pages.extend(
         names(Path::new(&shipped("docs")))
             .into_iter()
-            .filter(|name| name.ends_with(".md"))
+            // The page of all commands holds their usage, with names in place of files.
+            .filter(|name| name.ends_with(".md") && name != "commands.md")
             .map(|name| format!("docs/{name}")),
     );
     let desk = desk();
@@ -249,5 +256,55 @@ fn promised_numbers_are_computed_ones() {
         }
         let text = flat(&std::fs::read_to_string(shipped(page)).unwrap());
         assert!(text.contains(&said), "{page} does not say: {said}");
+    }
+}
+
+/// Commands of a page with the lines of their answers that it shows: blocks of `console`.
+fn transcripts(page: &str) -> Vec<(String, Vec<String>)> {
+    let mut shown: Vec<(String, Vec<String>)> = Vec::new();
+    let mut inside = false;
+    for line in page.lines() {
+        match line {
+            "```console" => inside = true,
+            "```" => inside = false,
+            _ if !inside => {}
+            line => match (line.strip_prefix("$ granulens "), shown.last_mut()) {
+                (Some(command), _) => shown.push((command.to_owned(), Vec::new())),
+                (None, Some((_, lines))) => lines.push(line.trim_end().to_owned()),
+                (None, None) => panic!("an answer without a command: {line}"),
+            },
+        }
+    }
+    shown
+}
+
+/// Every line that the tutorial shows as an answer is one; those of commands that take a minute are in the stored answers, and the files that
+/// it shows are the ones that are there.
+#[test]
+fn the_tutorial_shows_what_is_answered() {
+    let page = std::fs::read_to_string(shipped("docs/tutorial.md")).unwrap();
+    let desk = desk();
+    for file in ["sensor.toml", "pad-study.toml"] {
+        assert!(page.contains(desk.read(file).trim_end()), "{file} is not shown as it is");
+    }
+    let stored = transcripts(&format!("```console\n{}```\n", desk.read("answers.txt")));
+    let shown = transcripts(&page);
+    assert!(shown.len() > 8 && stored.len() > 2, "{} {}", shown.len(), stored.len());
+    for (command, lines) in shown {
+        let long = stored.iter().find(|(known, _)| *known == command);
+        let mut asked = words(&command);
+        if long.is_some() {
+            asked.push("--dry-run".to_owned());
+        }
+        let ran = desk.run(&asked.iter().map(String::as_str).collect::<Vec<_>>()).ok();
+        let fresh: Vec<&str> = ran.stdout.lines().chain(ran.stderr.lines()).map(str::trim_end).collect();
+        let answered = long.map_or(fresh, |(_, lines)| lines.iter().map(String::as_str).collect());
+        for line in lines {
+            assert!(
+                answered.contains(&line.as_str()),
+                "{command} does not answer\n{line}\nbut\n{}",
+                answered.join("\n")
+            );
+        }
     }
 }
