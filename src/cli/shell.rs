@@ -26,7 +26,7 @@ impl Completions {
 /// Write the man pages into a folder, one for each command
 #[derive(clap::Args)]
 pub struct Man {
-    /// Print all commands as the page of the book instead
+    /// Print all commands as one page of Markdown instead
     #[arg(long)]
     page: bool,
 }
