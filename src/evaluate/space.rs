@@ -433,6 +433,7 @@ fn outcome(
         SpaceSite { layer: site.layer, column: site.column, x, y, z, copies }
     };
     SpaceOutcome {
+        swaps: None,
         format: FORMAT,
         manifest: Manifest {
             format: FORMAT,

@@ -99,7 +99,7 @@ pub fn results_page() -> String {
     let mut text = String::from(
         "# Columns and keys of results\n\nWhat commands write as tables (CSV) and as JSON. A name means the same wherever it stands, and `granulens keys NAME` tells it. SI throughout, \
          with the unit at the end of the name; what has none is a plain number, or says its unit. New columns come at the end. Measures are those of \
-         [one table](measures.md), with `_mean` and `_sd` over several forces. Tests hold what commands write to this page. Made by `granulens keys --results`.\n\n## Tables\n",
+         [one table](measures.md), with `_mean` and `_sd` over several forces. Made by `granulens keys --results`.\n\n## Tables\n",
     );
     for table in tables() {
         let _ = write!(

@@ -13,7 +13,7 @@
 //! - `figures`: figures for papers, and pages
 //! - `space`: designs in space
 //! - `shards`: studies evaluated apart and folded, by hand and as job arrays
-//! - `results`: columns and keys of what is written; `refusals`: usage and input errors, as text and as JSON
+//! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption; `kept`: nothing of a user's is lost
 
 mod build;
@@ -32,7 +32,6 @@ mod modes;
 mod network;
 mod refusals;
 mod sensitivity;
-mod results;
 mod shards;
 mod simulate;
 mod space;
