@@ -72,7 +72,8 @@ pub(super) fn spheres(svg: &mut Svg, crystal: &Crystal, materials: usize, layout
             }
         });
         let places = (0..layout.len()).filter(|&site| usize::from(layout[site]) == index);
-        let places: Vec<[f64; 2]> = places.flat_map(|site| crystal.places(site, layout.len()).collect::<Vec<_>>()).collect();
+        let places: Vec<[f64; 2]> =
+            places.flat_map(|site| crystal.places(site, layout.len()).collect::<Vec<_>>()).collect();
         mark(svg, index, &places, radius);
     }
 }
