@@ -22,8 +22,10 @@ const LONG: [&str; 10] = [
     "sensitivity",
 ];
 
-/// The page of explore serves until it is stopped: tests/browser opens it. Frames of a bed are those of a run that is only counted here.
-const ELSEWHERE: [&str; 2] = ["explore", "export reports/NAME"];
+/// The page of explore serves until it is stopped: tests/browser opens it. Frames of a bed are those of a run that is only counted here, as
+/// are the pieces that spares follow from.
+const ELSEWHERE: [&str; 3] =
+    ["explore", "export reports/NAME", "build lens.csv --design designs/quickstart.toml --out shop --yield lens-made"];
 
 /// The files of the tutorial, and what its long commands answered when they were last run, by the script beside it.
 const TUTORIAL: &str = "docs/tutorial";

@@ -190,7 +190,7 @@ fn wrong_requests_are_refused_in_words() {
         (&["--x", "raduis"], "invalid value 'raduis'"),
         (&["--x", "density", "--y", "density", "--out", "s.svg"], "both axes are density"),
         (&["--x", "modulus", "--y", "stiffness", "--out", "s.svg"], "stiffness follows from modulus"),
-        (&["--out", "s.png"], "drawn as SVG, as PDF or as a page"),
+        (&["--out", "s.bmp"], "drawn as SVG, PDF or PNG, or as a page"),
         (&["--x-range", "1 MN/m", "--out", "s.svg"], "expected FROM..TO"),
         (&["--x-range", "1..2 MN/m", "--out", "s.svg"], "\"1\" has no unit"),
         (&["--x-range", "2 MN/m..1 MN/m", "--out", "s.svg"], "upper end must lie above"),
