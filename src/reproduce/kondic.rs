@@ -131,16 +131,16 @@ pub(super) const ROWS: &[Row] = &[
 ];
 
 /// Seeds of the beds.
-const SEEDS: [u64; 4] = [1, 2, 3, 4];
+pub(super) const SEEDS: [u64; 4] = [1, 2, 3, 4];
 /// Speed of the default impact (d/τ_c).
-const SPEED: f64 = 0.7;
+pub(super) const SPEED: f64 = 0.7;
 
-fn pile(spread: f64, width: f64, seed: u64) -> Pile {
+pub(super) fn pile(spread: f64, width: f64, seed: u64) -> Pile {
     Pile { packing: Packing::Random, width, height: 36.0, spread, seed, sides: Sides::Periodic }
 }
 
 /// A settled bed; those of earlier rows are taken again.
-fn settled(pile: Pile, interrupt: &AtomicBool) -> Result<Arc<Bed>, RowError> {
+pub(super) fn settled(pile: Pile, interrupt: &AtomicBool) -> Result<Arc<Bed>, RowError> {
     type Place = Arc<Mutex<Option<Arc<Bed>>>>;
     static BEDS: Mutex<BTreeMap<String, Place>> = Mutex::new(BTreeMap::new());
     let place = {
@@ -161,11 +161,11 @@ fn settled(pile: Pile, interrupt: &AtomicBool) -> Result<Arc<Bed>, RowError> {
     Ok(bed)
 }
 
-fn usual(interrupt: &AtomicBool) -> Result<Vec<Arc<Bed>>, RowError> {
+pub(super) fn usual(interrupt: &AtomicBool) -> Result<Vec<Arc<Bed>>, RowError> {
     SEEDS.into_iter().map(|seed| settled(pile(0.2, 60.0, seed), interrupt)).collect()
 }
 
-fn disk(speed: f64) -> Intruder {
+pub(super) fn disk(speed: f64) -> Intruder {
     let outline = Outline::Disk { diameter: 6.0 };
     Intruder { outline, mass: 36.0, body: Body::Solid, turns: true, speed, height: 3.0 }
 }
@@ -209,7 +209,7 @@ fn mean(beds: &[Arc<Bed>], grains: Grains, intruder: Intruder, interrupt: &Atomi
 }
 
 /// The default grains with this coefficient of friction and k_t over k.
-fn rubbing(coefficient: f64, spring: f64) -> Grains {
+pub(super) fn rubbing(coefficient: f64, spring: f64) -> Grains {
     let mut grains = Grains::default();
     grains.grains.friction = coefficient;
     (grains.grains.tangential_stiffness, grains.walls.tangential_stiffness) = (spring, spring);
@@ -291,7 +291,7 @@ fn restitution(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn lattice() -> Pile {
+pub(super) fn lattice() -> Pile {
     Pile { packing: Packing::Hexagonal, spread: 0.0, ..pile(0.0, 60.0, 1) }
 }
 

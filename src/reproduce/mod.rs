@@ -9,8 +9,8 @@
 //!   (5.3.1, 5.3.2); `lens`: the impact lens (5.3.3)
 //! - `crystals`: uniform and layered crystals, struck; `wedge`: the angle by which an interface bends a wave
 //! - `space`: the lens in three dimensions (6.1)
-//! - `kondic`: impacts on granular beds; `laws`: the lens under other contact laws;
-//!   `optimum`: the best layouts that were found
+//! - `kondic`: impacts on granular beds; `microstructure`: forces between their grains and how these move
+//! - `laws`: the lens under other contact laws; `optimum`: the best layouts that were found
 //!
 //! Source of the claims: Burgoyne 2016, by section, figure and equation; those named K are of Kondic et al. 2012.
 
@@ -21,6 +21,7 @@ mod guided;
 mod kondic;
 mod laws;
 mod lens;
+mod microstructure;
 mod optimum;
 mod space;
 mod table;
@@ -261,7 +262,8 @@ impl From<OverlapAtRest> for RowError {
 /// All rows, in the order of the source.
 pub fn rows() -> Vec<&'static Row> {
     let of_burgoyne = [chapter3::ROWS, chapter4::ROWS, uniform::ROWS, guided::ROWS, lens::ROWS, space::ROWS];
-    of_burgoyne.into_iter().chain([kondic::ROWS, laws::ROWS, optimum::ROWS]).flatten().collect()
+    let of_beds = kondic::ROWS.iter().chain(microstructure::rows());
+    of_burgoyne.into_iter().flatten().chain(of_beds).chain(laws::ROWS).chain(optimum::ROWS).collect()
 }
 
 /// The rows that `name` means: one by its whole name, or all of a chapter or section, as `4` or `5.3.2`; `K` and `K-3` are those of
