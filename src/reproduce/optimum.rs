@@ -25,6 +25,7 @@ const ONE: Files = files![
     "five-rows-5-25.csv",
     "five-rows-5-29-basin.csv",
     "five-rows-5-29.csv",
+    "four-rows-5-25.csv",
     "four-rows-5-29-basin-1.csv",
     "four-rows-5-29-basin-2.csv",
     "four-rows-5-29-basin-3.csv",
@@ -33,18 +34,36 @@ const ONE: Files = files![
     "four-rows-5-29.csv",
 ];
 
+/// Those for five.
+const FIVE: Files = files!["four-robust.csv"];
+
+/// Force (N) and duration (s) of the five impacts.
+const IMPACTS: [[f64; 2]; 5] = [[10.5e3, 20e-6], [26e3, 20e-6], [52e3, 20e-6], [26e3, 10e-6], [26e3, 40e-6]];
+
 const FIGURES: &str = include_str!("../../designs/optimum/figures.csv");
 
-pub(super) const ROWS: &[Row] = &[Row {
-    id: "optimum-one",
-    claim: "C, G and Q of the best layouts, 26 kN for 20 us",
-    source: "designs/optimum/figures.csv",
-    reason: "the same program: the last digit that is written",
-    formula: false,
-    expected: Verdict::Holds,
-    seconds: 8.0,
-    measure: |interrupt| scores(ONE, &[[26e3, 20e-6]], interrupt),
-}];
+pub(super) const ROWS: &[Row] = &[
+    Row {
+        id: "optimum-one",
+        claim: "C, G and Q of the best layouts, 26 kN for 20 us",
+        source: "designs/optimum/figures.csv",
+        reason: "the same program: the last digit that is written",
+        formula: false,
+        expected: Verdict::Holds,
+        seconds: 8.0,
+        measure: |interrupt| scores(ONE, &[[26e3, 20e-6]], interrupt),
+    },
+    Row {
+        id: "optimum-five",
+        claim: "least C and G under five impacts of the layouts that are to stand them",
+        source: "designs/optimum/figures.csv",
+        reason: "the same program: the last digit that is written",
+        formula: false,
+        expected: Verdict::Holds,
+        seconds: 20.0,
+        measure: |interrupt| scores(FIVE, &IMPACTS, interrupt),
+    },
+];
 
 /// Of every layout the worst C, G and Q under some impacts, each by itself. Q is left out where brass alone cannot stand one of them.
 fn scores(files: Files, impacts: &[[f64; 2]], interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
