@@ -3,21 +3,20 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::super::Wanted::{Above, Within};
+use super::super::Wanted::Within;
 use super::super::kondic::{disk, rubbing, usual};
 use super::super::{Part, Row, RowError, Verdict};
 use super::watch_impact;
-use crate::bed::{Bed, BedImpact, Drag, Grains, Moment, exponent, strike};
-use crate::chance::Mean;
+use crate::bed::{Bed, BedImpact, Grains, Moment, exponent, strike};
 
 pub(super) const ROWS: &[Row] = &[
     Row {
         id: "K-A-acceleration",
         claim: "at small depths the intruder's acceleration grows as u^k with its speed, k about 1.4 without friction and 1 with kinetic \
-                friction, below the 2 of inertial drag; without friction it grows with depth",
+                friction, below the 2 of inertial drag",
         source: "Kondic 2012, appendix, fig. 29",
         reason: "0.3: exponents of straight lines through scattered points; moments while the depth is 1 to 3 of five diameters (here 0.6 of \
-                 that), speeds 0.1 to 1; depth: the coefficient of Poncelet's law, mean over beds",
+                 that), speeds 0.1 to 1",
         formula: false,
         expected: Verdict::HoldsInPart,
         seconds: 60.0,
@@ -48,31 +47,27 @@ fn moments(bed: &Bed, grains: Grains, speed: f64, interrupt: &AtomicBool) -> Res
     Ok(moments)
 }
 
-/// The exponent of acceleration over speed, and κ of Poncelet's law at the fastest impact, mean over beds.
-fn of_friction(beds: &[Arc<Bed>], grains: Grains, interrupt: &AtomicBool) -> Result<[f64; 2], RowError> {
-    let (mut points, mut per_depth) = (Vec::new(), Vec::new());
+/// The exponent of acceleration over speed.
+fn of_friction(beds: &[Arc<Bed>], grains: Grains, interrupt: &AtomicBool) -> Result<f64, RowError> {
+    let mut points = Vec::new();
     for bed in beds {
         for speed in SPEEDS {
             let moments = moments(bed, grains, speed, interrupt)?;
             let stop = moments.iter().position(|m| m.depth > 0.0 && m.velocity[1] >= 0.0).unwrap_or(moments.len());
             let shallow = moments[..stop].iter().filter(|m| (0.6..1.8).contains(&m.depth) && m.force[1] > 0.0);
             points.extend(shallow.map(|m| [-m.velocity[1], m.force[1] / MASS]));
-            if speed == SPEEDS[SPEEDS.len() - 1] {
-                per_depth.extend(Drag::of(&moments).map(|drag| drag.per_depth.value));
-            }
         }
     }
-    Ok([exponent(&points).map_or(f64::NAN, |k| k.value), Mean::of(&per_depth).mean])
+    Ok(exponent(&points).map_or(f64::NAN, |k| k.value))
 }
 
 fn acceleration(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     let beds = usual(interrupt)?;
-    let [smooth, growing] = of_friction(&beds, rubbing(0.0, 0.0), interrupt)?;
-    let [kinetic, _] = of_friction(&beds, rubbing(0.5, 0.0), interrupt)?;
+    let smooth = of_friction(&beds, rubbing(0.0, 0.0), interrupt)?;
+    let kinetic = of_friction(&beds, rubbing(0.5, 0.0), interrupt)?;
     Ok(vec![
         Part::words("k without friction", "1.4", smooth, "", Within { value: 1.4, absolute: 0.3 }),
         Part::words("k with kinetic friction", "1", kinetic, "", Within { value: 1.0, absolute: 0.3 }),
-        Part::words("force per depth, without friction", "grows", growing, "m/τ_c²", Above(0.0)),
     ])
 }
 
