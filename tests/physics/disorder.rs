@@ -3,8 +3,8 @@
 //! collisions of one sphere with two (the ternary collision approximation), and weak disorder changes the rates at which amplitudes decay with direction.
 //!
 //! What disorder does depends on how the spheres lie. With smaller spheres on the sites of equal ones, as here, every contact has a gap: those along a lattice line close
-//! one after the other, while those beside it close later or not at all, so that the blow stays on the line. A test that expected it to decay faster there failed for that
-//! reason.
+//! one after the other, while those beside it close later or not at all, so that the blow stays on the line: no faster decay
+//! is to be expected there.
 
 use std::sync::atomic::AtomicBool;
 
