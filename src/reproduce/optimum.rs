@@ -27,14 +27,19 @@ const ONE: Files = files![
     "five-rows-5-29-basin.csv",
     "five-rows-5-29-protected.csv",
     "five-rows-5-29.csv",
+    "four-rows-5-25-2.csv",
+    "four-rows-5-25-3.csv",
     "four-rows-5-25.csv",
     "four-rows-5-29-basin-1.csv",
     "four-rows-5-29-basin-2.csv",
     "four-rows-5-29-basin-3.csv",
     "four-rows-5-29-first.csv",
+    "four-rows-5-29-protected-2.csv",
+    "four-rows-5-29-protected-3.csv",
     "four-rows-5-29-protected.csv",
     "four-rows-5-29-second.csv",
     "four-rows-5-29.csv",
+    "two-rows-5-25.csv",
 ];
 
 /// Those for five.
