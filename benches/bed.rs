@@ -2,9 +2,9 @@
 //! side, with one thread and with two.
 
 use std::hint::black_box;
-use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use granulens::Context;
 use granulens::bed::{Bed, BedImpact, Body, Disk, Grains, Intruder, Outline, strike};
 
 /// The reference bed of the tests.
@@ -21,7 +21,7 @@ fn bed() -> Bed {
 }
 
 fn impacts(criterion: &mut Criterion) {
-    let (bed, go) = (bed(), AtomicBool::new(false));
+    let (bed, go) = (bed(), Context::default());
     let mut group = criterion.benchmark_group("bed, 6172 disks, to t = 20 (1000 steps)");
     group.sample_size(10);
     for (name, tangential_stiffness) in [("kinetic friction", 0.0), ("static friction", 0.8)] {
@@ -54,7 +54,7 @@ fn side_by_side(bed: &Bed, copies: usize) -> Bed {
 }
 
 fn many(criterion: &mut Criterion) {
-    let (bed, go) = (side_by_side(&bed(), 15), AtomicBool::new(false));
+    let (bed, go) = (side_by_side(&bed(), 15), Context::default());
     let mut group = criterion.benchmark_group("bed, 92 566 disks, to t = 6 (300 steps)");
     group.sample_size(10);
     let outline = Outline::Disk { diameter: 10.0 };

@@ -9,9 +9,8 @@ mod problem;
 #[expect(dead_code, reason = "shared with the physics tests, which use all of it")]
 mod reference;
 
-use std::sync::atomic::AtomicBool;
-
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use granulens::Context;
 use granulens::contact::{Constants, LawKind};
 use granulens::dem::{Impact, Integrator, simulate, simulate_batch};
 use granulens::layout::{Layout, random_choice};
@@ -48,7 +47,7 @@ fn problem_at(law: LawKind, integrator: Integrator, step: f64, window: f64) -> I
 
 fn lens(criterion: &mut Criterion) {
     let samples = designs();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let cases = [
         (LawKind::Thesis, Integrator::Adams, 2e-7, 250e-6),
         (LawKind::Thesis, Integrator::Adams, 2e-7, 350e-6),

@@ -3,10 +3,10 @@
 //! `cargo bench -p granulens-benches --bench study`. What the figures mean: `benches/README.md`.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use granulens::Context;
 use granulens::evaluate::Evaluator;
 use granulens::search::Dice;
 use granulens::study::{Scoring, State, Study, Watch, Work, run};
@@ -47,7 +47,7 @@ fn repository() -> Study {
 }
 
 fn studies(criterion: &mut Criterion) {
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let study = repository();
     let mut group = criterion.benchmark_group("study");
     group.sample_size(10).throughput(Throughput::Elements(EVALUATIONS));

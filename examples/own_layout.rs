@@ -2,8 +2,7 @@
 //!
 //!     cargo run --release --example own_layout
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::design::Design;
 use granulens::evaluate::{Forces, Overrides, Plan, beside_uniform};
 use granulens::layout::Layout;
@@ -18,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         u8::from(in_strip)
     });
     let plan = Plan::new(&design, Overrides::default(), &layout.palette)?;
-    let found = beside_uniform(&design, &layout, &plan, Forces::ONE, &AtomicBool::new(false))?;
+    let found = beside_uniform(&design, &layout, &plan, Forces::ONE, &Context::default())?;
     let scores = &found.evaluation.scores;
     println!(
         "C {:.2}  G {:.2}  Q {:.2}",

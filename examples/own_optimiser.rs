@@ -2,8 +2,7 @@
 //!
 //!     cargo run --release --example own_optimiser
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::design::Design;
 use granulens::evaluate::{Evaluator, Overrides};
 use granulens::lens::propose;
@@ -14,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let request = design.lens.as_ref().ok_or("the design asks for no lens")?;
     let lens = propose(&design.lattice, &design.host, request, &design.target, design.constants)?;
     let mut best = lens.layout();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let coarse = Overrides { step: Some(4e-7), ..Overrides::default() };
     let evaluator = Evaluator::new(&design, &[design.impact], best.palette.clone(), coarse, &never)?;
     let contrast = |layouts: &[Vec<u8>]| -> Result<Vec<f64>, Box<dyn std::error::Error>> {

@@ -2,8 +2,7 @@
 //!
 //!     cargo run --release --example rig
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::contact::{Constants, LawKind};
 use granulens::dem::rig::{Law, LawBook, Rig, Simulation};
 use granulens::material::find;
@@ -20,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     rig.velocity[0] = [1.0];
     let put_in: f64 = rig.mass[0];
     let mut simulation = Simulation::new(rig, 1e-7)?;
-    simulation.advance(5000, &AtomicBool::new(false))?;
+    simulation.advance(5000, &Context::default())?;
     let (view, ledger) = (simulation.view(), simulation.ledger());
     let velocity = |i: usize| view.velocity(i)[0];
     let momentum: f64 = simulation.rig().mass.iter().zip(0..).map(|(mass, i)| mass * velocity(i)).sum();

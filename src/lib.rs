@@ -8,7 +8,8 @@
 //! Each module uses only those above it:
 
 pub use granulens_core::{
-    chance, contact, dem, lattice, lens, material, pattern, ray, real, sample, score, search, target, units, wave,
+    Context, Progress, chance, contact, dem, lattice, lens, material, pattern, ray, real, sample, score, search,
+    target, units, wave,
 };
 
 mod memory;

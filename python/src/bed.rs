@@ -61,8 +61,8 @@ impl Bed {
             Origin::Pile(pile) => pile,
         };
         let grains = &self.inner.impact.grains;
-        let Settled { bed: inner, .. } = run(py, threads, |interrupt| settle(pile, grains, interrupt, |_, _| ()))?
-            .map_err(|error| match error {
+        let Settled { bed: inner, .. } =
+            run(py, threads, |context| settle(pile, grains, context))?.map_err(|error| match error {
                 bed::SettleError::Stop(RigStop::Interrupted { .. }) => {
                     Failure::interrupted("the bed had not settled yet")
                 }
@@ -88,7 +88,7 @@ impl Bed {
     ) -> PyResult<Bound<'py, PyDict>> {
         let bed = &packing.get().inner;
         let impact = &self.inner.impact;
-        let course = run(py, threads, |interrupt| strike(bed, impact, interrupt, |_| ()))?.map_err(Failure::from)?;
+        let course = run(py, threads, |context| strike(bed, impact, context, |_| ()))?.map_err(Failure::from)?;
         let of = |value: fn(&bed::Moment) -> f64| vector(py, course.moments.iter().map(value).collect());
         let energy = |value: fn(&EnergyLedger) -> f64| {
             vector(py, course.moments.iter().map(|moment| value(&moment.energy)).collect())
@@ -155,10 +155,10 @@ impl Bed {
         }
         let bed = &packing.get().inner;
         let (grains, step) = (&self.inner.impact.grains, self.inner.impact.step);
-        let found = run(py, threads, |interrupt| -> Result<Vec<Touch>> {
+        let found = run(py, threads, |context| -> Result<Vec<Touch>> {
             let mut simulation = Simulation::new(grains.rig(bed, true), step)?;
             let steps = (after / step).round() as u64;
-            simulation.advance(steps.max(1), interrupt).map_err(|stop| match stop {
+            simulation.advance(steps.max(1), context).map_err(|stop| match stop {
                 RigStop::Interrupted { .. } => Failure::interrupted("interrupted"),
                 stop => Failure::guard(bed::stop_words(&stop)),
             })?;

@@ -74,8 +74,8 @@ impl Evaluator {
         let detail = if records { Detail::Everything } else { Detail::Energies };
         let pulses: Vec<ForcePulse> =
             forces.about(design.impact.force).into_iter().map(|force| ForcePulse { force, ..design.impact }).collect();
-        let inner = run(py, threads, |interrupt| {
-            let made = evaluate::Evaluator::new(&design, &pulses, palette.clone(), overrides, interrupt);
+        let inner = run(py, threads, |context| {
+            let made = evaluate::Evaluator::new(&design, &pulses, palette.clone(), overrides, context);
             made.map(|made| made.recording(detail).into_owned())
         })?;
         let inner = inner.map_err(|error| match error {
@@ -115,7 +115,7 @@ impl Evaluator {
         for (number, row) in rows.iter().enumerate() {
             check(&self.design, &self.palette, row, number)?;
         }
-        let runs = run(py, self.threads, |interrupt| self.inner.scores(&rows, interrupt))?.map_err(Failure::from)?;
+        let runs = run(py, self.threads, |context| self.inner.scores(&rows, context))?.map_err(Failure::from)?;
         let judged = rows.iter().zip(&runs).map(|(row, runs)| self.judged(row, runs)).collect::<Result<Vec<_>>>()?;
         let mut table = Table::new(py);
         for &measure in Measure::ALL {

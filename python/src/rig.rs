@@ -1,9 +1,9 @@
 //! Anything a lab can build, strike and measure: histories in memory, or records on disk as `granulens simulate` writes them.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use granulens::Context;
 use granulens::dem::rig::{EnergyLedger, RigStop, Simulation};
 use granulens::setup::{Bench, Setup};
 use granulens::trial::{self, Ending, Keeping};
@@ -172,7 +172,7 @@ struct Kept {
     stop: Option<RigStop>,
 }
 
-fn follow<const D: usize>(bench: &Bench<D>, every: u64, interrupt: &AtomicBool) -> Result<Kept> {
+fn follow<const D: usize>(bench: &Bench<D>, every: u64, context: &Context) -> Result<Kept> {
     let words = |error: &granulens::dem::rig::RigError| {
         Failure::input(format!("{}: {}", bench.path.display(), error.words(&|body| bench.name_of(body))))
     };
@@ -203,11 +203,11 @@ fn follow<const D: usize>(bench: &Bench<D>, every: u64, interrupt: &AtomicBool) 
         }
         let some = every.min(left);
         left -= some;
-        if let Err(stop) = simulation.advance(some, interrupt) {
+        if let Err(stop) = simulation.advance(some, context) {
             kept.stop = Some(stop);
             break;
         }
-        if interrupt.load(Ordering::Relaxed) {
+        if context.stopped() {
             break;
         }
     }
@@ -230,7 +230,7 @@ fn histories<'py, const D: usize>(
         let message = format!("{frames} frames of {count} spheres take {:.1} GB", 1e-9 * bytes);
         return Err(Failure::with_help(message, "Take them less often, or write them with run(folder).").into());
     }
-    let kept = run(py, threads, |interrupt| follow(bench, steps, interrupt))??;
+    let kept = run(py, threads, |context| follow(bench, steps, context))??;
     let shape = [kept.times.len(), count, D];
     let energy = |of: fn(&EnergyLedger) -> f64| vector(py, kept.energies.iter().map(of).collect());
     let energies = Table::new(py)
@@ -266,12 +266,12 @@ fn to_folder<'py, const D: usize>(
     // Each call is a command of its own.
     input::forget();
     input::remember(&bench.path);
-    let summary = run(py, threads, |interrupt| -> Result<_> {
+    let summary = run(py, threads, |context| -> Result<_> {
         if !resume {
             output::check_folder(&folder, force)?;
         }
         let keeping = Keeping { resume, every: Duration::from_secs(60) };
-        let (summary, ending) = trial::run(bench, &folder, keeping, interrupt, |_, _| ())?;
+        let (summary, ending) = trial::run(bench, &folder, keeping, context)?;
         if let Ending::Interrupted { .. } = ending {
             return Err(Failure::interrupted("interrupted; go on with resume=True"));
         }

@@ -1,8 +1,8 @@
 //! How scores change with every sphere, and what a layout is worth once a workshop has made it.
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
+use granulens::Context;
 use granulens::dem::{GradientError, Integrator, Stop};
 use granulens::evaluate::{self, EvaluatorError, MEASURES, Overrides, Plan, SensitivityError, Subject, sensitivities};
 use granulens::score::Measure;
@@ -49,7 +49,7 @@ pub fn sensitivity<'py>(
     };
     let of = of.unwrap_or_else(usual).into_iter().map(named).collect::<Result<Vec<Measure>>>()?;
     let Layout { inner, design } = layout;
-    let job = |interrupt: &AtomicBool| sensitivities(design, inner, &plan, &of, interrupt);
+    let job = |context: &Context| sensitivities(design, inner, &plan, &of, context);
     let found = run(py, threads, job)?.map_err(|error| match error {
         SensitivityError::Stopped(stop @ Stop::Interrupted { .. })
         | SensitivityError::Gradient(GradientError::Stopped(stop @ Stop::Interrupted { .. })) => {
@@ -128,12 +128,12 @@ pub fn tolerance<'py>(
     let given =
         Overrides { step: Some(plan.step), window: Some(plan.window), integrator: Some(plan.integrator), ..overrides };
     let workshop = Workshop::new((design, subject), &tolerances, &plan, &asked).map_err(of_workshop)?;
-    let job = |interrupt: &AtomicBool| -> Result<_> {
-        let criterion = Criterion::new(design, subject, &tolerances, given, interrupt)
+    let job = |context: &Context| -> Result<_> {
+        let criterion = Criterion::new(design, subject, &tolerances, given, context)
             .map_err(|error| Failure::input(error.to_string()))?;
-        let found = changes(&workshop, &asked, seed, interrupt, &|_| ()).map_err(of_workshop)?;
+        let found = changes(&workshop, &asked, seed, context).map_err(of_workshop)?;
         let mut samples = Samples::new(&workshop, seed);
-        samples.grow::<WorkshopError>(&workshop, count, interrupt, |_| Ok(())).map_err(of_workshop)?;
+        samples.grow::<WorkshopError>(&workshop, count, context, |_| Ok(())).map_err(of_workshop)?;
         Ok((criterion, found, samples))
     };
     let (criterion, found, samples) = run(py, threads, job)??;

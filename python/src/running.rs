@@ -1,6 +1,5 @@
 //! Long calls: without the interpreter's lock, on as many threads as wanted, and Ctrl-C.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
@@ -8,6 +7,7 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::failure::Failure;
+use granulens::Context;
 
 /// Time between two looks at Ctrl-C.
 const LOOK: Duration = Duration::from_millis(20);
@@ -33,17 +33,17 @@ fn pool(threads: Option<usize>) -> Result<Arc<ThreadPool>, Failure> {
 }
 
 /// Runs a job on a pool of threads while other threads of Python go on. Ctrl-C sets the job's flag, waits for it to end and is raised.
-pub fn run<T: Send>(py: Python<'_>, threads: Option<usize>, job: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
+pub fn run<T: Send>(py: Python<'_>, threads: Option<usize>, job: impl FnOnce(&Context) -> T + Send) -> PyResult<T> {
     let pool = pool(threads)?;
-    let interrupt = AtomicBool::new(false);
+    let context = Context::default();
     let (done, raised) = py.detach(|| {
         std::thread::scope(|scope| {
             let (end, ended) = mpsc::channel::<()>();
-            let interrupt = &interrupt;
+            let context = &context;
             let worker = scope.spawn(move || {
                 // Dropped when the job is done, and when it panics too.
                 let _end = end;
-                pool.install(|| job(interrupt))
+                pool.install(|| job(context))
             });
             let mut raised = None;
             while let Err(mpsc::RecvTimeoutError::Timeout) = ended.recv_timeout(LOOK) {
@@ -51,7 +51,7 @@ pub fn run<T: Send>(py: Python<'_>, threads: Option<usize>, job: impl FnOnce(&At
                     && let Err(error) = Python::attach(|py| py.check_signals())
                 {
                     raised = Some(error);
-                    interrupt.store(true, Ordering::Relaxed);
+                    context.stop();
                 }
             }
             (worker.join(), raised)

@@ -1,7 +1,6 @@
 //! One impact on one layout, with all its records.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::dem::Stop;
 use granulens::evaluate::{self, Beside, Forces, Plan, beside_uniform};
 use granulens::score::Measure;
@@ -35,7 +34,7 @@ pub fn simulate<'py>(
         palette.push(reference.clone());
     }
     let plan = Plan::new(design, overrides, &palette).map_err(|error| Failure::from(design.blame_plan(&error)))?;
-    let job = |interrupt: &AtomicBool| beside_uniform(design, layout, &plan, forces, interrupt);
+    let job = |context: &Context| beside_uniform(design, layout, &plan, forces, context);
     let Beside { evaluation, reference, stopped, over_forces, .. } = run(py, threads, job)?.map_err(Failure::from)?;
     let mut warnings = plan.warnings.clone();
     warnings.extend(evaluation.warnings("this layout"));

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use granulens::Context;
 use granulens::input;
 use granulens::score::Measure;
 use granulens::search::{Choice, Dice};
@@ -130,14 +130,14 @@ impl Study {
         // What a callback or an engine raised.
         let raised: Mutex<Option<PyErr>> = Mutex::new(None);
         let told: Mutex<Vec<String>> = Mutex::new(Vec::new());
-        let state = run(py, threads, |interrupt| {
+        let state = run(py, threads, |context| {
             let mut watch =
-                Told { callback: callback.as_ref(), raised: &raised, interrupt, warnings: &told, simulated: 0 };
+                Told { callback: callback.as_ref(), raised: &raised, context, warnings: &told, simulated: 0 };
             match &engine {
-                None => study::run(study, &journal, interrupt, &mut watch),
+                None => study::run(study, &journal, context, &mut watch),
                 Some(engine) => {
-                    let mut engine = Elsewhere { study, engine, raised: &raised, interrupt };
-                    run_with(study, &journal, &mut engine, interrupt, &mut watch)
+                    let mut engine = Elsewhere { study, engine, raised: &raised, context };
+                    run_with(study, &journal, &mut engine, context, &mut watch)
                 }
             }
         })?;
@@ -181,7 +181,7 @@ impl Study {
         for choice in &given {
             self.layout(choice.clone())?;
         }
-        let (asked, waiting, report) = run(py, threads, |interrupt| -> Result<_> {
+        let (asked, waiting, report) = run(py, threads, |context| -> Result<_> {
             if study::asked_in(&folder).exists() {
                 merge(&folder)?;
             }
@@ -191,7 +191,7 @@ impl Study {
                 asking.ask(rung, &given.iter().collect::<Vec<_>>())?;
                 return Ok((asking.asked, asking.waiting, None));
             }
-            let state = run_with(study, &folder.join("journal.jsonl"), &mut asking, interrupt, &mut ())?;
+            let state = run_with(study, &folder.join("journal.jsonl"), &mut asking, context, &mut ())?;
             let report = Report::of(study, state)?;
             report.write(study, &folder, force)?;
             Ok((asking.asked, asking.waiting, Some(report)))
@@ -210,7 +210,7 @@ impl Study {
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let shard: Shard = shard.parse().map_err(Failure::from)?;
-        let done = run(py, threads, |interrupt| evaluate_shard(&self.inner, &folder, shard, interrupt, |_| ()))?;
+        let done = run(py, threads, |context| evaluate_shard(&self.inner, &folder, shard, context, |_| ()))?;
         let done = done.map_err(Failure::from)?;
         Ok(Table::new(py)
             .with("part", done.part)?
@@ -316,16 +316,16 @@ impl Study {
 }
 
 /// Keeps the first error that Python raised, and ends the run.
-fn keep(raised: &Mutex<Option<PyErr>>, interrupt: &AtomicBool, error: PyErr) {
+fn keep(raised: &Mutex<Option<PyErr>>, context: &Context, error: PyErr) {
     raised.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-    interrupt.store(true, Ordering::Relaxed);
+    context.stop();
 }
 
 /// Tells a callback how the study goes.
 struct Told<'a> {
     callback: Option<&'a Py<PyAny>>,
     raised: &'a Mutex<Option<PyErr>>,
-    interrupt: &'a AtomicBool,
+    context: &'a Context,
     warnings: &'a Mutex<Vec<String>>,
     simulated: usize,
 }
@@ -351,7 +351,7 @@ impl Watch for Told<'_> {
             callback.call1(py, (told.0,)).map(drop)
         });
         if let Err(error) = told {
-            keep(self.raised, self.interrupt, error);
+            keep(self.raised, self.context, error);
         }
     }
 }
@@ -362,7 +362,7 @@ struct Elsewhere<'a> {
     study: &'a study::Study,
     engine: &'a Py<PyAny>,
     raised: &'a Mutex<Option<PyErr>>,
-    interrupt: &'a AtomicBool,
+    context: &'a Context,
 }
 
 impl Engine for Elsewhere<'_> {
@@ -373,7 +373,7 @@ impl Engine for Elsewhere<'_> {
             let handle = self.engine.call_method1(py, "submit", (rung, asked))?;
             // Asked for again and again, so that Ctrl-C is heard while others work.
             loop {
-                if self.interrupt.load(Ordering::Relaxed) {
+                if self.context.stopped() {
                     self.engine.call_method0(py, "stop")?;
                     return Ok(Vec::new());
                 }
@@ -387,7 +387,7 @@ impl Engine for Elsewhere<'_> {
         let lines = match answered {
             Ok(lines) => lines,
             Err(error) => {
-                keep(self.raised, self.interrupt, error);
+                keep(self.raised, self.context, error);
                 return Ok(Vec::new());
             }
         };
@@ -420,14 +420,14 @@ pub fn evaluate_lines(
             .ok_or_else(|| Failure::input(format!("{text} is no layout of {}", study.path.display())))
     };
     let choices = layouts.iter().map(choice).collect::<Result<Vec<Choice>>>()?;
-    let lines = run(py, threads, |interrupt| -> Result<Vec<String>> {
+    let lines = run(py, threads, |context| -> Result<Vec<String>> {
         let mut local = local.lock().unwrap_or_else(PoisonError::into_inner);
         let known = match local.take() {
             Some(known) => known,
-            None => Local::new(study, interrupt)?,
+            None => Local::new(study, context)?,
         };
         let known = local.insert(known);
-        let entries = known.entries(study, rung, &choices.iter().collect::<Vec<_>>(), interrupt)?;
+        let entries = known.entries(study, rung, &choices.iter().collect::<Vec<_>>(), context)?;
         Ok(entries.iter().map(Entry::to_line).collect())
     })??;
     if lines.len() < layouts.len() {

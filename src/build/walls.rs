@@ -3,11 +3,10 @@
 //! A mirror line cuts through the outermost spheres of every other row; a wall cannot, and touches these spheres from outside. Rows
 //! between end half a diameter before it. Both are simulated as rigs that find their contacts, so that nothing but the walls differs.
 
-use std::sync::atomic::AtomicBool;
-
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::Context;
 use crate::design::Design;
 use crate::evaluate::{Blow, Frame, HeldError, Plan, Subject, held_energies, held_spheres};
 use crate::score::{means, ratio};
@@ -35,7 +34,7 @@ pub fn in_walls(
     design: &Design,
     subject: Subject<'_>,
     plan: &Plan,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<WallEffect>, HeldError> {
     let walls = |end_gap| Frame::Walls { side_gap: 0.0, end_gap };
     let ways = [
@@ -48,7 +47,7 @@ pub fn in_walls(
         .map(|(held, frame)| {
             let spheres = held_spheres(subject);
             let energies =
-                held_energies((design, plan), &subject.layout.palette, spheres, (frame, &blow, None), interrupt)?;
+                held_energies((design, plan), &subject.layout.palette, spheres, (frame, &blow, None), context)?;
             let [focal_mean, protected_mean] = means(&energies, &design.lattice, &design.target);
             Ok(WallEffect { held, focal_mean, protected_mean, contrast: ratio(focal_mean, protected_mean) })
         })

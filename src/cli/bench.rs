@@ -15,7 +15,7 @@ use granulens::search::Dice;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::console::{emit, emit_json, interrupt, note};
+use super::console::{context, emit, emit_json, note};
 use super::failure::Failure;
 use super::{Common, Motion, propose};
 
@@ -139,11 +139,9 @@ fn measure_built(drawn: &Sample<2>, impact: &Impact, width: Width) -> Result<Bui
         for (k, times) in times.iter_mut().enumerate() {
             let begun = Instant::now();
             match k {
-                0 => simulate_batch(&perfect, impact, width, interrupt()).map_err(refused)?,
-                1 => simulate_batch(&built, impact, width, interrupt()).map_err(refused)?,
-                _ => {
-                    simulate_batch_with_friction(&built, impact, FRICTION, None, width, interrupt()).map_err(refused)?
-                }
+                0 => simulate_batch(&perfect, impact, width, context()).map_err(refused)?,
+                1 => simulate_batch(&built, impact, width, context()).map_err(refused)?,
+                _ => simulate_batch_with_friction(&built, impact, FRICTION, None, width, context()).map_err(refused)?,
             };
             // The first round warms caches and clocks.
             if round > 0 {
@@ -182,7 +180,7 @@ impl Bench {
         let lanes = width.lanes();
         let batch: Vec<Sample<2>> = vec![sample.clone(); lanes];
         let group = || {
-            simulate_batch_timed(&batch, &impact, width, interrupt()).map_err(|error| Failure::input(error.to_string()))
+            simulate_batch_timed(&batch, &impact, width, context()).map_err(|error| Failure::input(error.to_string()))
         };
 
         // The first run warms caches and clocks; the best of three is what the machine can do.
@@ -192,9 +190,9 @@ impl Bench {
         let all =
             best(|| (0..threads).into_par_iter().map(|_| group()).collect::<Result<Vec<_>, _>>())?.0 / lanes as f64;
         let (alone, record) =
-            best(|| simulate(&sample, &impact, interrupt()).map_err(|error| Failure::input(error.to_string())))?;
+            best(|| simulate(&sample, &impact, context()).map_err(|error| Failure::input(error.to_string())))?;
         let built = if self.built { Some(measure_built(&sample, &impact, width)?) } else { None };
-        if interrupt().load(std::sync::atomic::Ordering::Relaxed) {
+        if context().stopped() {
             return Err(Failure::Interrupted("nothing was measured to the end".to_owned()));
         }
         let steps = steps_in(impact.window, impact.step);

@@ -18,7 +18,7 @@ use granulens::units::Dimension::{Energy, Length, Mass};
 use serde_json::json;
 
 use super::compare::read_piece;
-use super::console::{emit, emit_json, interrupt, note, pretty};
+use super::console::{context, emit, emit_json, note, pretty};
 use super::cost::{arrangement, tell};
 use super::failure::Failure;
 use super::folder::begin;
@@ -104,7 +104,7 @@ impl Build {
         };
 
         let (begun, started) = (Instant::now(), SystemTime::now());
-        let evaluation = subject.evaluate(&design, &plan, interrupt())?;
+        let evaluation = subject.evaluate(&design, &plan, context())?;
         if let Some(stop) = &evaluation.record.stop {
             return Err(match stop {
                 granulens::dem::Stop::Interrupted { .. } => Failure::Interrupted("nothing is written".to_owned()),
@@ -113,7 +113,7 @@ impl Build {
         }
         let felt = subject.on_places(&evaluation.record.max_kinetic);
         let list = inspection(&piece, &felt, layout.materials.len());
-        let walls = build::in_walls(&design, subject, &rig_plan, interrupt())?;
+        let walls = build::in_walls(&design, subject, &rig_plan, context())?;
 
         let mm = |length: f64| 1e3 * length;
         let frame = Frame::new(&piece, mm(self.clearance), mm(self.wall), mm(self.floor));

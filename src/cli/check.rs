@@ -18,7 +18,7 @@ use granulens::tolerance::{MOST_SAMPLES, Tolerances};
 use granulens::units::Dimension::{self, Energy, Force, Mass};
 
 use super::compare::read_piece;
-use super::console::{emit, emit_json, interrupt, note};
+use super::console::{context, emit, emit_json, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::folder::{probe_all, write_file, write_json};
@@ -131,10 +131,10 @@ impl Check {
         let gated = self.gated.asked(layout, common)?;
         probe_all(common, &[self.spheres.as_ref(), common.out.as_ref()])?;
         let begun = Instant::now();
-        let beside = beside_uniform(&design, subject, &plan, self.forces.or(Forces::ONE)?, interrupt())?;
+        let beside = beside_uniform(&design, subject, &plan, self.forces.or(Forces::ONE)?, context())?;
         let seconds = begun.elapsed().as_secs_f64();
         let gate = match beside.evaluation.record.stop {
-            None if self.gate || self.strict => Some(gate((&design, subject), &plan, &beside, &gated, interrupt())?),
+            None if self.gate || self.strict => Some(gate((&design, subject), &plan, &beside, &gated, context())?),
             _ => None,
         };
         let Beside { evaluation, reference, stopped, forces, over_forces } = beside;

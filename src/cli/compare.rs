@@ -8,7 +8,7 @@ use granulens::layout::{self, Layout, ReadLayout};
 use granulens::outcome::Outcome;
 use granulens::report;
 
-use super::console::{Bar, emit, emit_json, interrupt, note};
+use super::console::{Count, emit, emit_json, note};
 use super::cost::{Part, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
@@ -59,8 +59,8 @@ impl Compare {
         }
         self.under.chosen(&design)?;
         probe(common, common.out.as_ref())?;
-        let bar = Bar::new(common, comparison.len());
-        let mut outcome = compare(&comparison, interrupt(), &bar)?;
+        let bar = Count::new(common, comparison.len(), "arrangements");
+        let mut outcome = compare(&comparison, &bar.context())?;
         outcome.manifest.command = Some(command_line());
         bar.done();
         if let Some(path) = &common.out {

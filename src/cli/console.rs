@@ -1,26 +1,31 @@
 //! Output that survives a closed pipe, Ctrl-C, and progress.
 
 use std::io::Write as _;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
-use granulens::evaluate::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
+
+use granulens::{Context, Progress};
 
 use super::Common;
 
-/// Set by the first Ctrl-C.
-static INTERRUPT: AtomicBool = AtomicBool::new(false);
-
-/// The request to stop: the first Ctrl-C sets it, the second ends the program at once.
-pub fn interrupt() -> &'static AtomicBool {
+/// Stopped by the first Ctrl-C.
+static CONTEXT: LazyLock<Context> = LazyLock::new(|| {
+    let context = Context::default();
+    let asked = context.clone();
     // A handler that cannot be set leaves Ctrl-C as it was: the program then ends at once.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPT.swap(true, Ordering::Relaxed) {
+    let _ = ctrlc::set_handler(move || {
+        if asked.stopped() {
             std::process::exit(130);
         }
+        asked.stop();
     });
-    &INTERRUPT
+    context
+});
+
+/// The context of all work of a command: the first Ctrl-C asks it to stop, the second ends the program at once.
+pub fn context() -> &'static Context {
+    &CONTEXT
 }
 
 /// Why data did not reach standard output, if so.
@@ -85,6 +90,19 @@ impl Count {
         self.0.inc(1);
     }
 
+    /// The context of work whose progress the bar shows.
+    pub fn context(&self) -> Context {
+        let bar = self.0.clone();
+        context().telling(move |progress| {
+            if let Progress::Finished { count, name } = *progress {
+                if !name.is_empty() {
+                    bar.set_message(name.to_owned());
+                }
+                bar.inc(count);
+            }
+        })
+    }
+
     /// So many more are done, whatever their names.
     pub fn advance(&self, count: u64) {
         self.0.inc(count);
@@ -92,25 +110,6 @@ impl Count {
 
     pub fn done(self) {
         self.0.finish_and_clear();
-    }
-}
-
-/// Counts finished arrangements.
-pub struct Bar(Count);
-
-impl Bar {
-    pub fn new(common: &Common, length: usize) -> Self {
-        Self(Count::new(common, length, "arrangements"))
-    }
-
-    pub fn done(self) {
-        self.0.done();
-    }
-}
-
-impl Progress for Bar {
-    fn finished(&self, name: &str) {
-        self.0.finished(name);
     }
 }
 
@@ -141,6 +140,17 @@ impl Steps {
     pub fn at(&self, position: f64, message: &str) {
         self.0.set_position(position as u64);
         self.0.set_message(message.to_owned());
+    }
+
+    /// The context of a pile that settles while the bar is shown.
+    pub fn context(&self) -> Context {
+        let bar = self.0.clone();
+        context().telling(move |progress| {
+            if let Progress::Settling { time, kinetic } = *progress {
+                bar.set_position(time as u64);
+                bar.set_message(format!("settling: {time:.0} tau_c, kinetic energy {kinetic:.1e} m g d"));
+            }
+        })
     }
 
     pub fn done(self) {

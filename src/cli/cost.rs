@@ -2,10 +2,9 @@
 //!
 //! Files are read and checked and plans are made as always; then a little is simulated for the time it takes, and nothing is written.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use granulens::Context;
 use granulens::dem::rig::Simulation;
 use granulens::dem::{Impact, Stop, simulate};
 use granulens::outcome::FORMAT;
@@ -14,7 +13,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::Common;
-use super::console::{emit, emit_json, interrupt};
+use super::console::{context, emit, emit_json};
 use super::failure::Failure;
 
 /// How long a trial may take (s).
@@ -45,7 +44,7 @@ impl Part {
 
 /// Prints what a command would cost.
 pub fn tell(common: &Common, parts: &[Part]) -> Result<(), Failure> {
-    if interrupt().load(Ordering::Relaxed) {
+    if context().stopped() {
         return Err(Failure::Interrupted("nothing is told".to_owned()));
     }
     let threads = rayon::current_num_threads();
@@ -75,11 +74,11 @@ pub fn tell(common: &Common, parts: &[Part]) -> Result<(), Failure> {
 
 /// Time of one core (s) for a lens or another arrangement with full records.
 pub fn arrangement<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Result<f64, Failure> {
-    let over = Arc::new(AtomicBool::new(false));
-    let ends = Arc::clone(&over);
+    let over = Context::default();
+    let ends = over.clone();
     std::thread::spawn(move || {
         std::thread::sleep(Duration::from_secs_f64(TASTE));
-        ends.store(true, Ordering::Relaxed);
+        ends.stop();
     });
     let begun = Instant::now();
     let record = simulate(sample, impact, &over).map_err(|error| Failure::input(error.to_string()))?;
@@ -99,7 +98,7 @@ pub fn rig<const D: usize>(simulation: &mut Simulation<D>, steps: u64) -> f64 {
     while done < steps && begun.elapsed().as_secs_f64() < TASTE {
         let chunk = CHUNK.min(steps - done);
         // A guard that stops it here will stop the run too.
-        if simulation.advance(chunk, interrupt()).is_err() {
+        if simulation.advance(chunk, context()).is_err() {
             break;
         }
         done += chunk;

@@ -13,7 +13,7 @@ use granulens::target::Focus;
 use granulens::units::Dimension::{Force, Length, Mass, Time};
 use serde_json::json;
 
-use super::console::{emit, emit_json, interrupt, note};
+use super::console::{context, emit, emit_json, note};
 use super::failure::Failure;
 use super::folder::{write_file, write_json};
 use super::{Common, propose};
@@ -74,7 +74,7 @@ impl Propose {
 
 /// All materials in all families, best first.
 fn ranking(common: &Common, design: &Design, simulate: usize) -> Result<(), Failure> {
-    let ranked = rank(design, &all_materials(design), &Family::ALL, simulate, interrupt())?;
+    let ranked = rank(design, &all_materials(design), &Family::ALL, simulate, context())?;
     let value = json!({ "format": granulens::outcome::FORMAT, "name": design.name, "host": design.host.name, "ranking": ranked });
     write_json(common, &value)?;
     if common.json {

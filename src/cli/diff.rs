@@ -13,7 +13,7 @@ use granulens::outcome::{COMMIT, FORMAT, Method, VERSION};
 use serde_json::{Value, json};
 
 use super::compare::read_piece;
-use super::console::{emit, emit_json, interrupt, note};
+use super::console::{context, emit, emit_json, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_json};
@@ -176,7 +176,7 @@ fn counted(changes: &[Change]) -> BTreeMap<(&str, &str), [usize; 2]> {
 
 /// C, G and Q of a layout: G against the host alone, Q against the design's lens material alone.
 fn ratios(design: &Design, piece: Subject<'_>, plan: &Plan) -> Result<Ratios, Failure> {
-    let beside = beside_uniform(design, piece, plan, Forces::ONE, interrupt())?;
+    let beside = beside_uniform(design, piece, plan, Forces::ONE, context())?;
     let stops = beside.evaluation.record.stop.iter().chain(beside.stopped.iter().map(|(_, stop)| stop));
     match stops.into_iter().next() {
         None => {}

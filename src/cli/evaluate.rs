@@ -7,7 +7,7 @@ use granulens::outcome::FORMAT;
 use granulens::study::{Shard, evaluate_shard};
 use serde_json::json;
 
-use super::console::{Count, emit, emit_json, interrupt, note};
+use super::console::{Count, context, emit, emit_json, note};
 use super::failure::Failure;
 use super::study::{folder, read};
 use super::{Band, Common};
@@ -40,7 +40,7 @@ impl Evaluate {
         let folder = folder(common, &study);
         let begun = Instant::now();
         let mut bar: Option<(Count, usize)> = None;
-        let done = evaluate_shard(&study, &folder, self.shard, interrupt(), |done| {
+        let done = evaluate_shard(&study, &folder, self.shard, context(), |done| {
             let (bar, shown) = bar.get_or_insert_with(|| (Count::new(common, done.part - done.known, "layouts"), 0));
             bar.advance((done.evaluated - *shown) as u64);
             *shown = done.evaluated;

@@ -16,7 +16,7 @@ use granulens::units::Dimension::Time;
 use serde_json::json;
 
 use super::compare::read_layout;
-use super::console::{Count, emit_json, interrupt, note, pretty};
+use super::console::{Count, context, emit_json, note, pretty};
 use super::failure::Failure;
 use super::folder::{self, probe_all, write_file, write_json};
 use super::{Common, Motion, cost, propose, time};
@@ -315,11 +315,11 @@ fn follow<const D: usize>(
     mut frame: impl FnMut(&Simulation<D>),
 ) -> Result<(), Failure> {
     let mut simulation = begin(run.rig, run.method.step_s)?;
-    let interrupt = interrupt();
+    let context = context();
     let bar = Count::new(common, (run.steps / every) as usize, "frames");
     frame(&simulation);
     for _ in 0..run.steps / every {
-        simulation.advance(every, interrupt).map_err(|stop| match stop {
+        simulation.advance(every, context).map_err(|stop| match stop {
             RigStop::Interrupted { .. } => Failure::Interrupted("nothing is written".to_owned()),
             stop => Failure::Guard(vec![stop.to_string()]),
         })?;

@@ -15,7 +15,7 @@ use granulens::units::Dimension::Time;
 use serde_json::json;
 
 use super::compare::read_layout;
-use super::console::{emit, emit_json, interrupt, note, pretty};
+use super::console::{context, emit, emit_json, note, pretty};
 use super::failure::Failure;
 use super::folder::begin;
 use super::{Common, command_line, cost};
@@ -108,7 +108,7 @@ impl Measured {
         let place = common.out.clone().unwrap_or_else(|| Path::new("measured").join(&bench.name));
         let folder = begin(common, &place)?;
         let (begun, started) = (Instant::now(), SystemTime::now());
-        let before = predict(bench, &channels, &[], interrupt())?;
+        let before = predict(bench, &channels, &[], context())?;
         let apart = || {
             Failure::input_with_help(
                 format!("{}: less than half of the values lie in the window of the prediction", self.data.display()),
@@ -119,7 +119,7 @@ impl Measured {
         let fitted = match inputs {
             [] => None,
             inputs => {
-                let fit = fit(bench, data, &channels, inputs, self.offset, interrupt())?.ok_or_else(apart)?;
+                let fit = fit(bench, data, &channels, inputs, self.offset, context())?.ok_or_else(apart)?;
                 let after = compare(data, &fit.prediction, Some(fit.offset)).ok_or_else(apart)?;
                 Some((fit, after))
             }

@@ -4,7 +4,7 @@ use granulens::contact::LawKind;
 use granulens::design::Design;
 use granulens::evaluate::{OverLaws, OverLawsError, Overrides, Subject, design_laws, over_laws};
 
-use super::console::interrupt;
+use super::console::context;
 use super::failure::Failure;
 
 /// Under which laws besides.
@@ -47,7 +47,7 @@ impl UnderLaws {
         if laws.is_empty() {
             return Ok(None);
         }
-        over_laws(design, subject, &laws, overrides, interrupt()).map(Some).map_err(|error| match error {
+        over_laws(design, subject, &laws, overrides, context()).map(Some).map_err(|error| match error {
             OverLawsError::Plan { law, error } => {
                 Failure::of_plan(&Design { law, ..design.clone() }, &overrides, &error)
             }

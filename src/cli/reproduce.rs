@@ -5,7 +5,7 @@ use granulens::reproduce::{self, Finding, Part, Row};
 use serde_json::{Value, json};
 
 use super::Common;
-use super::console::{Count, emit, emit_json, interrupt, note};
+use super::console::{Count, emit, emit_json, note};
 use super::cost;
 use super::failure::Failure;
 use super::folder::{probe, write_file, write_json};
@@ -46,9 +46,8 @@ impl Reproduce {
         let longest = rows.iter().map(|row| row.seconds).fold(0.0, f64::max);
         let expected = longest.max(all / threads as f64).ceil();
         note(common, &format!("{} rows, about {expected} s on {threads} threads", rows.len()));
-        let interrupt = interrupt();
         let bar = Count::new(common, rows.len(), "rows");
-        let findings = reproduce::run(&rows, interrupt, |finding| bar.finished(finding.row.id));
+        let findings = reproduce::run(&rows, &bar.context());
         bar.done();
         if findings.iter().any(Finding::interrupted) {
             return Err(Failure::Interrupted("nothing is shown of rows that were not finished".to_owned()));

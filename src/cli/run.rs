@@ -9,7 +9,7 @@ use granulens::outcome::Outcome;
 use granulens::output::Folder;
 use granulens::report;
 
-use super::console::{Bar, emit, emit_json, interrupt, note};
+use super::console::{Count, context, emit, emit_json, note};
 use super::failure::Failure;
 use super::folder::begin;
 use super::{Band, Common, Motion, command_line, propose};
@@ -73,8 +73,8 @@ pub fn deliver(
         note(common, words);
     }
     note(common, &format!("step: {}", comparison.plan.step_reason));
-    let bar = Bar::new(common, comparison.len());
-    let mut outcome = compare(comparison, interrupt(), &bar)?;
+    let bar = Count::new(common, comparison.len(), "arrangements");
+    let mut outcome = compare(comparison, &bar.context())?;
     outcome.manifest.command = Some(command_line());
     bar.done();
 
@@ -97,7 +97,7 @@ pub fn deliver(
             ));
         }
         note(common, "simulating every exchange of a sphere ...");
-        outcome.swaps = Some(swaps(comparison.design, &comparison.subject, &comparison.plan, interrupt())?);
+        outcome.swaps = Some(swaps(comparison.design, &comparison.subject, &comparison.plan, context())?);
     }
     fill(&folder, &outcome, comparison.piece())?;
     figures(&outcome, &folder, delivery.kinds)?;

@@ -13,7 +13,7 @@ use granulens::score::Measure;
 use serde_json::{Value, json};
 
 use super::compare::read_layout;
-use super::console::{emit, emit_json, interrupt, note};
+use super::console::{context, emit, emit_json, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::folder::{probe, write_file};
@@ -74,7 +74,7 @@ impl SensitivityOf {
         let how = method(&design, &plan);
         note(common, &how.words());
         plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
-        let found = sensitivities(&design, &layout, &plan, &self.of, interrupt()).map_err(|error| failure(&error))?;
+        let found = sensitivities(&design, &layout, &plan, &self.of, context()).map_err(|error| failure(&error))?;
         if let Some(path) = &common.out {
             write_file(common, path, &table(&layout, &found.of))?;
         }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use granulens::Progress;
 use granulens::dem::rig::Simulation;
 use granulens::design::Design;
 use granulens::output;
@@ -14,7 +15,7 @@ use granulens::units::Dimension::{Force, Time};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::compare::read_layout;
-use super::console::{emit, emit_json, interrupt, note};
+use super::console::{context, emit, emit_json, note};
 use super::failure::Failure;
 use super::{Common, cost};
 
@@ -106,10 +107,14 @@ impl Simulate {
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {elapsed} ({eta} left)") {
             bar.set_style(style);
         }
-        let result = trial::run(bench, &folder, keeping, interrupt(), |done, total| {
-            bar.set_length(total);
-            bar.set_position(done);
+        let shown = bar.clone();
+        let context = context().telling(move |progress| {
+            if let Progress::Steps { done, of } = *progress {
+                shown.set_length(of);
+                shown.set_position(done);
+            }
         });
+        let result = trial::run(bench, &folder, keeping, &context);
         bar.finish_and_clear();
         let is_known = matches!(result, Err(TrialError::Finished(_)));
         let (summary, ending) = match result {

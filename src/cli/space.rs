@@ -23,7 +23,7 @@ use serde_json::json;
 
 use super::Common;
 use super::command_line;
-use super::console::{Bar, emit, emit_json, interrupt, note};
+use super::console::{Count, context, emit, emit_json, note};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::folder::{begin, probe, probe_all, write_file, write_json};
@@ -150,8 +150,8 @@ fn fill(folder: &Folder, outcome: &SpaceOutcome, subject: &Layout<Block>) -> Res
 }
 
 fn simulated(common: &Common, comparison: &SpaceComparison) -> Result<SpaceOutcome, Failure> {
-    let bar = Bar::new(common, comparison.len());
-    let mut outcome = compare_in_space(comparison, interrupt(), &bar)?;
+    let bar = Count::new(common, comparison.len(), "arrangements");
+    let mut outcome = compare_in_space(comparison, &bar.context())?;
     outcome.manifest.command = Some(command_line());
     bar.done();
     Ok(outcome)
@@ -240,8 +240,8 @@ pub fn check(
     .map_err(|error| Failure::of_plan(design, &overrides, &error))?;
     probe_all(common, &[spheres, common.out.as_ref()])?;
     let begun = Instant::now();
-    let Evaluation { mut scores, record, doubts } = evaluate_in_space(design, &layout, &plan, interrupt())?;
-    let beside = granulens::evaluate::beside_in_space(design, &layout, &plan, forces, interrupt());
+    let Evaluation { mut scores, record, doubts } = evaluate_in_space(design, &layout, &plan, context())?;
+    let beside = granulens::evaluate::beside_in_space(design, &layout, &plan, forces, context());
     let mut stop = record.stop.clone();
     let mut warnings: Vec<String> = plan.warnings.clone();
     let (reference, over, spreads) = match beside {

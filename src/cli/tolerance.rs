@@ -18,7 +18,7 @@ use granulens::tolerance::{
 use serde_json::json;
 
 use super::compare::read_piece;
-use super::console::{Count, emit, emit_json, interrupt, note, pretty};
+use super::console::{Count, context, emit, emit_json, note, pretty};
 use super::cost::{Part, arrangement, tell};
 use super::failure::Failure;
 use super::{Common, Motion, command_line};
@@ -116,7 +116,7 @@ impl Tolerance {
             integrator: Some(plan.integrator),
             ..overrides
         };
-        let criterion = Criterion::new(&design, subject, &tolerances, given, interrupt())?;
+        let criterion = Criterion::new(&design, subject, &tolerances, given, context())?;
 
         let known = samples.list.len();
         let more = [
@@ -125,13 +125,11 @@ impl Tolerance {
         ];
         let runs = sensitivity_runs(&workshop) + (count as usize).saturating_sub(known) + more.iter().sum::<usize>();
         let bar = Count::new(common, runs, "pieces");
-        let found = sensitivity(&workshop, &asked, seed, interrupt(), &|pieces| bar.advance(pieces))?;
-        let grown = samples.grow(&workshop, count, interrupt(), |samples| {
-            bar.advance(128);
-            match folder {
-                Some(folder) => Ok(output::write(&folder.join(PIECES), samples.csv().as_bytes(), common.force)?),
-                None => Ok(()),
-            }
+        let working = bar.context();
+        let found = sensitivity(&workshop, &asked, seed, &working)?;
+        let grown = samples.grow(&workshop, count, &working, |samples| match folder {
+            Some(folder) => Ok(output::write(&folder.join(PIECES), samples.csv().as_bytes(), common.force)?),
+            None => Ok(()),
         });
         if let Err(failure) = grown {
             bar.done();
@@ -153,9 +151,8 @@ impl Tolerance {
         let mut files: Vec<(&str, String)> = Vec::new();
         let mut maps = Vec::new();
         let mut more = BTreeMap::new();
-        let step = |pieces: u64| bar.advance(pieces);
         if !tolerances.laws.is_empty() {
-            let over = over_laws(&design, subject, &tolerances.laws, self.motion.overrides(common), interrupt())
+            let over = over_laws(&design, subject, &tolerances.laws, self.motion.overrides(common), context())
                 .map_err(|error| match error {
                     OverLawsError::Evaluate(error) => error.into(),
                     error @ OverLawsError::Plan { .. } => Failure::input(error.to_string()),
@@ -164,7 +161,7 @@ impl Tolerance {
             more.insert("laws", json!(over));
         }
         if self.sites {
-            let found = sites(&workshop, interrupt(), &step)?;
+            let found = sites(&workshop, &working)?;
             words += &found.words();
             files.push(("sites.csv", found.csv()));
             let map = found.map(&design, subject);
@@ -173,21 +170,21 @@ impl Tolerance {
             more.insert("sites", json!(found));
         }
         if self.indices {
-            let found = indices(&workshop, seed, interrupt(), &step)?;
+            let found = indices(&workshop, seed, &working)?;
             words += &indices_words(&found);
             more.insert("indices", json!(found));
         }
         if let Some(wanted) = self.wanted {
             let asked = (wanted, count.min(OF_RUNG), seed);
-            let found = inverse(&workshop, &criterion, asked, &of_layout, interrupt(), &step)?;
+            let found = inverse(&workshop, &criterion, asked, &of_layout, &working)?;
             words += &inverse_words(&found, wanted);
             more.insert("inverse", json!({ "wanted": wanted, "found": found }));
         }
         if let Some(spheres) = self.rechoose {
-            let energy = subject.evaluate(&design, &plan, interrupt())?.record.max_kinetic;
+            let energy = subject.evaluate(&design, &plan, context())?.record.max_kinetic;
             let energy = subject.on_places(&energy);
             let with = (&of_layout, &energy[..]);
-            let found = rechoose(&workshop, &criterion, (spheres as usize, seed), with, interrupt(), &step)?;
+            let found = rechoose(&workshop, &criterion, (spheres as usize, seed), with, &working)?;
             words += &found.words();
             more.insert("rechoose", json!(found));
         }

@@ -10,7 +10,7 @@ use granulens::report;
 use granulens::units::Dimension::{Force, Length, Time};
 use granulens::wave::Decay;
 
-use super::console::{emit, emit_json, interrupt, note};
+use super::console::{context, emit, emit_json, note};
 use super::failure::Failure;
 use super::folder::probe_all;
 use super::picture::write_picture;
@@ -104,7 +104,7 @@ impl Trace {
         let plan =
             Plan::new(design, overrides, palette).map_err(|error| Failure::of_plan(design, &overrides, &error))?;
         note(common, &format!("uniform crystals: {}", how.insert(method(design, &plan)).words()));
-        let found = calibrate(design, &plan, palette, interrupt())?;
+        let found = calibrate(design, &plan, palette, context())?;
         let named = found.into_iter().zip(palette).map(|(decay, material)| {
             decay.ok_or_else(|| {
                 Failure::input_with_help(

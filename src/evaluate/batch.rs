@@ -1,12 +1,12 @@
 //! Many layouts of one design at once: as many in the lanes of a core as these hold, and groups of these in parallel.
 
 use std::borrow::Cow;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
 use super::blow::{Blow, Case, Field, Flaw};
 use super::{EvaluateError, Overrides, Plan, PlanError};
+use crate::Context;
 use crate::dem::{
     BatchError, ForcePulse, Limit, OverlapAtRest, Stop, simulate, simulate_batch_under, simulate_with_friction,
 };
@@ -136,7 +136,7 @@ impl<'a> Evaluator<'a> {
         cases: &[C],
         mut palette: Vec<Material>,
         overrides: Overrides,
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Self, EvaluatorError> {
         let reference = design.reference().map(|reference| {
             palette.iter().position(|material| material == reference).unwrap_or_else(|| {
@@ -149,7 +149,7 @@ impl<'a> Evaluator<'a> {
         let members = std::mem::replace(&mut evaluator.cases, flawless);
         let uniform: Vec<u8> = std::iter::once(0).chain(reference).collect();
         let layouts: Vec<_> = uniform.iter().map(|&material| vec![material; design.lattice.len()]).collect();
-        let runs = evaluator.scores(&layouts, interrupt)?;
+        let runs = evaluator.scores(&layouts, context)?;
         for (runs, &k) in runs.iter().zip(&uniform) {
             let Some(stop) = runs.iter().find_map(|run| run.stop.as_ref()) else { continue };
             if matches!(stop, Stop::Interrupted { .. }) {
@@ -231,11 +231,11 @@ impl<'a> Evaluator<'a> {
     ///
     /// # Errors
     /// As [`scores`](Self::scores), and where all of them were stopped by a guard, or on request.
-    pub fn against(mut self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Self, EvaluatorError> {
+    pub fn against(mut self, layouts: &[Vec<u8>], context: &Context) -> Result<Self, EvaluatorError> {
         let flawless = (0..self.fields.len()).map(|field| (field, Flaw::default())).collect();
         let cases = std::mem::replace(&mut self.cases, flawless);
         let detail = std::mem::take(&mut self.detail);
-        let runs = self.scores(layouts, interrupt)?;
+        let runs = self.scores(layouts, context)?;
         (self.cases, self.detail) = (cases, detail);
         let least = |field: usize| {
             let finished = runs.iter().map(|runs| &runs[field]).filter(|run| run.stop.is_none());
@@ -261,8 +261,8 @@ impl<'a> Evaluator<'a> {
     ///
     /// # Errors
     /// See [`EvaluatorError`].
-    pub fn scores(&self, layouts: &[Vec<u8>], interrupt: &AtomicBool) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
-        self.scores_up_to(layouts, None, interrupt)
+    pub fn scores(&self, layouts: &[Vec<u8>], context: &Context) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
+        self.scores_up_to(layouts, None, context)
     }
 
     /// As [`scores`](Self::scores), where a run ends as soon as its P is above what is still of interest (J), given for each layout
@@ -275,9 +275,9 @@ impl<'a> Evaluator<'a> {
         &self,
         layouts: &[Vec<u8>],
         protected_mean: &[Vec<f64>],
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
-        self.scores_up_to(layouts, Some(protected_mean), interrupt)
+        self.scores_up_to(layouts, Some(protected_mean), context)
     }
 
     /// What a layout with given F and P (J) would score in one of the cases, by these alone.
@@ -292,7 +292,7 @@ impl<'a> Evaluator<'a> {
         &self,
         layouts: &[Vec<u8>],
         most: Option<&[Vec<f64>]>,
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
         // What is built under blows that differ in their pulse alone, each a case and a layout, stands side by side; spheres of unequal
         // size cost more, so they stand together. Materials of a case's own make kinds of contacts of its own, of which the lanes tell
@@ -312,7 +312,7 @@ impl<'a> Evaluator<'a> {
             built.chunk_by(|a, b| kind(a.0) == kind(b.0)).flat_map(|alike| alike.chunks(together(alike))).collect();
         let simulated = groups
             .par_iter()
-            .map(|group| self.follow(group, layouts, most, interrupt))
+            .map(|group| self.follow(group, layouts, most, context))
             .collect::<Result<Vec<_>, EvaluatorError>>()?;
         let mut runs: Vec<Vec<Option<Evaluated>>> = vec![vec![None; self.cases.len()]; layouts.len()];
         for (&(case, layout), mut run) in groups.into_iter().flatten().zip(simulated.into_iter().flatten()) {
@@ -328,10 +328,10 @@ impl<'a> Evaluator<'a> {
         group: &[(usize, usize)],
         layouts: &[Vec<u8>],
         most: Option<&[Vec<f64>]>,
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Vec<Evaluated>, EvaluatorError> {
         let Some(&(first, _)) = group.first() else { return Ok(Vec::new()) };
-        if interrupt.load(Ordering::Relaxed) {
+        if context.stopped() {
             // Groups that have not begun do not begin: to prepare each of many takes longer than anybody waits.
             let none = Evaluated { scores: Scores::default(), stop: Some(Stop::Interrupted { time_s: 0.0 }) };
             return Ok(vec![none; group.len()]);
@@ -343,7 +343,7 @@ impl<'a> Evaluator<'a> {
         };
         let samples: Vec<_> = group.iter().map(sample).collect();
         if self.detail == Detail::Everything {
-            return samples.iter().map(|sample| self.follow_alone(field, sample, interrupt)).collect();
+            return samples.iter().map(|sample| self.follow_alone(field, sample, context)).collect();
         }
         let limit = most.map(|most| {
             let sites = self.design.target.protect.sites(&self.design.lattice);
@@ -355,7 +355,7 @@ impl<'a> Evaluator<'a> {
         let pulses: Vec<ForcePulse> =
             group.iter().map(|&(case, _)| self.fields[self.cases[case].0].impact.pulse).collect();
         let (impact, friction) = (&field.impact, field.friction);
-        let briefs = simulate_batch_under(&samples, impact, &pulses, friction, limit.as_ref(), self.width, interrupt)?;
+        let briefs = simulate_batch_under(&samples, impact, &pulses, friction, limit.as_ref(), self.width, context)?;
         Ok(briefs
             .into_iter()
             .map(|brief| Evaluated { scores: self.energies(&field.folded(&brief.max_kinetic)), stop: brief.stop })
@@ -363,15 +363,10 @@ impl<'a> Evaluator<'a> {
     }
 
     /// One layout with full records.
-    fn follow_alone(
-        &self,
-        field: &Field,
-        sample: &Sample<2>,
-        interrupt: &AtomicBool,
-    ) -> Result<Evaluated, EvaluatorError> {
+    fn follow_alone(&self, field: &Field, sample: &Sample<2>, context: &Context) -> Result<Evaluated, EvaluatorError> {
         let record = match field.friction {
-            Some(coefficient) => simulate_with_friction(sample, &field.impact, coefficient, interrupt)?,
-            None => simulate(sample, &field.impact, interrupt)?,
+            Some(coefficient) => simulate_with_friction(sample, &field.impact, coefficient, context)?,
+            None => simulate(sample, &field.impact, context)?,
         };
         let mut scores = self.energies(&field.folded(&record.max_kinetic));
         let share = if field.is_whole() { 0.5 } else { 1.0 };

@@ -1,11 +1,10 @@
 //! One layout beside the uniform crystals that G and Q refer to: what `check` says of it, in the numbers of `compare`.
 
-use std::sync::atomic::AtomicBool;
-
 use rayon::prelude::*;
 
 use super::forces::under_forces;
 use super::{EvaluateError, Evaluation, EvaluatorError, Forces, Plan, Subject};
+use crate::Context;
 use crate::dem::Stop;
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
@@ -49,7 +48,7 @@ pub fn unnamed(material: &str) -> String {
 
 /// Evaluates a layout, or a piece of two halves, beside the crystals of the host and of the design's lens material alone, which `compare` has among its
 /// baselines: F, P, C, G and Q of [`compare`](super::compare) to the last bit, without strips and mixtures. `plan` is how it is simulated, `forces` over how
-/// many forces it is judged besides its own, `interrupt` the request to stop.
+/// many forces it is judged besides its own, `context` says when to stop.
 ///
 /// # Errors
 /// See [`EvaluatorError`].
@@ -58,7 +57,7 @@ pub fn beside_uniform<'a>(
     given: impl Into<Subject<'a>>,
     plan: &Plan,
     forces: Forces,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Beside, EvaluatorError> {
     let given: Subject<'_> = given.into();
     let mut subject = given.layout.clone();
@@ -71,7 +70,7 @@ pub fn beside_uniform<'a>(
     let pieces: Vec<Subject<'_>> = std::iter::once(own).chain(baselines.iter().map(Subject::from)).collect();
     let runs = pieces
         .par_iter()
-        .map(|piece| piece.evaluate(design, plan, interrupt))
+        .map(|piece| piece.evaluate(design, plan, context))
         .collect::<Result<Vec<_>, EvaluateError>>()?;
     let stopped = runs.iter().skip(1).zip(&names);
     let stopped = stopped.filter_map(|(run, name)| Some((name.clone(), run.record.stop.clone()?))).collect();
@@ -83,7 +82,7 @@ pub fn beside_uniform<'a>(
         return Ok(Beside { evaluation, reference, stopped, forces: Vec::new(), over_forces: None });
     }
     let forces = forces.about(design.impact.force);
-    let runs = under_forces(design, plan, &pieces, &forces, interrupt)?;
+    let runs = under_forces(design, plan, &pieces, &forces, context)?;
     let related = |force: usize| {
         let run = |k: usize| runs.get(k).map(|runs| &runs[force]).filter(|run| run.stop.is_none());
         let mut scores = run(0)?.scores.clone();

@@ -1,6 +1,5 @@
 //! The lens and its baselines, simulated alike and in parallel.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use rayon::prelude::*;
@@ -11,6 +10,7 @@ use super::traced::spot_diagrams;
 use super::verdict::{Judged, verdict};
 use super::{Doubts, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError, Subject};
 use super::{method, validity};
+use crate::Context;
 use crate::dem::Stop;
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
@@ -20,17 +20,6 @@ use crate::outcome::{
 };
 use crate::score::{Scores, over_forces};
 use crate::target::Focus;
-
-/// Is told of every arrangement that is finished.
-pub trait Progress: Sync {
-    /// An arrangement is done.
-    fn finished(&self, name: &str);
-}
-
-/// Nobody is told.
-impl Progress for () {
-    fn finished(&self, _: &str) {}
-}
 
 /// The arrangements to compare: a subject, which may be a proposed lens or any layout, and its baselines.
 pub struct Comparison<'a> {
@@ -243,29 +232,25 @@ impl Begun {
 }
 
 /// Simulates subject and baselines on all threads of the current pool. Results do not depend on their number: each
-/// arrangement is one thread's work, and they are collected in order. When `interrupt` is set the outcome holds those that were
+/// arrangement is one thread's work, of which the context is told, and they are collected in order. When it is stopped the outcome holds those that were
 /// finished.
 ///
 /// # Errors
 /// See [`EvaluatorError`].
-pub fn compare(
-    comparison: &Comparison<'_>,
-    interrupt: &AtomicBool,
-    progress: &impl Progress,
-) -> Result<Outcome, EvaluatorError> {
+pub fn compare(comparison: &Comparison<'_>, context: &Context) -> Result<Outcome, EvaluatorError> {
     let Comparison { design, plan, .. } = comparison;
     let begun = Begun::now();
     let jobs = comparison.jobs();
     let evaluations: Vec<Option<Evaluation>> = jobs
         .par_iter()
         .map(|job| {
-            if interrupt.load(Ordering::Relaxed) {
+            if context.stopped() {
                 return Ok(None);
             }
-            let evaluation = job.piece().evaluate(design, plan, interrupt)?;
+            let evaluation = job.piece().evaluate(design, plan, context)?;
             let complete = !matches!(evaluation.record.stop, Some(Stop::Interrupted { .. }));
             if complete {
-                progress.finished(&job.name);
+                context.finished(&job.name);
             }
             Ok(complete.then_some(evaluation))
         })
@@ -292,7 +277,7 @@ pub fn compare(
     relate(&mut arrangements);
     let whole = arrangements.len() == comparison.len();
     let (forces, verdict) = match whole {
-        true => judge(comparison, comparison.forces, &mut arrangements, &simulated, interrupt)?,
+        true => judge(comparison, comparison.forces, &mut arrangements, &simulated, context)?,
         false => (Vec::new(), Vec::new()),
     };
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
@@ -339,7 +324,7 @@ pub(super) fn judge(
     forces: Forces,
     arrangements: &mut [ArrangementOutcome],
     simulated: &[Job],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<(Vec<f64>, Vec<Verdict>), EvaluatorError> {
     let Comparison { design, plan, .. } = comparison;
     let forces = forces.about(design.impact.force);
@@ -349,7 +334,7 @@ pub(super) fn judge(
     } else {
         let pieces: Vec<Subject<'_>> = simulated.iter().map(Job::piece).collect();
         let kinds: Vec<&str> = arrangements.iter().map(|arrangement| arrangement.kind.as_str()).collect();
-        match related(design, plan, (&kinds, &pieces), &forces, interrupt) {
+        match related(design, plan, (&kinds, &pieces), &forces, context) {
             Err(EvaluatorError::Interrupted) => return Ok((Vec::new(), Vec::new())),
             runs => runs?,
         }
@@ -373,9 +358,9 @@ fn related(
     plan: &Plan,
     (kinds, pieces): (&[&str], &[Subject<'_>]),
     forces: &[f64],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
-    let mut runs = under_forces(design, plan, pieces, forces, interrupt)?;
+    let mut runs = under_forces(design, plan, pieces, forces, context)?;
     let [host, lens] = ["all-host", "all-lens"].map(|kind| kinds.iter().position(|known| *known == kind));
     for force in 0..forces.len() {
         let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
@@ -398,13 +383,13 @@ pub(super) fn of_first(kinds: &[&str], scores: &[Option<Vec<Scores>>]) -> Vec<Ve
 ///
 /// # Errors
 /// See [`EvaluatorError`].
-pub fn judged(comparison: &Comparison<'_>, interrupt: &AtomicBool) -> Result<Vec<Verdict>, EvaluatorError> {
+pub fn judged(comparison: &Comparison<'_>, context: &Context) -> Result<Vec<Verdict>, EvaluatorError> {
     let Comparison { design, plan, forces, name, .. } = comparison;
     let baselines = comparison.baselines();
     let (kinds, pieces): (Vec<&str>, Vec<Subject<'_>>) = std::iter::once((name.as_str(), comparison.piece()))
         .chain(baselines.iter().map(|(baseline, layout)| (baseline.kind(), Subject::from(layout))))
         .unzip();
-    let runs = related(design, plan, (&kinds, &pieces), &forces.about(design.impact.force), interrupt)?;
+    let runs = related(design, plan, (&kinds, &pieces), &forces.about(design.impact.force), context)?;
     let finished =
         |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
     Ok(of_first(&kinds, &runs.into_iter().map(finished).collect::<Vec<_>>()))

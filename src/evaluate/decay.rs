@@ -1,8 +1,7 @@
 //! How an impact's wave decays in the uniform crystals of a palette.
 
-use std::sync::atomic::AtomicBool;
-
 use super::{EvaluateError, Plan, simulated};
+use crate::Context;
 use crate::contact::Constants;
 use crate::dem::Record;
 use crate::design::Design;
@@ -31,7 +30,7 @@ pub fn calibrate(
     design: &Design,
     plan: &Plan,
     palette: &[Material],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Option<Decay>>, EvaluateError> {
     let lattice = &design.lattice;
     // A narrower crystal of as many rows is one if the design's is.
@@ -44,7 +43,7 @@ pub fn calibrate(
             let speed = bound(Dimension::Two, [material, material], strip.diameter(), design.constants).speed;
             let window = CROSSINGS * strip.depth(f64::from(strip.rows())) / speed + design.impact.duration;
             let plan = Plan { window: window.max(plan.window), ..plan.clone() };
-            let record = simulated(&design, &layout.sample(), &plan, interrupt)?;
+            let record = simulated(&design, &layout.sample(), &plan, context)?;
             Ok(if record.stop.is_some() { None } else { decay(&strip, material, design.constants, &record) })
         })
         .collect()

@@ -1,9 +1,8 @@
 //! A score of several forces: the motion behind a lens is chaotic, and under forces within a percent of each other scores scatter by
 //! about as much.
 
-use std::sync::atomic::AtomicBool;
-
 use super::{Blow, Case, Evaluated, Evaluator, EvaluatorError, Overrides, Plan, Subject};
+use crate::Context;
 use crate::dem::{ForcePulse, Stop};
 use crate::design::Design;
 
@@ -87,7 +86,7 @@ pub(super) fn under_forces(
     plan: &Plan,
     pieces: &[Subject<'_>],
     forces: &[f64],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
     let Some(first) = pieces.first() else { return Ok(Vec::new()) };
     let given = Overrides {
@@ -110,7 +109,7 @@ pub(super) fn under_forces(
         let cases: Vec<Case> = forces.iter().map(case).collect();
         let evaluator = Evaluator::alone(design, &cases, first.layout.palette.clone(), given)?;
         let drawn: Vec<Vec<u8>> = alike.iter().map(|&k| pieces[k].drawn()).collect();
-        for (k, runs) in alike.into_iter().zip(evaluator.scores(&drawn, interrupt)?) {
+        for (k, runs) in alike.into_iter().zip(evaluator.scores(&drawn, context)?) {
             found[k] = runs;
         }
     }

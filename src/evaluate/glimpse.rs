@@ -1,11 +1,10 @@
 //! A comparison by energies alone, for a screen that follows a hand: all arrangements side by side in vector lanes.
 
-use std::sync::atomic::AtomicBool;
-
 use rayon::prelude::*;
 
 use super::compare::{Begun, judge, relate, stops};
 use super::{Comparison, EvaluatorError, Forces, impact};
+use crate::Context;
 use crate::dem::{Brief, Stop, simulate_batch, simulate_batch_with_friction};
 use crate::outcome::{Outcome, SphereRecord};
 use crate::real::Width;
@@ -16,8 +15,8 @@ use crate::score::Scores;
 /// the time.
 ///
 /// # Errors
-/// See [`EvaluatorError`]; [`EvaluatorError::Interrupted`] where `interrupt` was set before the end.
-pub fn glimpse(comparison: &Comparison<'_>, interrupt: &AtomicBool) -> Result<Outcome, EvaluatorError> {
+/// See [`EvaluatorError`]; [`EvaluatorError::Interrupted`] where it was stopped before the end.
+pub fn glimpse(comparison: &Comparison<'_>, context: &Context) -> Result<Outcome, EvaluatorError> {
     let begun = Begun::now();
     let Comparison { design, plan, .. } = comparison;
     let width = Width::widest();
@@ -28,8 +27,8 @@ pub fn glimpse(comparison: &Comparison<'_>, interrupt: &AtomicBool) -> Result<Ou
         .map(|jobs| {
             let samples: Vec<_> = jobs.iter().map(|job| job.layout.sample()).collect();
             match design.friction {
-                Some(mu) => simulate_batch_with_friction(&samples, &strikes, mu, None, width, interrupt),
-                None => simulate_batch(&samples, &strikes, width, interrupt),
+                Some(mu) => simulate_batch_with_friction(&samples, &strikes, mu, None, width, context),
+                None => simulate_batch(&samples, &strikes, width, context),
             }
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -43,7 +42,7 @@ pub fn glimpse(comparison: &Comparison<'_>, interrupt: &AtomicBool) -> Result<Ou
         arrangements.push(job.arrangement(scores, SphereRecord { max_kinetic, ..SphereRecord::default() }, stop));
     }
     relate(&mut arrangements);
-    let judged = judge(comparison, Forces::ONE, &mut arrangements, &jobs, interrupt)?;
+    let judged = judge(comparison, Forces::ONE, &mut arrangements, &jobs, context)?;
     let mut warnings = plan.warnings.clone();
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
     Ok(comparison.outcome(begun, judged, arrangements, warnings))

@@ -3,10 +3,9 @@
 //! A mirror line cuts through the outermost spheres of every other row; a wall cannot, and touches these spheres from outside. Rows
 //! between end half a diameter before it. Pieces are rigs that find their contacts, so that nothing differs but how they are held.
 
-use std::sync::atomic::AtomicBool;
-
 use super::settle::{GRAVITY, Room, SettleError, settle};
 use super::{Blow, Plan, Subject};
+use crate::Context;
 use crate::dem::rig::{
     Body, Curve, Face, Flat, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation, rig_step,
 };
@@ -119,7 +118,7 @@ pub fn held_energies(
     palette: &[Material],
     mut spheres: Vec<HeldSphere>,
     (frame, blow, projectile): (Frame, &Blow, Option<Projectile>),
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<f64>, HeldError> {
     let slack = 1e-9 * design.lattice.diameter();
     let half_width = design.lattice.half_width();
@@ -213,7 +212,7 @@ pub fn held_energies(
     let mass = rig.mass.clone();
     let step = rig_step(plan.integrator, plan.step);
     let mut simulation = Simulation::new(rig, step)?.watching(Vec::new());
-    simulation.advance(steps_in(plan.window, step), interrupt).map_err(HeldError::Stopped)?;
+    simulation.advance(steps_in(plan.window, step), context).map_err(HeldError::Stopped)?;
     let speed = simulation.greatest_speed();
     let mut energy = vec![[0.0, 0.0]; design.lattice.len()];
     for (body, &k) in there.iter().enumerate() {

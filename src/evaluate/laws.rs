@@ -1,11 +1,10 @@
 //! One layout under several contact laws: what of its scores is the layout's, and what the law's.
 
-use std::sync::atomic::AtomicBool;
-
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{EvaluatorError, Forces, Overrides, Plan, PlanError, Subject, beside_uniform};
+use crate::Context;
 use crate::contact::LawKind;
 use crate::design::Design;
 use crate::score::{Measure, Scores};
@@ -81,7 +80,7 @@ pub fn over_laws<'a>(
     subject: impl Into<Subject<'a>>,
     laws: &[LawKind],
     overrides: Overrides,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<OverLaws, OverLawsError> {
     let subject: Subject<'_> = subject.into();
     let designs: Vec<Design> = laws.iter().map(|&law| Design { law, ..design.clone() }).collect();
@@ -97,7 +96,7 @@ pub fn over_laws<'a>(
         .par_iter()
         .zip(&plans)
         .map(|(design, plan)| {
-            let beside = beside_uniform(design, subject, plan, Forces::ONE, interrupt)?;
+            let beside = beside_uniform(design, subject, plan, Forces::ONE, context)?;
             let (mut scores, stop) = (beside.evaluation.scores, beside.evaluation.record.stop);
             if stop.is_some() {
                 for ratio in [Measure::Contrast, Measure::FocalGain, Measure::Protection] {

@@ -40,7 +40,7 @@ mod whole;
 pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError, common_plan};
 pub use beside::{Beside, beside_uniform, unnamed};
 pub use blow::{Blow, Case, Flaw};
-pub use compare::{Comparison, Progress, compare, judged, proposal, stops};
+pub use compare::{Comparison, compare, judged, proposal, stops};
 pub use decay::{calibrate, decay};
 pub use forces::{Forces, ForcesError};
 pub use glance::Glance;
@@ -61,8 +61,7 @@ pub use whole::Subject;
 pub(crate) use made::gain_words;
 pub(crate) use stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 
-use std::sync::atomic::AtomicBool;
-
+use crate::Context;
 use crate::contact::Pair;
 use crate::dem::rig::Gain;
 use crate::dem::{
@@ -108,14 +107,9 @@ pub enum EvaluateError {
 ///
 /// # Errors
 /// See [`EvaluateError`].
-pub fn evaluate(
-    design: &Design,
-    layout: &Layout,
-    plan: &Plan,
-    interrupt: &AtomicBool,
-) -> Result<Evaluation, EvaluateError> {
+pub fn evaluate(design: &Design, layout: &Layout, plan: &Plan, context: &Context) -> Result<Evaluation, EvaluateError> {
     let sample = layout.sample();
-    let record = simulated(design, &sample, plan, interrupt)?;
+    let record = simulated(design, &sample, plan, context)?;
     let within = design.target.on(&layout.lattice);
     let mut scores = Scores::of_sites(&record.max_kinetic, &within);
     scores.add_records(&record, &within, |site| [site; 2], 1.0, |sphere| sample.mass(sphere));
@@ -140,16 +134,11 @@ pub fn method<L, R>(design: &Design<L, R>, plan: &Plan) -> Method {
 }
 
 /// What each sphere of a layout feels under a design's impact.
-fn simulated(
-    design: &Design,
-    sample: &Sample<2>,
-    plan: &Plan,
-    interrupt: &AtomicBool,
-) -> Result<Record<2>, EvaluateError> {
+fn simulated(design: &Design, sample: &Sample<2>, plan: &Plan, context: &Context) -> Result<Record<2>, EvaluateError> {
     let impact = impact(design, plan);
     Ok(match design.friction {
-        Some(coefficient) => simulate_with_friction(sample, &impact, coefficient, interrupt)?,
-        None => simulate(sample, &impact, interrupt)?,
+        Some(coefficient) => simulate_with_friction(sample, &impact, coefficient, context)?,
+        None => simulate(sample, &impact, context)?,
     })
 }
 

@@ -1,11 +1,10 @@
 //! Which material and which family: all of them by what rays propose, by first arrivals, and the best by simulation.
 
-use std::sync::atomic::AtomicBool;
-
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Comparison, EvaluatorError, Glance, Overrides, glimpse};
+use crate::Context;
 use crate::design::Design;
 use crate::lens::{Family, Lens, LensRequest, propose};
 use crate::material::Material;
@@ -70,7 +69,7 @@ pub fn rank(
     materials: &[Material],
     families: &[Family],
     simulated: usize,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Ranked>, EvaluatorError> {
     let pairs: Vec<(Material, Family)> = families
         .iter()
@@ -96,7 +95,7 @@ pub fn rank(
     for (design, lens, ranked) in all.iter_mut().take(simulated) {
         let Some(lens) = lens else { break };
         let comparison = Comparison::of_lens(design, lens, Overrides::default())?;
-        let first = glimpse(&comparison, interrupt)?.arrangements.swap_remove(0);
+        let first = glimpse(&comparison, context)?.arrangements.swap_remove(0);
         ranked.stop = first.stop.map(|stop| stop.to_string());
         ranked.scores = Some(first.scores).filter(|_| ranked.stop.is_none());
     }
@@ -156,7 +155,7 @@ mod tests {
     #[test]
     fn the_ranking_says_what_each_design_would() {
         let design = Design::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("designs/quickstart.toml")).unwrap();
-        let never = AtomicBool::new(false);
+        let never = Context::default();
         let families = [Family::PlanoConvex, Family::AsphericFront];
         let ranked = rank(&design, &library(), &families, 1, &never).unwrap();
         assert_eq!(ranked.len(), 2 * (library().len() - 1), "every pair but those of the host");

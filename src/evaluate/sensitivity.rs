@@ -1,10 +1,9 @@
 //! How scores change with every single sphere: derivatives by the adjoint, and secants beside them that say how far to trust these.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use rayon::prelude::*;
 
 use super::{Plan, impact};
+use crate::Context;
 use crate::dem::{BatchError, Gradient, GradientError, Impact, Stop, gradient, simulate_batch};
 use crate::design::Design;
 use crate::layout::Layout;
@@ -102,7 +101,7 @@ pub fn sensitivities(
     layout: &Layout,
     plan: &Plan,
     measures: &[Measure],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Sensitivities, SensitivityError> {
     if let Some(&other) = measures.iter().find(|measure| !MEASURES.contains(measure)) {
         return Err(SensitivityError::Measure(other));
@@ -112,7 +111,7 @@ pub fn sensitivities(
     }
     let (sample, impact) = (layout.sample(), impact(design, plan));
     let sums = sums(design, sample.spheres.len());
-    let gradients = gradient(&sample, &impact, &sums, interrupt)?;
+    let gradients = gradient(&sample, &impact, &sums, context)?;
     let values = means(&gradients.max_kinetic, &design.lattice, &design.target);
     for (value, measure) in values.into_iter().zip([Measure::FocalMean, Measure::ProtectedMean]) {
         if measures.iter().any(|&asked| shares(asked)[usize::from(measure == Measure::ProtectedMean)] != 0.0)
@@ -121,7 +120,7 @@ pub fn sensitivities(
             return Err(SensitivityError::Nothing(measure));
         }
     }
-    let secants = secants(design, &sample, &impact, values, interrupt)?;
+    let secants = secants(design, &sample, &impact, values, context)?;
     let of = measures
         .iter()
         .map(|&measure| {
@@ -183,7 +182,7 @@ fn secants(
     sample: &Sample<2>,
     impact: &Impact,
     values: [f64; 2],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<[f64; 2]>, SensitivityError> {
     let heavier = |i: usize| {
         let mut sample = sample.clone();
@@ -198,7 +197,7 @@ fn secants(
         (0..sample.spheres.len()).collect::<Vec<_>>().chunks(width.lanes()).map(<[usize]>::to_vec).collect();
     let group = |sites: &Vec<usize>| -> Result<Vec<[f64; 2]>, SensitivityError> {
         let samples: Vec<Sample<2>> = sites.iter().map(|&i| heavier(i)).collect();
-        let briefs = simulate_batch(&samples, impact, width, interrupt)?;
+        let briefs = simulate_batch(&samples, impact, width, context)?;
         let secant = |brief: crate::dem::Brief| {
             if let Some(stop) = brief.stop {
                 return Err(SensitivityError::Stopped(stop));
@@ -209,7 +208,7 @@ fn secants(
         briefs.into_iter().map(secant).collect()
     };
     let found: Result<Vec<_>, SensitivityError> = groups.par_iter().map(group).collect();
-    if interrupt.load(Ordering::Relaxed) {
+    if context.stopped() {
         return Err(SensitivityError::Stopped(Stop::Interrupted { time_s: 0.0 }));
     }
     Ok(found?.into_iter().flatten().collect())

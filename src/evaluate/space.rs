@@ -2,13 +2,12 @@
 //!
 //! What is judged is what [`compare`](super::compare) judges in the plane; here records are kept of the subject alone, and all else is energies.
 
-use std::sync::atomic::AtomicBool;
-
 use rayon::prelude::*;
 
 use super::compare::{Begun, of_first, relate};
 use super::{Doubts, EvaluateError, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError};
-use super::{Progress, method, stops, unnamed};
+use super::{method, stops, unnamed};
+use crate::Context;
 use crate::dem::{ForcePulse, Impact, Mirror, Period, Stop, simulate, simulate_batch_under};
 use crate::design::SpaceDesign;
 use crate::lattice::{Block, BlockSide, Layered};
@@ -68,10 +67,10 @@ pub fn evaluate_in_space(
     design: &SpaceDesign,
     layout: &Layout<Block>,
     plan: &Plan,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Evaluation<3>, EvaluateError> {
     let sample = layout.sample_in_space();
-    let record = simulate(&sample, &impact_in_space(design, plan), interrupt)?;
+    let record = simulate(&sample, &impact_in_space(design, plan), context)?;
     let within = design.target.on(&design.lattice);
     let mut scores = Scores::of_sites(&record.max_kinetic, &within);
     scores.add_records(&record, &within, |site| [site; 2], 1.0, |sphere| sample.mass(sphere));
@@ -98,7 +97,7 @@ fn under_forces(
     plan: &Plan,
     layouts: &[&Layout<Block>],
     forces: &[f64],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Vec<Run>>, EvaluatorError> {
     let (impact, within) = (impact_in_space(design, plan), design.target.on(&design.lattice));
     let width = Width::widest();
@@ -111,7 +110,7 @@ fn under_forces(
             let samples: Vec<Sample<3>> = group.iter().map(|&(k, _)| layouts[k].sample_in_space()).collect();
             let pulses: Vec<ForcePulse> =
                 group.iter().map(|&(_, force)| ForcePulse { force, ..design.impact }).collect();
-            let briefs = simulate_batch_under(&samples, &impact, &pulses, None, None, width, interrupt)?;
+            let briefs = simulate_batch_under(&samples, &impact, &pulses, None, None, width, context)?;
             let scored = briefs.into_iter().map(|brief| {
                 let scores = Scores::of_sites(&brief.max_kinetic, &within);
                 (Evaluated { scores, stop: brief.stop }, brief.max_kinetic)
@@ -146,7 +145,7 @@ pub fn beside_in_space(
     layout: &Layout<Block>,
     plan: &Plan,
     forces: Forces,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<SpaceBeside, EvaluatorError> {
     let mut subject = layout.clone();
     let reference = reference(design, &mut subject.palette, &subject.materials);
@@ -158,7 +157,7 @@ pub fn beside_in_space(
     let all: Vec<f64> = [own].into_iter().chain(over.iter().copied()).collect();
     let layouts: Vec<&Layout<Block>> = std::iter::once(&subject).chain(&uniform).collect();
     let first = if forces.is_one() { 1 } else { 0 };
-    let mut runs = under_forces(design, plan, &layouts[first..], &all, interrupt)?;
+    let mut runs = under_forces(design, plan, &layouts[first..], &all, context)?;
     if runs.iter().flatten().any(|(run, _)| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
         return Err(EvaluatorError::Interrupted);
     }
@@ -317,15 +316,11 @@ fn space_proposal(design: &SpaceDesign, body: &Body, request: &LensRequest, layo
 }
 
 /// Simulates subject, baselines and strips on all threads of the current pool, each under the design's own force and those of the verdict.
-/// When `interrupt` is set the outcome holds no arrangement.
+/// When it is stopped the outcome holds no arrangement.
 ///
 /// # Errors
 /// See [`EvaluatorError`].
-pub fn compare_in_space(
-    comparison: &SpaceComparison<'_>,
-    interrupt: &AtomicBool,
-    progress: &impl Progress,
-) -> Result<SpaceOutcome, EvaluatorError> {
+pub fn compare_in_space(comparison: &SpaceComparison<'_>, context: &Context) -> Result<SpaceOutcome, EvaluatorError> {
     let SpaceComparison { design, plan, .. } = comparison;
     let begun = Begun::now();
     let named = comparison.arrangements();
@@ -333,15 +328,15 @@ pub fn compare_in_space(
     // The design's own force comes first; where the verdict is over it alone it is not simulated twice.
     let over = if comparison.forces.is_one() { Vec::new() } else { comparison.forces.about(own) };
     let forces: Vec<f64> = [own].into_iter().chain(over.iter().copied()).collect();
-    let subject = evaluate_in_space(design, &comparison.subject, plan, interrupt)?;
-    progress.finished(&comparison.name);
+    let subject = evaluate_in_space(design, &comparison.subject, plan, context)?;
+    context.finished(&comparison.name);
     let mut runs = Vec::new();
     // A few at a time, so that progress is seen.
     let lanes = Width::widest().lanes() * rayon::current_num_threads();
     let mut arrangements = Vec::new();
     for some in named.chunks(lanes.div_ceil(forces.len()).max(1)) {
         let layouts: Vec<&Layout<Block>> = some.iter().map(|(.., layout)| layout).collect();
-        let found = under_forces(design, plan, &layouts, &forces, interrupt)?;
+        let found = under_forces(design, plan, &layouts, &forces, context)?;
         for ((name, kind, seed, layout), mut of_layout) in some.iter().zip(found) {
             let (first, max_kinetic) = of_layout.remove(0);
             let mut scores = first.scores;
@@ -359,7 +354,7 @@ pub fn compare_in_space(
             });
             runs.push(of_layout.into_iter().map(|(run, _)| run).collect::<Vec<Evaluated>>());
             if name != &comparison.name {
-                progress.finished(name);
+                context.finished(name);
             }
         }
         if arrangements.iter().any(|a| matches!(a.stop, Some(Stop::Interrupted { .. }))) {

@@ -1,10 +1,9 @@
 //! What exchanging single spheres does: where a layout is touchy, and where it could be better.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use serde::{Deserialize, Serialize};
 
 use super::{Blow, Evaluated, Evaluator, EvaluatorError, Forces, Overrides, Plan};
+use crate::Context;
 use crate::chance::Mean;
 use crate::dem::ForcePulse;
 use crate::design::Design;
@@ -38,7 +37,7 @@ pub struct Swap {
 ///
 /// # Errors
 /// See [`EvaluatorError`]; a layout that a guard stops as drawn has no contrast to compare with.
-pub fn swaps(design: &Design, layout: &Layout, plan: &Plan, interrupt: &AtomicBool) -> Result<Swaps, EvaluatorError> {
+pub fn swaps(design: &Design, layout: &Layout, plan: &Plan, context: &Context) -> Result<Swaps, EvaluatorError> {
     let given = Overrides {
         integrator: Some(plan.integrator),
         step: Some(plan.step),
@@ -50,14 +49,14 @@ pub fn swaps(design: &Design, layout: &Layout, plan: &Plan, interrupt: &AtomicBo
     let forces: Vec<f64> = std::iter::once(own).chain(Forces::USUAL.about(own)).collect();
     let blows: Vec<Blow> = forces.iter().map(|&force| Blow::from(ForcePulse { force, ..design.impact })).collect();
     let contrast = |run: &Evaluated| run.scores.contrast.filter(|_| run.stop.is_none());
-    let drawn = Evaluator::new(design, &blows, layout.palette.clone(), given, interrupt)?
-        .scores(std::slice::from_ref(&layout.materials), interrupt)?;
+    let drawn = Evaluator::new(design, &blows, layout.palette.clone(), given, context)?
+        .scores(std::slice::from_ref(&layout.materials), context)?;
     let drawn: Vec<f64> = drawn[0].iter().filter_map(contrast).collect();
     let [at, over @ ..] = &drawn[..] else { return Err(EvaluatorError::Interrupted) };
     let deviation = Mean::of(over).deviation.unwrap_or(0.0);
     let noise = if over.is_empty() { 0.0 } else { 2.0 * 2.0_f64.sqrt() * deviation / geometric(over) };
 
-    let evaluator = Evaluator::new(design, &blows[..1], layout.palette.clone(), given, interrupt)?;
+    let evaluator = Evaluator::new(design, &blows[..1], layout.palette.clone(), given, context)?;
     let others = layout.palette.len().saturating_sub(1);
     let exchanged: Vec<Vec<u8>> = (0..layout.materials.len())
         .flat_map(|site| {
@@ -70,10 +69,10 @@ pub fn swaps(design: &Design, layout: &Layout, plan: &Plan, interrupt: &AtomicBo
         .collect();
     let mut found: Vec<Option<f64>> = Vec::with_capacity(exchanged.len());
     for block in exchanged.chunks(BLOCK) {
-        if interrupt.load(Ordering::Relaxed) {
+        if context.stopped() {
             return Err(EvaluatorError::Interrupted);
         }
-        found.extend(evaluator.scores(block, interrupt)?.iter().map(|runs| runs.first().and_then(contrast)));
+        found.extend(evaluator.scores(block, context)?.iter().map(|runs| runs.first().and_then(contrast)));
     }
     let each = (0..layout.materials.len()).map(|site| {
         let here = (0..others).map(|k| {

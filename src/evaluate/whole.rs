@@ -1,9 +1,8 @@
 //! A piece whose halves differ: what it is beside its right half, and its evaluation as a whole.
 
-use std::sync::atomic::AtomicBool;
-
 use super::blow::{Blow, Field, Flaw};
 use super::{Doubts, EvaluateError, Evaluation, Plan};
+use crate::Context;
 use crate::dem::{simulate, simulate_with_friction};
 use crate::design::Design;
 use crate::layout::{Bill, Layout, PieceSphere, ReadLayout, whole};
@@ -123,17 +122,17 @@ impl Subject<'_> {
     ///
     /// # Errors
     /// See [`EvaluateError`].
-    pub fn evaluate(&self, design: &Design, plan: &Plan, interrupt: &AtomicBool) -> Result<Evaluation, EvaluateError> {
+    pub fn evaluate(&self, design: &Design, plan: &Plan, context: &Context) -> Result<Evaluation, EvaluateError> {
         if self.left.is_none() {
-            return super::evaluate(design, self.layout, plan, interrupt);
+            return super::evaluate(design, self.layout, plan, context);
         }
         let field = Field::new(design, plan, &Blow::from(design.impact), true);
         let lattice = &self.layout.lattice;
         // The places of the other side stand behind those of the half.
         let sample = field.sample(&self.layout.palette, lattice.diameter(), &self.drawn(), &Flaw::default());
         let record = match field.friction {
-            Some(coefficient) => simulate_with_friction(&sample, &field.impact, coefficient, interrupt)?,
-            None => simulate(&sample, &field.impact, interrupt)?,
+            Some(coefficient) => simulate_with_friction(&sample, &field.impact, coefficient, context)?,
+            None => simulate(&sample, &field.impact, context)?,
         };
         let folded = field.folded(&record.max_kinetic);
         let within = design.target.on(lattice);

@@ -45,11 +45,11 @@ pub(super) fn line(look: &Look) -> Result<Option<Line>, GateError> {
     let blow = Blow::from(design.impact);
     let cases = [look.case(blow), Case { flaw: dented, ..look.case(blow) }];
     let overrides = given(look.plan, look.plan.step, look.plan.window);
-    let evaluator = match Evaluator::new(design, &cases, layout.palette.clone(), overrides, look.interrupt) {
+    let evaluator = match Evaluator::new(design, &cases, layout.palette.clone(), overrides, look.context) {
         Err(EvaluatorError::Baseline { .. }) => return Ok(None),
         evaluator => evaluator?,
     };
-    let runs = evaluator.scores(&[subject.drawn()], look.interrupt)?.concat();
+    let runs = evaluator.scores(&[subject.drawn()], look.context)?.concat();
     let why = "A piece that is struck twice is another piece; spheres that yielded are to be replaced.";
     let check = "second blow";
     if let Some(stop) = runs.iter().find_map(|run| run.stop.as_ref()) {

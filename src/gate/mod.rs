@@ -12,10 +12,10 @@ mod numbers;
 mod physics;
 
 use std::fmt::Write as _;
-use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Context;
 use crate::design::{Design, Threshold};
 use crate::evaluate::{Beside, Case, EvaluatorError, OverLawsError, Overrides, Plan, Subject};
 use crate::layout::Layout;
@@ -121,7 +121,7 @@ struct Look<'a> {
     subject: Subject<'a>,
     plan: &'a Plan,
     beside: &'a Beside,
-    interrupt: &'a AtomicBool,
+    context: &'a Context,
 }
 
 impl<'a> Look<'a> {
@@ -145,9 +145,9 @@ pub fn gate<'a>(
     plan: &'a Plan,
     beside: &'a Beside,
     asked: &Asked,
-    interrupt: &'a AtomicBool,
+    context: &'a Context,
 ) -> Result<Gate, GateError> {
-    let look = Look { design, subject, plan, beside, interrupt };
+    let look = Look { design, subject, plan, beside, context };
     let mut lines = geometry::lines(&look, asked.frame);
     lines.extend(numbers::lines(&look)?);
     lines.extend(thresholds(&look));
@@ -188,10 +188,10 @@ fn thresholds(look: &Look) -> Vec<Line> {
 fn as_built(look: &Look, least: f64, tolerances: &Tolerances, [count, seed]: [u64; 2]) -> Result<Line, GateError> {
     let (design, subject, plan) = (look.design, look.subject, look.plan);
     let given = given(plan, plan.step, plan.window);
-    let criterion = Criterion::new(design, subject, tolerances, given, look.interrupt)?;
+    let criterion = Criterion::new(design, subject, tolerances, given, look.context)?;
     let workshop = Workshop::new((design, subject), tolerances, plan, &criterion.measures())?;
     let mut samples = Samples::new(&workshop, seed);
-    samples.grow(&workshop, count, look.interrupt, |_| Ok::<_, WorkshopError>(()))?;
+    samples.grow(&workshop, count, look.context, |_| Ok::<_, WorkshopError>(()))?;
     let of_layout = subject.scores(|material| design.price(material));
     let share = samples.share(count as usize, &criterion, &of_layout);
     // What the pieces made decide: only a share that is surely too small fails.

@@ -34,12 +34,12 @@ fn scores(look: &Look, step: f64, window: f64) -> Result<Option<Runs>, GateError
     let cases = pulses.into_iter().map(|force| look.case(ForcePulse { force, ..look.design.impact }));
     let cases: Vec<Case> = cases.collect();
     let palette = look.layout().palette.clone();
-    let evaluator = match Evaluator::new(look.design, &cases, palette, given(look.plan, step, window), look.interrupt) {
+    let evaluator = match Evaluator::new(look.design, &cases, palette, given(look.plan, step, window), look.context) {
         // Where the host alone gives way nothing can be said; the check has told it.
         Err(EvaluatorError::Baseline { .. }) => return Ok(None),
         evaluator => evaluator?,
     };
-    let runs = evaluator.scores(&[look.subject.drawn()], look.interrupt)?.concat();
+    let runs = evaluator.scores(&[look.subject.drawn()], look.context)?.concat();
     if runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
         return Err(EvaluatorError::Interrupted.into());
     }

@@ -20,7 +20,7 @@ pub(super) fn lines(look: &Look) -> Result<Vec<Line>, GateError> {
     let comparison = Comparison::of_layout(look.design, "layout".to_owned(), look.subject, overrides)
         .map_err(EvaluatorError::from)?
         .over(Forces::USUAL);
-    let judgement = judged(&comparison, look.interrupt)?;
+    let judgement = judged(&comparison, look.context)?;
     let mut lines = strength(look);
     lines.push(overlaps(look));
     lines.push(interfaces(look));
@@ -134,7 +134,7 @@ fn verdict(judgement: &[Verdict]) -> Vec<Line> {
 /// What other contact laws make of it.
 fn laws(look: &Look, judgement: &[Verdict]) -> Result<Line, GateError> {
     let overrides = crate::evaluate::Overrides { window: Some(look.plan.window), ..Default::default() };
-    let over = over_laws(look.design, look.subject, &design_laws(look.design), overrides, look.interrupt)?;
+    let over = over_laws(look.design, look.subject, &design_laws(look.design), overrides, look.context)?;
     let best = judgement
         .iter()
         .filter(|verdict| verdict.measure == Measure::Contrast.name())
@@ -161,7 +161,7 @@ fn laws(look: &Look, judgement: &[Verdict]) -> Result<Line, GateError> {
 /// What stands behind the piece.
 fn behind(look: &Look) -> Result<Vec<Line>, GateError> {
     let host = Baseline::AllHost.layout(look.layout(), [1, 1], 0);
-    let host = evaluate(look.design, &host, look.plan, look.interrupt).map_err(EvaluatorError::from)?;
+    let host = evaluate(look.design, &host, look.plan, look.context).map_err(EvaluatorError::from)?;
     match host.record.stop {
         None => {}
         Some(Stop::Interrupted { .. }) => return Err(EvaluatorError::Interrupted.into()),

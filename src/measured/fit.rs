@@ -4,12 +4,11 @@
 //! differences of simulations. Intervals are those of linear least squares, s² (JᵀJ)⁻¹ with Student's quantile: right where residuals are
 //! noise that does not hang together, too narrow where curves differ in shape (see [`Matched::neighbours`](super::Matched)).
 
-use std::sync::atomic::AtomicBool;
-
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Channel, Data, Input, PredictError, Prediction, align, compare, predict};
+use crate::Context;
 use crate::chance::student;
 use crate::setup::Bench;
 
@@ -67,7 +66,7 @@ struct Problem<'a, const D: usize> {
     channels: &'a [Channel],
     inputs: &'a [Input],
     free_offset: bool,
-    interrupt: &'a AtomicBool,
+    context: &'a Context,
 }
 
 /// Fits inputs, and the offset unless it is given. None where measurement and prediction hardly overlap in time.
@@ -80,9 +79,9 @@ pub fn fit<const D: usize>(
     channels: &[Channel],
     inputs: &[Input],
     offset: Option<f64>,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Option<Fit>, PredictError> {
-    let problem = Problem { bench, data, channels, inputs, free_offset: offset.is_none(), interrupt };
+    let problem = Problem { bench, data, channels, inputs, free_offset: offset.is_none(), context };
     let mut scales = compare::peaks(data);
     let start: Vec<f64> = inputs.iter().map(|input| input.start(&bench.rig)).collect();
     let prediction = problem.run(&start)?;
@@ -140,7 +139,7 @@ pub fn fit<const D: usize>(
 impl<const D: usize> Problem<'_, D> {
     fn run(&self, values: &[f64]) -> Result<Prediction, PredictError> {
         let inputs: Vec<(Input, f64)> = self.inputs.iter().cloned().zip(values.iter().copied()).collect();
-        predict(self.bench, self.channels, &inputs, self.interrupt)
+        predict(self.bench, self.channels, &inputs, self.context)
     }
 
     fn state(&self, inputs: Vec<f64>, offset: f64, prediction: Prediction, scales: &[f64]) -> State {

@@ -1,8 +1,7 @@
 //! The rig run with its inputs at some values, and what its channels show.
 
-use std::sync::atomic::AtomicBool;
-
 use super::{Channel, Input};
+use crate::Context;
 use crate::dem::rig::{RigError, RigStop, Simulation};
 use crate::setup::Bench;
 
@@ -37,7 +36,7 @@ pub fn predict<const D: usize>(
     bench: &Bench<D>,
     channels: &[Channel],
     inputs: &[(Input, f64)],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Prediction, PredictError> {
     let mut bench = bench.clone();
     inputs.iter().for_each(|(input, value)| input.set(&mut bench.rig, *value));
@@ -48,7 +47,7 @@ pub fn predict<const D: usize>(
     let mut values = vec![Vec::new(); channels.len()];
     for _ in 0..steps.div_ceil(every) {
         see(&simulation, channels, &bench, &mut values);
-        simulation.advance(every, interrupt).map_err(PredictError::Stopped)?;
+        simulation.advance(every, context).map_err(PredictError::Stopped)?;
     }
     see(&simulation, channels, &bench, &mut values);
     Ok(Prediction { interval: step * every as f64, values })

@@ -1,10 +1,9 @@
 //! Chapter 3: the contact law.
 
-use std::sync::atomic::AtomicBool;
-
 use super::Wanted::{Above, Below};
 use super::crystals::{DIAMETER, material, model};
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::contact::{AnyLaw, Constants, ForceLaw as _, History, LawKind, Pair};
 use crate::dem::{ForcePulse, Impact, Integrator, simulate};
 use crate::material::Material;
@@ -68,7 +67,7 @@ fn alike(material: &Material, constants: Constants) -> Pair {
     Pair::new([material, material], [0.5 * DIAMETER; 2], constants)
 }
 
-fn plastic_force(_: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn plastic_force(_: &Context) -> Result<Vec<Part>, RowError> {
     let material = model(5000.0, 500e6);
     let part = |&set: &Constants| {
         Part::near(format!("set {set}"), 584.0, alike(&material, set).plastic_force(), "N", 0.5 / 584.0)
@@ -76,7 +75,7 @@ fn plastic_force(_: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok(Constants::ALL.iter().map(part).collect())
 }
 
-fn stiffness(_: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn stiffness(_: &Context) -> Result<Vec<Part>, RowError> {
     let part = |stress: f64, published: f64| {
         let ours = alike(&model(5000.0, stress * 1e6), Constants::Equation47).plastic_stiffness() / 1e6;
         let last_digit = if published < 10.0 { 0.1 } else { 1.0 };
@@ -85,7 +84,7 @@ fn stiffness(_: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok(vec![part(100.0, 3.5), part(2500.0, 48.0)])
 }
 
-fn rate_collapse(_: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn rate_collapse(_: &Context) -> Result<Vec<Part>, RowError> {
     let steel = Material { rate_constant: 0.04, ..material("440c") };
     let pair = alike(&steel, Constants::Code);
     let law = AnyLaw::new(LawKind::Thesis, &pair);
@@ -106,7 +105,7 @@ fn rate_collapse(_: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok(parts.to_vec())
 }
 
-fn collisions(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn collisions(context: &Context) -> Result<Vec<Part>, RowError> {
     let radius = 0.5 * DIAMETER;
     let sphere = |centre: f64| Sphere { centre: [centre], radius, material: 0 };
     let steel = Material { rate_constant: 0.04, ..material("440c") };
@@ -128,7 +127,7 @@ fn collisions(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
                 step: 5e-8,
                 window: 100e-6,
             };
-            let record = simulate(&sample, &impact, interrupt)?;
+            let record = simulate(&sample, &impact, context)?;
             match record.stop {
                 Some(stop) => Err(stop.into()),
                 None => Ok([record.contacts[0].force_max, record.contacts[0].overlap_max]),
@@ -150,7 +149,7 @@ fn collisions(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok(parts)
 }
 
-fn force_per_sphere(_: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn force_per_sphere(_: &Context) -> Result<Vec<Part>, RowError> {
     let force = alike(&material("440c"), Constants::Code).plastic_force() / 1e3;
     let part = |factor: f64, published: f64| {
         Part::near(format!("√3 · {factor} F_p"), published, 3.0_f64.sqrt() * factor * force, "kN", 0.05)

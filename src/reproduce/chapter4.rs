@@ -1,11 +1,11 @@
 //! Chapter 4: waves in chains.
 
 use std::f64::consts::PI;
-use std::sync::atomic::AtomicBool;
 
 use super::Wanted::{Above, Below, Within};
 use super::crystals::{Blow, DIAMETER, LAYERS, Stack, exponent, material, model, reach, spread};
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::contact::{Constants, LawKind};
 use crate::dem::rig::{Arrival, Bar, Body, Curve, LawBook, Load, LoadKind, Rig, Simulation, Touching};
 use crate::lattice::Cell;
@@ -33,7 +33,7 @@ pub(super) const ROWS: &[Row] = &[
         formula: true,
         expected: Verdict::Holds,
         seconds: 0.1,
-        measure: |interrupt| solitary(0.68, 1.0, interrupt),
+        measure: |context| solitary(0.68, 1.0, context),
     },
     Row {
         id: "4.2-solitary-stiffness",
@@ -44,7 +44,7 @@ pub(super) const ROWS: &[Row] = &[
         expected: Verdict::DoesNotFollow,
         seconds: 0.1,
         // K_H^(1/3) = (4/3)^(1/3) E*^(1/3) r*^(1/6): eq. 4.4 in the form of eq. 4.3.
-        measure: |interrupt| solitary(0.87 * (4.0_f64 / 3.0).cbrt(), 1.0, interrupt),
+        measure: |context| solitary(0.87 * (4.0_f64 / 3.0).cbrt(), 1.0, context),
     },
     Row {
         id: "4.2-density",
@@ -179,7 +179,7 @@ const LAWS: [(LawKind, &str); 3] =
 /// The pulse of the parametric studies (s).
 const PULSE: f64 = 100e-6;
 
-fn fronts(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn fronts(context: &Context) -> Result<Vec<Part>, RowError> {
     let (near, far) = (10, 40);
     let mut parts = Vec::new();
     for (law, name) in LAWS {
@@ -187,7 +187,7 @@ fn fronts(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
         // The later threshold is watched first, so that the run goes on until it is passed too.
         let thresholds = vec![Arrival::Speed(10.0), Arrival::Speed(0.2)];
         let mut simulation = chain.struck(Blow::Velocity(20.0), thresholds)?;
-        let late = reach(&mut simulation, far, interrupt)?;
+        let late = reach(&mut simulation, far, context)?;
         let early = simulation.arrivals(1);
         let rise = |sphere: u32| {
             let k = sphere as usize - 1;
@@ -207,7 +207,7 @@ fn fronts(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
 }
 
 /// V = prefactor (E*/(r* ρ^(3/2)))^(1/3) F^(1/6), against a chain struck by one sphere.
-fn solitary(prefactor: f64, speed: f64, interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn solitary(prefactor: f64, speed: f64, context: &Context) -> Result<Vec<Part>, RowError> {
     let steel = material("440c");
     let chain = chain(std::slice::from_ref(&steel), LawKind::Hertz);
     // A fixed speed is passed at the same phase of a steady wave.
@@ -216,7 +216,7 @@ fn solitary(prefactor: f64, speed: f64, interrupt: &AtomicBool) -> Result<Vec<Pa
     let mut force: f64 = 0.0;
     while simulation.arrivals(0)[44].is_none() {
         for _ in 0..50 {
-            simulation.advance(2, interrupt)?;
+            simulation.advance(2, context)?;
             let middle = |c: &Touching<1>| c.bodies == [Body::Sphere(29), Body::Sphere(30)];
             force = simulation.view().contacts().filter(middle).fold(force, |greatest, c| greatest.max(c.force));
         }
@@ -236,13 +236,13 @@ fn solitary(prefactor: f64, speed: f64, interrupt: &AtomicBool) -> Result<Vec<Pa
     Ok(vec![Part::near(what, published, measured, "m/s", 0.02)])
 }
 
-fn density(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn density(context: &Context) -> Result<Vec<Part>, RowError> {
     LAWS.iter()
         .map(|&(law, name)| {
             let speed = |density: f64| {
                 let chain = chain(&[model(density, 500e6)], law);
                 let blow = Blow::Force(2.0 * chain.pair().plastic_force(), PULSE);
-                Ok::<_, RowError>((density, chain.speed(blow, [10, 40], interrupt)?))
+                Ok::<_, RowError>((density, chain.speed(blow, [10, 40], context)?))
             };
             let points = spread(1000.0, 15000.0, 10).into_iter().map(speed).collect::<Result<Vec<_>, _>>()?;
             let wanted = Within { value: -0.5, absolute: 0.05 };
@@ -251,14 +251,14 @@ fn density(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
         .collect()
 }
 
-fn stiffness(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn stiffness(context: &Context) -> Result<Vec<Part>, RowError> {
     LAWS.iter()
         .map(|&(law, name)| {
             let speed = |stress: f64| {
                 let chain = chain(&[model(5000.0, stress)], law);
                 let pair = chain.pair();
                 let blow = Blow::Force(2.0 * pair.plastic_force(), PULSE);
-                Ok::<_, RowError>((pair.plastic_stiffness(), chain.speed(blow, [10, 40], interrupt)?))
+                Ok::<_, RowError>((pair.plastic_stiffness(), chain.speed(blow, [10, 40], context)?))
             };
             let points = spread(100e6, 2500e6, 10).into_iter().map(speed).collect::<Result<Vec<_>, _>>()?;
             let (words, value) = if law == LawKind::Hertz { ("1/3", 1.0 / 3.0) } else { ("1/2", 0.5) };
@@ -267,10 +267,10 @@ fn stiffness(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
         .collect()
 }
 
-fn force(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn force(context: &Context) -> Result<Vec<Part>, RowError> {
     let material = model(5000.0, 500e6);
     let speed = |law: LawKind, force: f64| {
-        chain(std::slice::from_ref(&material), law).speed(Blow::Force(force, PULSE), [10, 40], interrupt)
+        chain(std::slice::from_ref(&material), law).speed(Blow::Force(force, PULSE), [10, 40], context)
     };
     let bound = bound(Dimension::One, [&material, &material], DIAMETER, Constants::Code);
     let hertz = spread(10.0, 10e3, 10)
@@ -305,7 +305,7 @@ fn force(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn ninety(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn ninety(context: &Context) -> Result<Vec<Part>, RowError> {
     let uniform = ["al", "brass", "302", "440c"].map(|name| vec![name]);
     let dimers = [["al", "302"], ["al", "brass"], ["brass", "440c"], ["brass", "302"]].map(|pair| pair.to_vec());
     let rate = uniform.into_iter().chain(dimers).map(|names| (names, LawKind::Thesis));
@@ -315,7 +315,7 @@ fn ninety(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
             let materials: Vec<Material> = names.iter().map(|name| material(name)).collect();
             let chain = chain(&materials, law);
             let blow = Blow::Force(2.0 * chain.pair().plastic_force(), PULSE);
-            let ours = chain.speed(blow, [5, 15], interrupt)?;
+            let ours = chain.speed(blow, [5, 15], context)?;
             let last = &materials[materials.len() - 1];
             let bound = bound(Dimension::One, [&materials[0], last], DIAMETER, Constants::Equation47);
             let without = if law == LawKind::ThesisStatic { ", without rate" } else { "" };
@@ -325,11 +325,11 @@ fn ninety(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
         .collect()
 }
 
-fn mass_ratio(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn mass_ratio(context: &Context) -> Result<Vec<Part>, RowError> {
     let speed = |ratio: f64| {
         let light = 2.0 * 5000.0 / (1.0 + ratio);
         let chain = chain(&[model(light, 500e6), model(ratio * light, 500e6)], LawKind::ThesisStatic);
-        chain.speed(Blow::Force(2.0 * chain.pair().plastic_force(), PULSE), [10, 40], interrupt)
+        chain.speed(Blow::Force(2.0 * chain.pair().plastic_force(), PULSE), [10, 40], context)
     };
     let uniform = speed(1.0)?;
     [2.0, 3.0, 5.0]
@@ -341,7 +341,7 @@ fn mass_ratio(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
         .collect()
 }
 
-fn transmitted(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn transmitted(context: &Context) -> Result<Vec<Part>, RowError> {
     let reduction = |names: &[&str]| -> Result<f64, RowError> {
         let radius = 0.5 * DIAMETER;
         let spheres = (0..LAYERS as usize)
@@ -357,7 +357,7 @@ fn transmitted(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
         rig.loads.push(Load { bodies: vec![Body::Sphere(0)], direction: [1.0], kind: LoadKind::Velocity, curve });
         let mut simulation = Simulation::new(rig, 1e-7)?.watching(Vec::new());
         // The slowest of the waves takes some 500 µs.
-        simulation.advance(10_000, interrupt)?;
+        simulation.advance(10_000, context)?;
         let forces = simulation.greatest_force();
         Ok(100.0 * (1.0 - forces[LAYERS as usize - 1] / forces[0]))
     };

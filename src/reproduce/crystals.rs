@@ -1,8 +1,7 @@
 //! Crystals without end across the wave, uniform or layered, and waves through them.
 
-use std::sync::atomic::AtomicBool;
-
 use super::RowError;
+use crate::Context;
 use crate::contact::{LawKind, Pair};
 use crate::dem::rig::{Arrival, Body, Curve, LawBook, Load, LoadKind, Rig, Simulation};
 use crate::lattice::{Cell, Crystal, Outline, Width};
@@ -124,14 +123,14 @@ impl<const D: usize> Stack<D> {
 
     /// When each layer was reached (s) by a wave after a blow: its speed there is 1 % of the greatest of the first sphere
     /// (section 2.1.2).
-    pub fn arrivals(&self, blow: Blow, last: u32, interrupt: &AtomicBool) -> Result<Vec<f64>, RowError> {
+    pub fn arrivals(&self, blow: Blow, last: u32, context: &Context) -> Result<Vec<f64>, RowError> {
         let mut simulation = self.struck(blow, vec![Arrival::FirstSphere(0.01)])?;
-        reach(&mut simulation, last, interrupt)
+        reach(&mut simulation, last, context)
     }
 
     /// Mean speed of the wave (m/s) between two layers.
-    pub fn speed(&self, blow: Blow, between: [u32; 2], interrupt: &AtomicBool) -> Result<f64, RowError> {
-        let times = self.arrivals(blow, between[1], interrupt)?;
+    pub fn speed(&self, blow: Blow, between: [u32; 2], context: &Context) -> Result<f64, RowError> {
+        let times = self.arrivals(blow, between[1], context)?;
         let spacing = self.cell.layer_spacing() * DIAMETER;
         let [a, b] = between.map(|layer| layer as usize - 1);
         Ok((b - a) as f64 * spacing / (times[b] - times[a]))
@@ -142,12 +141,12 @@ impl<const D: usize> Stack<D> {
 pub(super) fn reach<const D: usize>(
     simulation: &mut Simulation<D>,
     last: u32,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<f64>, RowError> {
     let per_layer = simulation.rig().sample.spheres.len() / LAYERS as usize;
     // A thousand steps a layer is a tenth of the slowest elastic wave's speed.
     for _ in 0..10 * LAYERS {
-        simulation.advance(100, interrupt)?;
+        simulation.advance(100, context)?;
         // Across the wave all spheres of a layer move alike: the first stands for it.
         let times: Option<Vec<f64>> =
             simulation.arrivals(0).chunks(per_layer).take(last as usize).map(|layer| layer[0]).collect();

@@ -1,11 +1,10 @@
 //! Sections 5.3.1 and 5.3.2: stripes that turn a wave, interfaces that bend it.
 
-use std::sync::atomic::AtomicBool;
-
 use super::Wanted::{Above, Below, Near, Within};
 use super::crystals::{DIAMETER, material, model};
 use super::wedge::Wedge;
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::contact::{Constants, LawKind, Pair};
 use crate::dem::rig::{Body, Curve, LawBook, Load, LoadKind, Rig, Simulation};
 use crate::lattice::{Cell, Crystal, Outline, Width};
@@ -74,7 +73,7 @@ pub(super) const ROWS: &[Row] = &[
         formula: false,
         expected: Verdict::Holds,
         seconds: 10.0,
-        measure: |interrupt| varied(60.0, By::Density, &[0.8, 0.65, 0.5], interrupt),
+        measure: |context| varied(60.0, By::Density, &[0.8, 0.65, 0.5], context),
     },
     Row {
         id: "5.3.2-yield-60",
@@ -94,7 +93,7 @@ pub(super) const ROWS: &[Row] = &[
         formula: false,
         expected: Verdict::Holds,
         seconds: 10.0,
-        measure: |interrupt| varied(30.0, By::Density, &[0.8, 0.65, 0.5], interrupt),
+        measure: |context| varied(30.0, By::Density, &[0.8, 0.65, 0.5], context),
     },
     Row {
         id: "5.3.2-faster-15",
@@ -105,7 +104,7 @@ pub(super) const ROWS: &[Row] = &[
         formula: false,
         expected: Verdict::HoldsInPart,
         seconds: 15.0,
-        measure: |interrupt| faster(15.0, &[1.25, 1.5, 1.75], interrupt),
+        measure: |context| faster(15.0, &[1.25, 1.5, 1.75], context),
     },
     Row {
         id: "5.3.2-faster-30",
@@ -115,14 +114,14 @@ pub(super) const ROWS: &[Row] = &[
         formula: false,
         expected: Verdict::HoldsInPart,
         seconds: 15.0,
-        measure: |interrupt| faster(30.0, &[1.25, 1.5], interrupt),
+        measure: |context| faster(30.0, &[1.25, 1.5], context),
     },
 ];
 
-fn stripes(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn stripes(context: &Context) -> Result<Vec<Part>, RowError> {
     let mut parts = Vec::new();
     for (law, words) in [(LawKind::Thesis, "turned"), (LawKind::Hertz, "hardly")] {
-        let angle = turned(law, interrupt)?.to_degrees();
+        let angle = turned(law, context)?.to_degrees();
         let wanted = if law == LawKind::Thesis { Above(15.0) } else { Below(10.0) };
         let what = format!("{law}: direction of motion off the wave's in layers 14 to 22");
         parts.push(Part::words(what, words, angle, "°", wanted));
@@ -131,7 +130,7 @@ fn stripes(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
 }
 
 /// Angle (rad) between depth and the momentum of layers 14 to 22, each sphere taken when it was fastest.
-fn turned(law: LawKind, interrupt: &AtomicBool) -> Result<f64, RowError> {
+fn turned(law: LawKind, context: &Context) -> Result<f64, RowError> {
     let cell = Cell::<2>::named("hexagonal").unwrap_or(Cell::<2>::ALL[0]);
     // Sixteen wide and not fifteen, so that stripes of one row each, by turns, fit round.
     let crystal = Crystal::new(cell, DIAMETER, 25, &[Width::Cells(16)], Outline::All)?;
@@ -159,7 +158,7 @@ fn turned(law: LawKind, interrupt: &AtomicBool) -> Result<f64, RowError> {
     let square = |v: &[f64; 2]| v[0] * v[0] + v[1] * v[1];
     // 125 µs: the wave has reached the free end and is not yet back in the layers looked at.
     for _ in 0..250 {
-        simulation.advance(10, interrupt)?;
+        simulation.advance(10, context)?;
         let view = simulation.view();
         for (k, fastest) in fastest.iter_mut().enumerate() {
             let velocity = view.velocity(k);
@@ -179,8 +178,8 @@ fn steel_to_brass(law: LawKind, amplitude: f64) -> Wedge {
     Wedge { materials: ["440c", "brass"].map(material), law, angle: 60_f64.to_radians(), amplitude }
 }
 
-fn bends(law: LawKind, amplitudes: &[f64], interrupt: &AtomicBool) -> Result<Vec<f64>, RowError> {
-    let bend = |&amplitude: &f64| Ok(steel_to_brass(law, amplitude).bend(interrupt)?.to_degrees());
+fn bends(law: LawKind, amplitudes: &[f64], context: &Context) -> Result<Vec<f64>, RowError> {
+    let bend = |&amplitude: &f64| Ok(steel_to_brass(law, amplitude).bend(context)?.to_degrees());
     amplitudes.iter().map(bend).collect()
 }
 
@@ -194,9 +193,9 @@ const SHARE: &str = "14 % of the angle, which is 4 of the 29.4 degrees above";
 /// A few degrees.
 const FEW: f64 = 4.0;
 
-fn amplitude(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn amplitude(context: &Context) -> Result<Vec<Part>, RowError> {
     let amplitudes = [0.5, 1.0, 2.0, 5.0, 10.0];
-    let angles = bends(LawKind::Thesis, &amplitudes, interrupt)?;
+    let angles = bends(LawKind::Thesis, &amplitudes, context)?;
     let snell = snell();
     let words = format!("Snell {snell:.1}°");
     let within = Within { value: snell, absolute: FEW };
@@ -211,9 +210,9 @@ fn amplitude(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok(parts)
 }
 
-fn without_rate(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let angles = bends(LawKind::ThesisStatic, &[1.0, 5.0, 10.0], interrupt)?;
-    let linear = bends(LawKind::LinearStatic, &[2.0], interrupt)?[0];
+fn without_rate(context: &Context) -> Result<Vec<Part>, RowError> {
+    let angles = bends(LawKind::ThesisStatic, &[1.0, 5.0, 10.0], context)?;
+    let linear = bends(LawKind::LinearStatic, &[2.0], context)?[0];
     let apart = |k: usize| (angles[k] - linear).abs();
     Ok(vec![
         Part::words(
@@ -234,16 +233,16 @@ fn without_rate(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn linear(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let angles = bends(LawKind::LinearStatic, &[1.0, 10.0], interrupt)?;
+fn linear(context: &Context) -> Result<Vec<Part>, RowError> {
+    let angles = bends(LawKind::LinearStatic, &[1.0, 10.0], context)?;
     Ok(vec![
         Part::words("from 1 to 10 F_p", "constant", angles[1] - angles[0], "°", Within { value: 0.0, absolute: 1.0 }),
         Part::words("Snell's less ours", "2°", snell() - angles[0], "°", Within { value: 2.0, absolute: 1.0 }),
     ])
 }
 
-fn elastic(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let angles = bends(LawKind::Hertz, &[0.5, 5.0], interrupt)?;
+fn elastic(context: &Context) -> Result<Vec<Part>, RowError> {
+    let angles = bends(LawKind::Hertz, &[0.5, 5.0], context)?;
     Ok(vec![
         Part::words("from 0.5 to 5 F_p", "constant", angles[1] - angles[0], "°", Within { value: 0.0, absolute: 1.0 }),
         Part::words("Snell's less ours", "differs greatly", snell() - angles[0], "°", Above(FEW)),
@@ -283,22 +282,22 @@ fn model_wedge(degrees: f64, by: By, ratio: f64, amplitude: f64) -> Wedge {
     }
 }
 
-fn against_snell(what: String, wedge: &Wedge, interrupt: &AtomicBool) -> Result<Part, RowError> {
-    let (snell, ours) = (wedge.snell().to_degrees(), wedge.bend(interrupt)?.to_degrees());
+fn against_snell(what: String, wedge: &Wedge, context: &Context) -> Result<Part, RowError> {
+    let (snell, ours) = (wedge.snell().to_degrees(), wedge.bend(context)?.to_degrees());
     Ok(Part::words(what, &format!("Snell {snell:.1}°"), ours, "°", Near { value: snell, relative: FEW / 29.4 }))
 }
 
-fn varied(degrees: f64, by: By, ratios: &[f64], interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn varied(degrees: f64, by: By, ratios: &[f64], context: &Context) -> Result<Vec<Part>, RowError> {
     let part =
-        |&ratio: &f64| against_snell(format!("speed ratio {ratio}"), &model_wedge(degrees, by, ratio, 2.0), interrupt);
+        |&ratio: &f64| against_snell(format!("speed ratio {ratio}"), &model_wedge(degrees, by, ratio, 2.0), context);
     ratios.iter().map(part).collect()
 }
 
-fn yield_tends(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn yield_tends(context: &Context) -> Result<Vec<Part>, RowError> {
     let part = |ratio: f64| {
         let off = |amplitude: f64| {
             let wedge = model_wedge(60.0, By::Yield, ratio, amplitude);
-            Ok::<_, RowError>((wedge.bend(interrupt)? - wedge.snell()).to_degrees().abs())
+            Ok::<_, RowError>((wedge.bend(context)? - wedge.snell()).to_degrees().abs())
         };
         let what = format!("speed ratio {ratio}: off Snell's at 10 F_p less that at 2 F_p");
         Ok(Part::words(what, "tends", off(10.0)? - off(2.0)?, "°", Below(0.0)))
@@ -306,14 +305,14 @@ fn yield_tends(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     [0.8, 0.65].into_iter().map(part).collect()
 }
 
-fn faster(degrees: f64, ratios: &[f64], interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let mut parts = varied(degrees, By::Density, ratios, interrupt)?;
+fn faster(degrees: f64, ratios: &[f64], context: &Context) -> Result<Vec<Part>, RowError> {
+    let mut parts = varied(degrees, By::Density, ratios, context)?;
     let wedge = Wedge {
         materials: ["brass", "440c"].map(material),
         law: LawKind::Thesis,
         angle: degrees.to_radians(),
         amplitude: 2.0,
     };
-    parts.push(against_snell(format!("brass to 440c, ratio {:.2}", wedge.speed_ratio()), &wedge, interrupt)?);
+    parts.push(against_snell(format!("brass to 440c, ratio {:.2}", wedge.speed_ratio()), &wedge, context)?);
     Ok(parts)
 }

@@ -5,11 +5,11 @@
 //! about half a diameter only. Beds settle without friction.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Wanted::{Above, Below, Within};
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::bed::{
     Bed, BedImpact, Body, Course, Grains, Intruder, Outline, Packing, Pile, SettleError, Sides, SoundError, listen,
     measure, settle, strike,
@@ -140,7 +140,7 @@ pub(super) fn pile(spread: f64, width: f64, seed: u64) -> Pile {
 }
 
 /// A settled bed; those of earlier rows are taken again.
-pub(super) fn settled(pile: Pile, interrupt: &AtomicBool) -> Result<Arc<Bed>, RowError> {
+pub(super) fn settled(pile: Pile, context: &Context) -> Result<Arc<Bed>, RowError> {
     type Place = Arc<Mutex<Option<Arc<Bed>>>>;
     static BEDS: Mutex<BTreeMap<String, Place>> = Mutex::new(BTreeMap::new());
     let place = {
@@ -151,7 +151,7 @@ pub(super) fn settled(pile: Pile, interrupt: &AtomicBool) -> Result<Arc<Bed>, Ro
     if let Some(bed) = &*kept {
         return Ok(Arc::clone(bed));
     }
-    let bed = settle(&pile, &Grains::default(), interrupt, |_, _| ()).map_err(|error| match error {
+    let bed = settle(&pile, &Grains::default(), context).map_err(|error| match error {
         SettleError::Stop(stop) => RowError::from(stop),
         SettleError::Rig(error) => RowError::Rig(error),
         error => RowError::Stopped(error.to_string()),
@@ -161,8 +161,8 @@ pub(super) fn settled(pile: Pile, interrupt: &AtomicBool) -> Result<Arc<Bed>, Ro
     Ok(bed)
 }
 
-pub(super) fn usual(interrupt: &AtomicBool) -> Result<Vec<Arc<Bed>>, RowError> {
-    SEEDS.into_iter().map(|seed| settled(pile(0.2, 60.0, seed), interrupt)).collect()
+pub(super) fn usual(context: &Context) -> Result<Vec<Arc<Bed>>, RowError> {
+    SEEDS.into_iter().map(|seed| settled(pile(0.2, 60.0, seed), context)).collect()
 }
 
 pub(super) fn disk(speed: f64) -> Intruder {
@@ -174,14 +174,8 @@ pub(super) fn disk(speed: f64) -> Intruder {
 const WINDOW: f64 = 200.0;
 const FLIGHT: f64 = 1000.0;
 
-fn follow(
-    bed: &Bed,
-    grains: Grains,
-    intruder: Intruder,
-    window: f64,
-    interrupt: &AtomicBool,
-) -> Result<Course, RowError> {
-    let course = strike(bed, &BedImpact::new(grains, intruder, window), interrupt, |_| ())?;
+fn follow(bed: &Bed, grains: Grains, intruder: Intruder, window: f64, context: &Context) -> Result<Course, RowError> {
+    let course = strike(bed, &BedImpact::new(grains, intruder, window), context, |_| ())?;
     match course.stop {
         Some(stop) => Err(stop.into()),
         None => Ok(course),
@@ -195,11 +189,11 @@ struct Mean {
     deepest: f64,
 }
 
-fn mean(beds: &[Arc<Bed>], grains: Grains, intruder: Intruder, interrupt: &AtomicBool) -> Result<Mean, RowError> {
+fn mean(beds: &[Arc<Bed>], grains: Grains, intruder: Intruder, context: &Context) -> Result<Mean, RowError> {
     let mut mean = Mean { depth: 0.0, overshoot: 0.0, deepest: 0.0 };
     let part = 1.0 / beds.len() as f64;
     for bed in beds {
-        let course = follow(bed, grains, intruder, WINDOW, interrupt)?;
+        let course = follow(bed, grains, intruder, WINDOW, context)?;
         mean.depth += part * course.final_depth;
         mean.overshoot += part * course.overshoot();
         let deepest = course.moments.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
@@ -216,25 +210,25 @@ pub(super) fn rubbing(coefficient: f64, spring: f64) -> Grains {
     grains
 }
 
-fn beds(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn beds(context: &Context) -> Result<Vec<Part>, RowError> {
     let mut parts = Vec::new();
     for spread in [0.1, 0.2, 0.4] {
-        let bed = settled(pile(spread, 60.0, SEEDS[0]), interrupt)?;
+        let bed = settled(pile(spread, 60.0, SEEDS[0]), context)?;
         let wanted = Within { value: 0.855, absolute: 0.01 };
         let what = format!("volume fraction, r = {spread}");
         parts.push(Part::words(what, "0.85 to 0.86", measure(&bed).volume_fraction, "", wanted));
     }
-    let bed = settled(lattice(), interrupt)?;
+    let bed = settled(lattice(), context)?;
     let wanted = Within { value: 0.91, absolute: 0.01 };
     parts.push(Part::words("volume fraction, hexagonal", "0.91", measure(&bed).volume_fraction, "", wanted));
     Ok(parts)
 }
 
-fn sound(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let bed = settled(pile(0.2, 60.0, SEEDS[0]), interrupt)?;
+fn sound(context: &Context) -> Result<Vec<Part>, RowError> {
+    let bed = settled(pile(0.2, 60.0, SEEDS[0]), context)?;
     let mut parts = Vec::new();
     for (name, spring, published) in [("kinetic", 0.0, 2.0), ("static", 0.8, 2.4)] {
-        let heard = listen(&bed, &rubbing(0.5, spring), interrupt).map_err(|error| match error {
+        let heard = listen(&bed, &rubbing(0.5, spring), context).map_err(|error| match error {
             SoundError::Stop(stop) => RowError::from(stop),
             SoundError::Rig(error) => RowError::Rig(error),
             error => RowError::NoWave(error.to_string()),
@@ -245,9 +239,9 @@ fn sound(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok(parts)
 }
 
-fn speed(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let beds = usual(interrupt)?;
-    let of = |speed: f64| mean(&beds, Grains::default(), disk(speed), interrupt);
+fn speed(context: &Context) -> Result<Vec<Part>, RowError> {
+    let beds = usual(context)?;
+    let of = |speed: f64| mean(&beds, Grains::default(), disk(speed), context);
     let [slow, middle, fast, fastest] = [of(0.1)?, of(0.4)?, of(SPEED)?, of(1.0)?];
     let slopes = [(fast.depth - middle.depth) / 0.3, (fastest.depth - fast.depth) / 0.3];
     Ok(vec![
@@ -261,9 +255,9 @@ fn speed(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn friction(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let beds = usual(interrupt)?;
-    let of = |coefficient, spring| mean(&beds, rubbing(coefficient, spring), disk(SPEED), interrupt);
+fn friction(context: &Context) -> Result<Vec<Part>, RowError> {
+    let beds = usual(context)?;
+    let of = |coefficient, spring| mean(&beds, rubbing(coefficient, spring), disk(SPEED), context);
     let smooth = of(0.0, 0.0)?;
     let ([weak, weak_static], [kinetic, fixed]) = ([of(0.1, 0.0)?, of(0.1, 0.8)?], [of(0.5, 0.0)?, of(0.5, 0.8)?]);
     let (less, gap) = (kinetic.depth - fixed.depth, weak.depth - weak_static.depth);
@@ -276,12 +270,12 @@ fn friction(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn restitution(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let beds = usual(interrupt)?;
+fn restitution(context: &Context) -> Result<Vec<Part>, RowError> {
+    let beds = usual(context)?;
     let of = |restitution: f64| {
         let mut grains = Grains::default();
         grains.grains.restitution = restitution;
-        mean(&beds, grains, disk(SPEED), interrupt)
+        mean(&beds, grains, disk(SPEED), context)
     };
     let [lively, usual, dull] = [of(0.9)?, of(0.5)?, of(0.1)?];
     Ok(vec![
@@ -295,12 +289,12 @@ pub(super) fn lattice() -> Pile {
     Pile { packing: Packing::Hexagonal, spread: 0.0, ..pile(0.0, 60.0, 1) }
 }
 
-fn hexagonal(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let bed = settled(lattice(), interrupt)?;
-    let random = mean(&usual(interrupt)?, Grains::default(), disk(SPEED), interrupt)?;
+fn hexagonal(context: &Context) -> Result<Vec<Part>, RowError> {
+    let bed = settled(lattice(), context)?;
+    let random = mean(&usual(context)?, Grains::default(), disk(SPEED), context)?;
     let (mut depths, mut highest) = (Vec::new(), f64::INFINITY);
     for speed in [0.4, SPEED, 1.0] {
-        let course = follow(&bed, Grains::default(), disk(speed), FLIGHT, interrupt)?;
+        let course = follow(&bed, Grains::default(), disk(speed), FLIGHT, context)?;
         depths.push(course.final_depth);
         if speed == SPEED {
             let hit = course.moments.iter().position(|m| m.depth > 0.0).unwrap_or(course.moments.len());
@@ -321,12 +315,12 @@ fn hexagonal(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn polydispersity(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn polydispersity(context: &Context) -> Result<Vec<Part>, RowError> {
     let mut depths = Vec::new();
     for spread in [0.1, 0.2, 0.4] {
-        let beds = SEEDS.into_iter().map(|seed| settled(pile(spread, 60.0, seed), interrupt));
+        let beds = SEEDS.into_iter().map(|seed| settled(pile(spread, 60.0, seed), context));
         let beds = beds.collect::<Result<Vec<_>, _>>()?;
-        depths.push(mean(&beds, Grains::default(), disk(SPEED), interrupt)?.depth);
+        depths.push(mean(&beds, Grains::default(), disk(SPEED), context)?.depth);
     }
     let wanted = Within { value: 0.0, absolute: 1.0 };
     Ok(vec![
@@ -335,10 +329,10 @@ fn polydispersity(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn gravity(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let beds = usual(interrupt)?;
+fn gravity(context: &Context) -> Result<Vec<Part>, RowError> {
+    let beds = usual(context)?;
     // Beds were prepared under the Earth's gravity; here they meet the other at once, and lie still within 10⁻³ d of depth.
-    let of = |gravity: f64| mean(&beds, Grains { gravity, ..Grains::default() }, disk(1.0), interrupt);
+    let of = |gravity: f64| mean(&beds, Grains { gravity, ..Grains::default() }, disk(1.0), context);
     let [mars, earth, jupiter] = [of(369.0 / 980.0)?, of(1.0)?, of(2479.0 / 980.0)?];
     Ok(vec![
         Part::words("depth on Mars over that on Earth", "deeper", mars.depth / earth.depth, "", Above(1.0)),
@@ -353,9 +347,9 @@ fn ellipse(half_height: f64, body: Body) -> Intruder {
     Intruder { outline, body, turns: false, ..disk(SPEED) }
 }
 
-fn shape(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let beds = usual(interrupt)?;
-    let of = |half_height| mean(&beds, Grains::default(), ellipse(half_height, Body::Solid), interrupt);
+fn shape(context: &Context) -> Result<Vec<Part>, RowError> {
+    let beds = usual(context)?;
+    let of = |half_height| mean(&beds, Grains::default(), ellipse(half_height, Body::Solid), context);
     let [round, longer, long] = [of(3.0)?.depth, of(4.5)?.depth, of(6.0)?.depth];
     let wanted = Within { value: 0.0, absolute: 1.0 };
     Ok(vec![
@@ -365,18 +359,18 @@ fn shape(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn hollow(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let bed = settled(pile(0.2, 60.0, SEEDS[0]), interrupt)?;
-    let of = |body| follow(&bed, Grains::default(), ellipse(4.5, body), WINDOW, interrupt);
+fn hollow(context: &Context) -> Result<Vec<Part>, RowError> {
+    let bed = settled(pile(0.2, 60.0, SEEDS[0]), context)?;
+    let of = |body| follow(&bed, Grains::default(), ellipse(4.5, body), WINDOW, context);
     let apart = of(Body::Hollow)?.final_depth - of(Body::Solid)?.final_depth;
     Ok(vec![Part::words("depth of a hollow less that of a solid one", "none", apart.abs(), "d", Below(1e-9))])
 }
 
-fn size(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let wide = SEEDS.into_iter().map(|seed| settled(pile(0.2, 120.0, seed), interrupt));
+fn size(context: &Context) -> Result<Vec<Part>, RowError> {
+    let wide = SEEDS.into_iter().map(|seed| settled(pile(0.2, 120.0, seed), context));
     let wide = wide.collect::<Result<Vec<_>, _>>()?;
-    let of = |beds: &[Arc<Bed>]| mean(beds, Grains::default(), disk(SPEED), interrupt);
-    let apart = of(&wide)?.depth - of(&usual(interrupt)?)?.depth;
+    let of = |beds: &[Arc<Bed>]| mean(beds, Grains::default(), disk(SPEED), context);
+    let apart = of(&wide)?.depth - of(&usual(context)?)?.depth;
     Ok(vec![Part::words(
         "depth in a bed twice as wide less that in the usual one",
         "none",

@@ -4,12 +4,11 @@
 //! scored over 0 to 350 us under each law by programs written apart from this one, or by its version 0.1. Variants that this program has no law for
 //! (radii that grow, each side its own material, equal forces on both sides, yield stresses times a fixed factor) are quoted there and not repeated.
 
-use std::sync::atomic::AtomicBool;
-
 use super::Wanted::Near;
 use super::crystals::material;
 use super::lens::{lens, struck};
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::contact::LawKind;
 use crate::dem::{Integrator, simulate_batch};
 use crate::layout::{Baseline, Layout};
@@ -27,7 +26,7 @@ macro_rules! row {
             formula: false,
             expected: Verdict::Holds,
             seconds: 6.0,
-            measure: |interrupt| scores(LawKind::$law, $published, $tolerance, interrupt),
+            measure: |context| scores(LawKind::$law, $published, $tolerance, context),
         }
     };
 }
@@ -85,16 +84,11 @@ pub(super) fn stored(lens: &Layout, text: &str) -> Result<Layout, RowError> {
     Ok(Layout { lattice: lens.lattice, palette, materials })
 }
 
-fn scores(
-    law: LawKind,
-    published: [[f64; 3]; 3],
-    relative: f64,
-    interrupt: &AtomicBool,
-) -> Result<Vec<Part>, RowError> {
+fn scores(law: LawKind, published: [[f64; 3]; 3], relative: f64, context: &Context) -> Result<Vec<Part>, RowError> {
     let layouts = layouts()?;
     let impact = struck(&layouts[0], law, Integrator::Verlet, STEP, WINDOW);
     let samples: Vec<_> = layouts.iter().map(Layout::sample).collect();
-    let runs = simulate_batch(&samples, &impact, Width::widest(), interrupt)
+    let runs = simulate_batch(&samples, &impact, Width::widest(), context)
         .map_err(|error| RowError::Stopped(error.to_string()))?;
     let mean = |k: usize, x: [f64; 2]| -> Result<f64, RowError> {
         if let Some(stop) = &runs[k].stop {

@@ -1,10 +1,9 @@
 //! Section 5.3.3: the impact lens.
 
-use std::sync::atomic::AtomicBool;
-
 use super::Wanted::{Above, Below, Within};
 use super::crystals::{DIAMETER, material};
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::contact::{Constants, LawKind};
 use crate::dem::{ForcePulse, Impact, Integrator, Mirror, simulate};
 use crate::lattice::{HexagonalSheet, Site};
@@ -174,12 +173,12 @@ const FORCE: f64 = 26e3;
 const WINDOW: f64 = 250e-6;
 const LONG: f64 = 350e-6;
 
-fn felt(layout: Layout, law: LawKind, force: f64, window: f64, interrupt: &AtomicBool) -> Result<Felt, RowError> {
+fn felt(layout: Layout, law: LawKind, force: f64, window: f64, context: &Context) -> Result<Felt, RowError> {
     let impact = Impact {
         pulse: ForcePulse { force, duration: 20e-6 },
         ..struck(&layout, law, Integrator::Verlet, 1e-7, window)
     };
-    let record = simulate(&layout.sample(), &impact, interrupt)?;
+    let record = simulate(&layout.sample(), &impact, context)?;
     if let Some(stop) = record.stop {
         return Err(stop.into());
     }
@@ -210,8 +209,8 @@ pub(super) fn struck(layout: &Layout, law: LawKind, integrator: Integrator, step
 }
 
 /// The published case, 0 to 250 µs.
-fn published(layout: Layout, interrupt: &AtomicBool) -> Result<Felt, RowError> {
-    felt(layout, LawKind::Thesis, FORCE, WINDOW, interrupt)
+fn published(layout: Layout, context: &Context) -> Result<Felt, RowError> {
+    felt(layout, LawKind::Thesis, FORCE, WINDOW, context)
 }
 
 fn baseline(baseline: Baseline) -> Result<Layout, RowError> {
@@ -263,8 +262,8 @@ fn column_of_peak(values: &[f64]) -> f64 {
     (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).map_or(0.0, |k| (k + 1) as f64)
 }
 
-fn peak(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let lens = published(lens()?, interrupt)?;
+fn peak(context: &Context) -> Result<Vec<Part>, RowError> {
+    let lens = published(lens()?, context)?;
     let (focal, before) = (lens.row(FOCAL_ROW), lens.row(22));
     Ok(vec![
         Part::words("row 32: column of the peak, of 17", "on the axis", column_of_peak(&focal), "", Below(1.5)),
@@ -273,27 +272,27 @@ fn peak(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn far_side(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let far = published(lens()?, interrupt)?.far();
+fn far_side(context: &Context) -> Result<Vec<Part>, RowError> {
+    let far = published(lens()?, context)?.far();
     let kinds = [Baseline::FlatSameHeight, Baseline::FlatSameCount, Baseline::AllHost, Baseline::AllLens];
     let part = |kind: Baseline| {
-        let other = published(baseline(kind)?, interrupt)?.far();
+        let other = published(baseline(kind)?, context)?.far();
         Ok(Part::words(format!("lens over {}", kind.name()), "less", far / other, "", Below(1.0)))
     };
     kinds.into_iter().map(part).collect()
 }
 
-fn random_least(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let far = published(lens()?, interrupt)?.far();
-    let one = |seed| Ok(least(&published(baseline(Baseline::RandomBehind(seed))?, interrupt)?.row(FOCAL_ROW)));
+fn random_least(context: &Context) -> Result<Vec<Part>, RowError> {
+    let far = published(lens()?, context)?.far();
+    let one = |seed| Ok(least(&published(baseline(Baseline::RandomBehind(seed))?, context)?.row(FOCAL_ROW)));
     let lowest = least(&(1..=5).map(one).collect::<Result<Vec<_>, RowError>>()?);
     let wanted = Within { value: 1.0, absolute: 0.1 };
     Ok(vec![Part::words("lens over lowest random sphere", "almost exactly matches", far / lowest, "", wanted)])
 }
 
-fn random_spread(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn random_spread(context: &Context) -> Result<Vec<Part>, RowError> {
     let set = |first: u64| {
-        let row = |seed| Ok(published(baseline(Baseline::RandomBehind(seed))?, interrupt)?.row(FOCAL_ROW));
+        let row = |seed| Ok(published(baseline(Baseline::RandomBehind(seed))?, context)?.row(FOCAL_ROW));
         let rows = (first..first + 5).map(row).collect::<Result<Vec<_>, RowError>>()?.concat();
         Ok::<_, RowError>(greatest(&rows) / least(&rows))
     };
@@ -304,22 +303,21 @@ fn random_spread(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn random_beyond(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let row = |layout: Layout| {
-        Ok::<_, RowError>(mean(&felt(layout, LawKind::Thesis, FORCE, LONG, interrupt)?.row(BEYOND_ROW)))
-    };
+fn random_beyond(context: &Context) -> Result<Vec<Part>, RowError> {
+    let row =
+        |layout: Layout| Ok::<_, RowError>(mean(&felt(layout, LawKind::Thesis, FORCE, LONG, context)?.row(BEYOND_ROW)));
     let random = (1..=5).map(|seed| row(baseline(Baseline::RandomBehind(seed))?)).collect::<Result<Vec<_>, _>>()?;
     let ours = mean(&random) / row(lens()?)?;
     Ok(vec![Part::words("row 42: mean of random over lens", "less", ours, "", Below(1.0))])
 }
 
-fn of_law(law: LawKind, interrupt: &AtomicBool) -> Result<Felt, RowError> {
-    felt(lens()?, law, FORCE, WINDOW, interrupt)
+fn of_law(law: LawKind, context: &Context) -> Result<Felt, RowError> {
+    felt(lens()?, law, FORCE, WINDOW, context)
 }
 
-fn rate(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn rate(context: &Context) -> Result<Vec<Part>, RowError> {
     let part = |with: LawKind, without: LawKind| {
-        let (with, without, what) = (of_law(with, interrupt)?, of_law(without, interrupt)?, with.name());
+        let (with, without, what) = (of_law(with, context)?, of_law(without, context)?, with.name());
         let what = format!("{what}: F/P with rate over that without");
         Ok(Part::words(what, "more", with.contrast() / without.contrast(), "", Above(1.0)))
     };
@@ -329,8 +327,8 @@ fn rate(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
         .collect()
 }
 
-fn elastic(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let elastic = of_law(LawKind::HertzThesis, interrupt)?;
+fn elastic(context: &Context) -> Result<Vec<Part>, RowError> {
+    let elastic = of_law(LawKind::HertzThesis, context)?;
     let part = |row: u32| {
         let energies = elastic.row(row);
         let drop = |k: usize| energies[k + 1] / energies[k];
@@ -350,14 +348,14 @@ fn elastic(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok([22, FOCAL_ROW, BEYOND_ROW].map(part).to_vec())
 }
 
-fn elastic_contrast(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let ratio = of_law(LawKind::HertzThesis, interrupt)?.contrast() / of_law(LawKind::Thesis, interrupt)?.contrast();
+fn elastic_contrast(context: &Context) -> Result<Vec<Part>, RowError> {
+    let ratio = of_law(LawKind::HertzThesis, context)?.contrast() / of_law(LawKind::Thesis, context)?.contrast();
     Ok(vec![Part::words("F/P with Hertz over that with plasticity", "less", ratio, "", Below(1.0))])
 }
 
-fn amplitude(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let strong = published(lens()?, interrupt)?;
-    let weak = felt(lens()?, LawKind::Thesis, 10.5e3, LONG, interrupt)?;
+fn amplitude(context: &Context) -> Result<Vec<Part>, RowError> {
+    let strong = published(lens()?, context)?;
+    let weak = felt(lens()?, LawKind::Thesis, 10.5e3, LONG, context)?;
     let (a, b) = (strong.row(FOCAL_ROW), weak.row(FOCAL_ROW));
     let product = |x: &[f64], y: &[f64]| {
         let (mx, my) = (mean(x), mean(y));
@@ -371,13 +369,13 @@ fn amplitude(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     ])
 }
 
-fn gain(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let (lens, host) = (published(lens()?, interrupt)?, published(baseline(Baseline::AllHost)?, interrupt)?);
+fn gain(context: &Context) -> Result<Vec<Part>, RowError> {
+    let (lens, host) = (published(lens()?, context)?, published(baseline(Baseline::AllHost)?, context)?);
     Ok(vec![Part::words("F over that of plain 440c", "more", lens.focal() / host.focal(), "", Above(1.0))])
 }
 
-fn beyond(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let row = |layout| Ok::<_, RowError>(felt(layout, LawKind::Thesis, FORCE, LONG, interrupt)?.row(BEYOND_ROW));
+fn beyond(context: &Context) -> Result<Vec<Part>, RowError> {
+    let row = |layout| Ok::<_, RowError>(felt(layout, LawKind::Thesis, FORCE, LONG, context)?.row(BEYOND_ROW));
     let (lens, brass) = (row(lens()?)?, row(baseline(Baseline::AllLens)?)?);
     let lower = lens.iter().zip(&brass).filter(|(lens, brass)| lens < brass).count();
     Ok(vec![Part::words(
@@ -389,8 +387,8 @@ fn beyond(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     )])
 }
 
-fn total(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let dissipated = |layout| Ok::<_, RowError>(published(layout, interrupt)?.dissipated);
+fn total(context: &Context) -> Result<Vec<Part>, RowError> {
+    let dissipated = |layout| Ok::<_, RowError>(published(layout, context)?.dissipated);
     let lens = dissipated(lens()?)?;
     let part = |kind: Baseline| {
         let ours = lens / dissipated(baseline(kind)?)?;
@@ -399,8 +397,8 @@ fn total(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     [Baseline::AllHost, Baseline::AllLens].into_iter().map(part).collect()
 }
 
-fn estimate(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let lens = published(lens()?, interrupt)?;
+fn estimate(context: &Context) -> Result<Vec<Part>, RowError> {
+    let lens = published(lens()?, context)?;
     let what = "lens: dissipated by the ledger, against the estimate";
     Ok(vec![Part::near(what, (10.0 * lens.estimate).round() / 10.0, lens.dissipated, "J", 0.1)])
 }

@@ -32,12 +32,12 @@ pub use table::{list, markdown};
 pub use wedge::Wedge;
 
 use std::fmt;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::Context;
 use crate::dem::rig::{RigError, RigStop};
 use crate::dem::{OverlapAtRest, Stop};
 use crate::lattice::{CrystalError, LatticeError};
@@ -60,7 +60,7 @@ pub struct Row {
     pub expected: Verdict,
     /// About how long it takes (s), on one core.
     pub seconds: f64,
-    measure: fn(&AtomicBool) -> Result<Vec<Part>, RowError>,
+    measure: fn(&Context) -> Result<Vec<Part>, RowError>,
 }
 
 /// What came of a claim.
@@ -284,22 +284,21 @@ pub fn select(name: &str) -> Vec<&'static Row> {
 }
 
 impl Row {
-    /// Runs it. `interrupt` is looked at now and then.
-    pub fn run(&'static self, interrupt: &AtomicBool) -> Finding {
+    /// Runs it. The context is asked now and then whether to go on.
+    pub fn run(&'static self, context: &Context) -> Finding {
         let begun = Instant::now();
-        let parts =
-            if interrupt.load(Ordering::Relaxed) { Err(RowError::Interrupted) } else { (self.measure)(interrupt) };
+        let parts = if context.stopped() { Err(RowError::Interrupted) } else { (self.measure)(&context.silent()) };
         Finding { row: self, parts, seconds: begun.elapsed().as_secs_f64() }
     }
 }
 
-/// Runs rows side by side, the longest first; the findings come in the order of the rows. `done` hears of each as it ends.
-pub fn run(rows: &[&'static Row], interrupt: &AtomicBool, done: impl Fn(&Finding) + Sync) -> Vec<Finding> {
+/// Runs rows side by side, the longest first; the findings come in the order of the rows. The context is told of each as it ends.
+pub fn run(rows: &[&'static Row], context: &Context) -> Vec<Finding> {
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|&a, &b| rows[b].seconds.total_cmp(&rows[a].seconds));
     let run = |k: usize| {
-        let finding = rows[k].run(interrupt);
-        done(&finding);
+        let finding = rows[k].run(context);
+        context.finished(finding.row.id);
         (k, finding)
     };
     // One at a time to each thread, so that long rows do not queue behind one another.

@@ -3,10 +3,9 @@
 //! Published here is `designs/optimum/figures.csv`: what `granulens check` says of each at 5e-8 s from 0 to 350 us, under the design's own impact or under
 //! the worst of the five of the robust ones, each measure by itself.
 
-use std::sync::atomic::AtomicBool;
-
 use super::laws::stored;
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::dem::ForcePulse;
 use crate::design::Design;
 use crate::evaluate::{Evaluator, Overrides};
@@ -59,7 +58,7 @@ pub(super) const ROWS: &[Row] = &[
         formula: false,
         expected: Verdict::Holds,
         seconds: 8.0,
-        measure: |interrupt| scores(ONE, &[[26e3, 20e-6]], interrupt),
+        measure: |context| scores(ONE, &[[26e3, 20e-6]], context),
     },
     Row {
         id: "optimum-five",
@@ -69,12 +68,12 @@ pub(super) const ROWS: &[Row] = &[
         formula: false,
         expected: Verdict::Holds,
         seconds: 20.0,
-        measure: |interrupt| scores(FIVE, &IMPACTS, interrupt),
+        measure: |context| scores(FIVE, &IMPACTS, context),
     },
 ];
 
 /// Of every layout the worst C, G and Q under some impacts, each by itself. Q is left out where brass alone cannot stand one of them.
-fn scores(files: Files, impacts: &[[f64; 2]], interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn scores(files: Files, impacts: &[[f64; 2]], context: &Context) -> Result<Vec<Part>, RowError> {
     let failed = |error: &dyn std::fmt::Display| RowError::Stopped(error.to_string());
     let design = Design::parse("designs/thesis-lens.toml", include_str!("../../designs/thesis-lens.toml"))
         .map_err(|error| failed(&error))?;
@@ -93,8 +92,8 @@ fn scores(files: Files, impacts: &[[f64; 2]], interrupt: &AtomicBool) -> Result<
     let impacts: Vec<ForcePulse> = impacts.iter().map(|&[force, duration]| ForcePulse { force, duration }).collect();
     let overrides = Overrides { step: Some(5e-8), window: Some(350e-6), ..Overrides::default() };
     let evaluator =
-        Evaluator::new(&design, &impacts, host.palette, overrides, interrupt).map_err(|error| failed(&error))?;
-    let runs = evaluator.scores(&layouts, interrupt).map_err(|error| failed(&error))?;
+        Evaluator::new(&design, &impacts, host.palette, overrides, context).map_err(|error| failed(&error))?;
+    let runs = evaluator.scores(&layouts, context).map_err(|error| failed(&error))?;
     let mut parts = Vec::new();
     for ((name, _), runs) in files.iter().zip(runs) {
         if let Some(stop) = runs.iter().find_map(|run| run.stop.clone()) {

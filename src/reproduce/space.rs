@@ -1,9 +1,8 @@
 //! Chapter 6: the lens in three dimensions that figure 6.1 announces; nobody has published one.
 
-use std::sync::atomic::AtomicBool;
-
 use super::Wanted::Above;
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::design::SpaceDesign;
 use crate::evaluate::{EvaluatorError, Forces, Overrides, SpaceComparison, compare_in_space};
 use crate::outcome::ArrangementOutcome;
@@ -21,12 +20,12 @@ pub(super) const ROWS: &[Row] = &[Row {
     measure: small,
 }];
 
-fn small(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    lens(include_str!("../../designs/space/revolved-lens.toml"), interrupt)
+fn small(context: &Context) -> Result<Vec<Part>, RowError> {
+    lens(include_str!("../../designs/space/revolved-lens.toml"), context)
 }
 
 /// C and G of the lens, and both over the best that any strip of one layer up to the lens's height comes to; at the design's own force.
-fn lens(text: &str, interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn lens(text: &str, context: &Context) -> Result<Vec<Part>, RowError> {
     let said = |error: &dyn std::fmt::Display| RowError::Stopped(error.to_string());
     let design = SpaceDesign::parse_in_space("lens.toml", text).map_err(|error| said(&error))?;
     let design = SpaceDesign { seeds: 0, ..design };
@@ -35,7 +34,7 @@ fn lens(text: &str, interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     let comparison = SpaceComparison::of_lens(&design, (&body, request, materials), Overrides::default())
         .map_err(|error| said(&error))?
         .over(Forces::ONE);
-    let outcome = compare_in_space(&comparison, interrupt, &()).map_err(|error| match error {
+    let outcome = compare_in_space(&comparison, context).map_err(|error| match error {
         EvaluatorError::Interrupted => RowError::Interrupted,
         error => said(&error),
     })?;

@@ -1,10 +1,9 @@
 //! Section 5.2: waves in uniform and layered sheets and close packings.
 
-use std::sync::atomic::AtomicBool;
-
 use super::Wanted::{Below, Within};
 use super::crystals::{Blow, DIAMETER, Stack, exponent, material, model, spread};
 use super::{Part, Row, RowError, Verdict};
+use crate::Context;
 use crate::contact::{Constants, LawKind};
 use crate::lattice::Cell;
 use crate::material::Material;
@@ -71,16 +70,16 @@ fn speed(
     materials: &[Material],
     law: LawKind,
     between: [u32; 2],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<f64, RowError> {
-    fn of<const D: usize>(stack: &Stack<D>, between: [u32; 2], interrupt: &AtomicBool) -> Result<f64, RowError> {
-        stack.speed(Blow::Force(2.0 * stack.pair().plastic_force(), 100e-6), between, interrupt)
+    fn of<const D: usize>(stack: &Stack<D>, between: [u32; 2], context: &Context) -> Result<f64, RowError> {
+        stack.speed(Blow::Force(2.0 * stack.pair().plastic_force(), 100e-6), between, context)
     }
     let materials = materials.to_vec();
     match dimension {
-        Dimension::One => of(&Stack { cell: Cell::<1>::ALL[0], materials, law }, between, interrupt),
-        Dimension::Two => of(&Stack { cell: hexagonal(), materials, law }, between, interrupt),
-        Dimension::Three => of(&Stack { cell: close_packed(), materials, law }, between, interrupt),
+        Dimension::One => of(&Stack { cell: Cell::<1>::ALL[0], materials, law }, between, context),
+        Dimension::Two => of(&Stack { cell: hexagonal(), materials, law }, between, context),
+        Dimension::Three => of(&Stack { cell: close_packed(), materials, law }, between, context),
     }
 }
 
@@ -97,12 +96,12 @@ const TWENTY: [u32; 2] = [10, 30];
 
 const HIGHER: [Dimension; 2] = [Dimension::Two, Dimension::Three];
 
-fn factors(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn factors(context: &Context) -> Result<Vec<Part>, RowError> {
     let mut parts = Vec::new();
     for (name, material, law) in
         [("model material", model(5000.0, 500e6), LawKind::ThesisStatic), ("440c", material("440c"), LawKind::Thesis)]
     {
-        let of = |dimension| speed(dimension, std::slice::from_ref(&material), law, TWENTY, interrupt);
+        let of = |dimension| speed(dimension, std::slice::from_ref(&material), law, TWENTY, context);
         let chain = of(Dimension::One)?;
         for (dimension, words) in HIGHER.into_iter().zip(["3/(2√2)", "2/√3"]) {
             let value = dimension.factor();
@@ -114,10 +113,10 @@ fn factors(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok(parts)
 }
 
-fn density(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn density(context: &Context) -> Result<Vec<Part>, RowError> {
     let fit = |dimension: Dimension| {
         let of = |density: f64| {
-            let speed = speed(dimension, &[model(density, 500e6)], LawKind::ThesisStatic, TWENTY, interrupt)?;
+            let speed = speed(dimension, &[model(density, 500e6)], LawKind::ThesisStatic, TWENTY, context)?;
             Ok::<_, RowError>((density, speed))
         };
         let points = spread(2000.0, 16000.0, 4).into_iter().map(of).collect::<Result<Vec<_>, _>>()?;
@@ -127,12 +126,12 @@ fn density(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     HIGHER.into_iter().map(fit).collect()
 }
 
-fn stiffness(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn stiffness(context: &Context) -> Result<Vec<Part>, RowError> {
     let fit = |dimension: Dimension| {
         let of = |stress: f64| {
             let material = [model(5000.0, stress)];
             let bound = bound(dimension, [&material[0], &material[0]], DIAMETER, Constants::Code);
-            let speed = speed(dimension, &material, LawKind::ThesisStatic, TWENTY, interrupt)?;
+            let speed = speed(dimension, &material, LawKind::ThesisStatic, TWENTY, context)?;
             Ok::<_, RowError>((bound.stiffness, speed))
         };
         let points = spread(100e6, 2500e6, 4).into_iter().map(of).collect::<Result<Vec<_>, _>>()?;
@@ -143,15 +142,15 @@ fn stiffness(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
 }
 
 /// Speed over the bound in layers 5 to 15.
-fn normalised(dimension: Dimension, materials: &[Material], interrupt: &AtomicBool) -> Result<f64, RowError> {
+fn normalised(dimension: Dimension, materials: &[Material], context: &Context) -> Result<f64, RowError> {
     let bound = bound(dimension, [&materials[0], &materials[materials.len() - 1]], DIAMETER, Constants::Equation47);
-    Ok(speed(dimension, materials, LawKind::Thesis, [5, 15], interrupt)? / bound.speed)
+    Ok(speed(dimension, materials, LawKind::Thesis, [5, 15], context)? / bound.speed)
 }
 
-fn collapse(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn collapse(context: &Context) -> Result<Vec<Part>, RowError> {
     let names = ["al", "brass", "302", "440c"];
     let of = |name: &str| -> Result<Vec<f64>, RowError> {
-        Dimension::ALL.iter().map(|&dimension| normalised(dimension, &[material(name)], interrupt)).collect()
+        Dimension::ALL.iter().map(|&dimension| normalised(dimension, &[material(name)], context)).collect()
     };
     let speeds = names.into_iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let collapses = |what: String, values: &[f64]| Part::words(what, "one curve", ratio(values), "", Below(1.05));
@@ -168,13 +167,13 @@ fn ratio(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max) / values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-fn layers(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn layers(context: &Context) -> Result<Vec<Part>, RowError> {
     let mut parts = Vec::new();
     for names in [["al", "302"], ["brass", "440c"]] {
         let materials = names.map(material);
-        let chain = normalised(Dimension::One, &materials, interrupt)?;
+        let chain = normalised(Dimension::One, &materials, context)?;
         for dimension in HIGHER {
-            let ours = normalised(dimension, &materials, interrupt)? / chain;
+            let ours = normalised(dimension, &materials, context)? / chain;
             let what = format!("{}, {}D over 1D", names.join(" + "), dimension.number());
             parts.push(Part::words(what, "slightly different", ours, "", Within { value: 1.0, absolute: 0.1 }));
         }

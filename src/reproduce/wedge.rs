@@ -1,9 +1,8 @@
 //! By which angle an oblique interface bends a plane wave.
 
-use std::sync::atomic::AtomicBool;
-
 use super::RowError;
 use super::crystals::DIAMETER;
+use crate::Context;
 use crate::contact::{Constants, LawKind, Pair};
 use crate::dem::rig::{Arrival, Body, Curve, LawBook, Load, LoadKind, Rig, Simulation};
 use crate::dem::{ForcePulse, Impact, Integrator, Mirror, simulate, steps_in};
@@ -60,9 +59,9 @@ impl Wedge {
     ///
     /// # Errors
     /// [`RowError`], where no wave comes or a run stops.
-    pub fn bend(&self, interrupt: &AtomicBool) -> Result<f64, RowError> {
+    pub fn bend(&self, context: &Context) -> Result<f64, RowError> {
         let (layout, region) = (self.layout()?, self.region()?);
-        let times = self.first_arrivals(&layout, &region, interrupt)?;
+        let times = self.first_arrivals(&layout, &region, context)?;
         Ok(front(&layout, &region, &times))
     }
 
@@ -71,9 +70,9 @@ impl Wedge {
     ///
     /// # Errors
     /// As of [`Wedge::bend`].
-    pub fn predicted(&self, interrupt: &AtomicBool) -> Result<[f64; 2], RowError> {
+    pub fn predicted(&self, context: &Context) -> Result<[f64; 2], RowError> {
         let (layout, region) = (self.layout()?, self.region()?);
-        let decays = self.decays(layout.lattice.rows(), interrupt)?;
+        let decays = self.decays(layout.lattice.rows(), context)?;
         Ok([None, Some(&decays[..])].map(|decays| {
             let speeds = site_speeds(&layout, Constants::Code, decays);
             let times = Eikonal::of_plane_wave(&layout.lattice, &speeds, MESH).at_sites();
@@ -82,11 +81,11 @@ impl Wedge {
     }
 
     /// How the wave decays in the uniform crystal of either material: in a narrow strip, whose sides are mirrors.
-    fn decays(&self, rows: u32, interrupt: &AtomicBool) -> Result<Vec<Decay>, RowError> {
+    fn decays(&self, rows: u32, context: &Context) -> Result<Vec<Decay>, RowError> {
         let strip = HexagonalSheet::new(DIAMETER, rows, 1.0)?;
         let decay = |material: &Material| {
             let layout = Layout::new(strip, vec![material.clone()], |_| 0);
-            let record = simulate(&layout.sample(), &self.impact(&strip), interrupt)?;
+            let record = simulate(&layout.sample(), &self.impact(&strip), context)?;
             if let Some(stop) = record.stop {
                 return Err(stop.into());
             }
@@ -166,9 +165,9 @@ impl Wedge {
         }
     }
 
-    fn first_arrivals(&self, layout: &Layout, region: &[usize], interrupt: &AtomicBool) -> Result<Vec<f64>, RowError> {
+    fn first_arrivals(&self, layout: &Layout, region: &[usize], context: &Context) -> Result<Vec<f64>, RowError> {
         let (sample, impact) = (layout.sample(), self.impact(&layout.lattice));
-        let record = simulate(&sample, &impact, interrupt)?;
+        let record = simulate(&sample, &impact, context)?;
         if let Some(stop) = record.stop {
             return Err(stop.into());
         }
@@ -188,7 +187,7 @@ impl Wedge {
         let threshold = Arrival::Speed(THRESHOLD * peaks[peaks.len() / 2]);
         let mut simulation = Simulation::new(rig, impact.step)?.watching(vec![threshold]);
         for _ in 0..steps_in(impact.window, impact.step).div_ceil(200) {
-            simulation.advance(200, interrupt)?;
+            simulation.advance(200, context)?;
             let arrivals = simulation.arrivals(0);
             let times: Option<Vec<f64>> = region.iter().map(|&k| arrivals[k]).collect();
             if let Some(times) = times {

@@ -1,9 +1,8 @@
 //! The section [preload]: a crystal that is squeezed to rest before it is struck.
 
-use std::sync::atomic::AtomicBool;
-
 use super::file::PreloadFile;
 use super::place::along_wave;
+use crate::Context;
 use crate::dem::rig::{PreloadError, Rig, Squeeze, Squeezed, squeeze};
 use crate::document::{DocumentError, Entry, Scope};
 use crate::units::Dimension;
@@ -73,7 +72,7 @@ pub(super) fn preload<const D: usize>(
         Some(entry) => within(&entry)?,
         None => TOLERANCE,
     };
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let squeezed = squeeze(rig, along, tolerance, &never).map_err(|error| {
         let help = match error {
             PreloadError::Loose => "Hold its ends, by sides that are walls, fixed or periodic.",

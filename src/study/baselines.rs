@@ -1,11 +1,10 @@
 //! What a study's layouts are compared with: strips, uniform crystals and random mixtures, under the study's impacts.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::{Deserialize, Serialize};
 
 use super::over::of_runs;
 use super::{Study, StudyError};
+use crate::Context;
 use crate::chance::Mean;
 use crate::evaluate::Evaluator;
 use crate::layout::{Baseline, Layout};
@@ -86,11 +85,11 @@ pub(super) fn layouts(study: &Study) -> Vec<(String, Vec<u8>)> {
 pub(super) fn evaluate(
     study: &Study,
     evaluator: &Evaluator<'_>,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<BaselineScores>, StudyError> {
     let named = layouts(study);
     let layouts: Vec<Vec<u8>> = named.iter().map(|(_, layout)| layout.clone()).collect();
-    let runs = evaluator.scores(&layouts, interrupt)?;
+    let runs = evaluator.scores(&layouts, context)?;
     let summaries: Vec<Option<Scores>> =
         runs.iter().zip(&layouts).map(|(runs, layout)| of_runs(study, runs, &study.counter.stats(layout))).collect();
     let mut names: Vec<&String> = named.iter().map(|(name, _)| name).collect();

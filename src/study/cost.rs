@@ -1,9 +1,9 @@
 //! What a study will cost, from one batch at each of its steps.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use super::{Study, StudyError};
+use crate::Context;
 use crate::evaluate::Evaluator;
 use crate::real::Width;
 
@@ -24,7 +24,7 @@ pub struct StageCost {
 ///
 /// # Errors
 /// As [`run`](super::run), but for the journal, which is not looked at.
-pub fn costs(study: &Study, interrupt: &AtomicBool) -> Result<Vec<StageCost>, StudyError> {
+pub fn costs(study: &Study, context: &Context) -> Result<Vec<StageCost>, StudyError> {
     let lanes = Width::widest().lanes();
     let batch = vec![study.bases[0].clone(); lanes];
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -32,12 +32,12 @@ pub fn costs(study: &Study, interrupt: &AtomicBool) -> Result<Vec<StageCost>, St
         .map(|rung| {
             let overrides = study.overrides(rung);
             let cases = study.at(rung).cases();
-            let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, interrupt)?
+            let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, context)?
                 .recording(study.detail());
             let begun = Instant::now();
             match &one {
-                Ok(pool) => pool.install(|| evaluator.scores(&batch, interrupt))?,
-                Err(_) => evaluator.scores(&batch, interrupt)?,
+                Ok(pool) => pool.install(|| evaluator.scores(&batch, context))?,
+                Err(_) => evaluator.scores(&batch, context)?,
             };
             Ok((evaluator.plan().step, begun.elapsed().as_secs_f64() / lanes as f64))
         })

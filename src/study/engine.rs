@@ -1,9 +1,8 @@
 //! Who evaluates what a search asks for: this process, or others.
 
-use std::sync::atomic::AtomicBool;
-
 use super::entry::pack;
 use super::{Entry, Key, Study, StudyError, baselines};
+use crate::Context;
 use crate::dem::Stop;
 use crate::evaluate::{Evaluated, Evaluator, EvaluatorError};
 use crate::score::Measure;
@@ -34,18 +33,18 @@ impl Local {
     ///
     /// # Errors
     /// A step or window with which nothing can be simulated; uniform crystals that a guard stops; a request to stop.
-    pub fn new(study: &Study, interrupt: &AtomicBool) -> Result<Self, StudyError> {
+    pub fn new(study: &Study, context: &Context) -> Result<Self, StudyError> {
         let at: Vec<Study> = (0..study.rungs.len()).map(|rung| study.at(rung)).collect();
         let evaluators = (0..study.rungs.len())
             .map(|rung| {
                 let (overrides, cases) = (study.overrides(rung), at[rung].cases());
-                let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, interrupt)?;
+                let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, context)?;
                 let evaluator = evaluator.recording(study.detail());
                 if !study.has_rivals() {
                     return Ok(evaluator.into_owned());
                 }
                 let rivals: Vec<Vec<u8>> = baselines::layouts(study).into_iter().map(|(_, layout)| layout).collect();
-                Ok(evaluator.against(&rivals, interrupt)?.into_owned())
+                Ok(evaluator.against(&rivals, context)?.into_owned())
             })
             .collect::<Result<Vec<_>, StudyError>>()?;
         let keys = evaluators.iter().zip(&at).map(|(evaluator, study)| Key::new(study, evaluator.plan())).collect();
@@ -76,9 +75,9 @@ impl Local {
         study: &Study,
         rung: usize,
         choices: &[&Choice],
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Vec<Entry>, StudyError> {
-        self.entries_within(study, rung, choices, None, interrupt)
+        self.entries_within(study, rung, choices, None, context)
     }
 
     /// The same where runs end as soon as they are above a limit: see [`Evaluator::scores_within`].
@@ -88,12 +87,12 @@ impl Local {
         rung: usize,
         choices: &[&Choice],
         limits: Option<&[Vec<f64>]>,
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Vec<Entry>, StudyError> {
         let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.layout(choice).materials).collect();
         let runs = match limits {
-            None => self.evaluators[rung].scores(&layouts, interrupt)?,
-            Some(limits) => self.evaluators[rung].scores_within(&layouts, limits, interrupt)?,
+            None => self.evaluators[rung].scores(&layouts, context)?,
+            Some(limits) => self.evaluators[rung].scores_within(&layouts, limits, context)?,
         };
         // Only what comes before the first interrupted one is kept, so that the journal's order is that of the search.
         let is_interrupted =

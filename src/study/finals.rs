@@ -1,11 +1,10 @@
 //! The figures that a study's layout is known by: at the design's force and smoothed over forces, at two steps.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use serde::{Deserialize, Serialize};
 
 use super::over::summary;
 use super::{Entry, Study, StudyError};
+use crate::Context;
 use crate::dem::ForcePulse;
 use crate::evaluate::{Blow, Evaluated, Evaluator, Forces, Overrides};
 use crate::score::{Measure, Scores};
@@ -28,12 +27,7 @@ pub struct Final {
 }
 
 /// A layout at a study's finest step and at half of it; none where it was interrupted, or a guard stopped it.
-pub(super) fn evaluate(
-    study: &Study,
-    choice: &[u8],
-    step: f64,
-    interrupt: &AtomicBool,
-) -> Result<Vec<Final>, StudyError> {
+pub(super) fn evaluate(study: &Study, choice: &[u8], step: f64, context: &Context) -> Result<Vec<Final>, StudyError> {
     let layout = study.layout(choice).materials;
     let stats = study.counter.stats(&layout);
     // Of each impact the exact force, then those about it.
@@ -45,9 +39,9 @@ pub(super) fn evaluate(
     let mut finals = Vec::new();
     for step in [step, 0.5 * step] {
         let overrides = Overrides { step: Some(step), window: study.window, ..Overrides::default() };
-        let evaluator = Evaluator::new(&study.design, &blows, study.palette.clone(), overrides, interrupt)?;
-        let runs = evaluator.scores(std::slice::from_ref(&layout), interrupt)?.concat();
-        if interrupt.load(Ordering::Relaxed) {
+        let evaluator = Evaluator::new(&study.design, &blows, study.palette.clone(), overrides, context)?;
+        let runs = evaluator.scores(std::slice::from_ref(&layout), context)?.concat();
+        if context.stopped() {
             return Ok(Vec::new());
         }
         let each: Vec<&[Evaluated]> = runs.chunks(1 + Forces::USUAL.count()).collect();

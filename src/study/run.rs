@@ -2,7 +2,6 @@
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::climb::above;
@@ -14,6 +13,7 @@ use super::state::{self, Ended, Found, RungState, StageState, State};
 use super::tolerance::{self, Loses};
 use super::why::Circumstances;
 use super::{Entry, Final, Improvement, Journal, Study, StudyError, baselines, finals};
+use crate::Context;
 use crate::search::{Choice, Dice, Loss, Method, Painter, Proof, Rounds, Search as _};
 
 /// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
@@ -33,13 +33,13 @@ impl Watch for () {
     fn batch(&mut self, _: &State, _: usize) {}
 }
 
-/// Runs a study to its end, or on from where it was, on all threads of the current pool. When `interrupt` is set, or the
+/// Runs a study to its end, or on from where it was, on all threads of the current pool. When it is stopped, or the
 /// study's time for a run is over, it ends with what it has.
 ///
 /// # Errors
 /// See [`StudyError`].
-pub fn run(study: &Study, journal: &Path, interrupt: &AtomicBool, watch: &mut impl Watch) -> Result<State, StudyError> {
-    go(study, journal, None, interrupt, watch)
+pub fn run(study: &Study, journal: &Path, context: &Context, watch: &mut impl Watch) -> Result<State, StudyError> {
+    go(study, journal, None, context, watch)
 }
 
 /// As [`run`], where others evaluate what is asked for; uniform crystals, baselines and tolerances are simulated here. What they give is
@@ -51,22 +51,22 @@ pub fn run_with(
     study: &Study,
     journal: &Path,
     engine: &mut dyn Engine,
-    interrupt: &AtomicBool,
+    context: &Context,
     watch: &mut impl Watch,
 ) -> Result<State, StudyError> {
-    go(study, journal, Some(engine), interrupt, watch)
+    go(study, journal, Some(engine), context, watch)
 }
 
 fn go(
     study: &Study,
     journal: &Path,
     engine: Option<&mut dyn Engine>,
-    interrupt: &AtomicBool,
+    context: &Context,
     watch: &mut impl Watch,
 ) -> Result<State, StudyError> {
     let deadline = study.time.map(|time| Instant::now() + Duration::from_secs_f64(time.min(1e9)));
     // Errors of the study are found before anything is written.
-    let local = Local::new(study, interrupt)?;
+    let local = Local::new(study, context)?;
     let journal_path = journal;
     let (journal, loaded) = Journal::open(journal)?;
     loaded.warnings.iter().for_each(|warning| watch.warning(warning));
@@ -109,7 +109,7 @@ fn go(
     let first = study.first();
     let rays = RayNotes::default();
     let run =
-        Run { study, local, engine, steps, journal, cache, rungs, first, interrupt, deadline, state, rays, top: None };
+        Run { study, local, engine, steps, journal, cache, rungs, first, context, deadline, state, rays, top: None };
     run.go(watch)
 }
 
@@ -133,7 +133,7 @@ pub(super) struct Run<'a, 'e> {
     cache: Vec<HashMap<Choice, VecDeque<&'a Entry>>>,
     pub rungs: Vec<Rung>,
     first: Vec<Choice>,
-    interrupt: &'a AtomicBool,
+    context: &'a Context,
     deadline: Option<Instant>,
     pub state: State,
     /// What rays say of lenses that were asked for.
@@ -197,8 +197,8 @@ impl Run<'_, '_> {
         self.state.front = state::front_of(self.study, &self.rungs[finest], start);
         if !self.state.ended.goes_on() {
             let evaluator = &self.local.evaluators[finest];
-            let baselines = baselines::evaluate(&self.local.at[finest], evaluator, self.interrupt)?;
-            if self.interrupt.load(Ordering::Relaxed) {
+            let baselines = baselines::evaluate(&self.local.at[finest], evaluator, self.context)?;
+            if self.context.stopped() {
                 self.state.ended = Ended::Interrupted;
             } else {
                 self.state.baselines = baselines;
@@ -218,8 +218,8 @@ impl Run<'_, '_> {
     /// The figures of the best or nearest layout.
     fn finals(&mut self, finest: usize) -> Result<Vec<Final>, StudyError> {
         let Some(choice) = self.found() else { return Ok(Vec::new()) };
-        let finals = finals::evaluate(self.study, &choice, self.steps[finest], self.interrupt)?;
-        if self.interrupt.load(Ordering::Relaxed) {
+        let finals = finals::evaluate(self.study, &choice, self.steps[finest], self.context)?;
+        if self.context.stopped() {
             self.state.ended = Ended::Interrupted;
         }
         Ok(finals)
@@ -228,8 +228,8 @@ impl Run<'_, '_> {
     /// What the best or nearest layout loses where it is not built as drawn.
     fn tolerance(&mut self, finest: usize) -> Result<Option<Loses>, StudyError> {
         let Some(choice) = self.found() else { return Ok(None) };
-        let loses = tolerance::evaluate(&self.local.at[finest], &choice, finest, self.interrupt)?;
-        if self.interrupt.load(Ordering::Relaxed) {
+        let loses = tolerance::evaluate(&self.local.at[finest], &choice, finest, self.context)?;
+        if self.context.stopped() {
             self.state.ended = Ended::Interrupted;
             return Ok(None);
         }
@@ -325,12 +325,12 @@ impl Run<'_, '_> {
 
     /// Whether what is not there has been asked of others.
     pub fn waits(&self) -> bool {
-        self.engine.is_some() && !self.interrupt.load(Ordering::Relaxed)
+        self.engine.is_some() && !self.context.stopped()
     }
 
     /// Why nothing more is to be done, if so.
     pub fn is_over(&self) -> Option<Ended> {
-        if self.interrupt.load(Ordering::Relaxed) {
+        if self.context.stopped() {
             return Some(Ended::Interrupted);
         }
         self.deadline.filter(|deadline| Instant::now() >= *deadline).map(|_| Ended::Time)
@@ -363,7 +363,7 @@ impl Run<'_, '_> {
         let limits: Option<Vec<Vec<f64>>> = limits.map(|limits| unknown.iter().map(|&k| limits[k].clone()).collect());
         let new = match &mut self.engine {
             _ if asked.is_empty() => Vec::new(),
-            None => self.local.entries_within(self.study, rung, &asked, limits.as_deref(), self.interrupt)?,
+            None => self.local.entries_within(self.study, rung, &asked, limits.as_deref(), self.context)?,
             // Others know of no limits and answer in full.
             Some(engine) => answers(self.study, &self.local, rung, &asked, engine.entries(rung, &asked)?)?,
         };

@@ -5,11 +5,11 @@
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::asked::{Question, Shard, asked_in, shares};
 use super::journal::Ledger;
 use super::{Entry, Journal, Key, Local, Study, StudyError};
+use crate::Context;
 use crate::search::Choice;
 
 /// What a shard has come to.
@@ -55,7 +55,7 @@ fn shard_journals(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
 }
 
 /// Evaluates one shard of what a study asks for into the shard's own journal, on the threads of the current pool. `told` hears after every
-/// batch how much of its part is done. Ends early when `interrupt` is set; to begin again is to go on.
+/// batch how much of its part is done. Ends early when it is stopped; to begin again is to go on.
 ///
 /// # Errors
 /// See [`StudyError`]; nothing asked for yet.
@@ -63,7 +63,7 @@ pub fn evaluate_shard(
     study: &Study,
     folder: &Path,
     shard: Shard,
-    interrupt: &AtomicBool,
+    context: &Context,
     mut told: impl FnMut(&ShardDone),
 ) -> Result<ShardDone, StudyError> {
     let asked = Ledger::<Question>::read(&asked_in(folder))?;
@@ -98,7 +98,7 @@ pub fn evaluate_shard(
     if done.is_whole() {
         return Ok(done);
     }
-    let local = Local::new(study, interrupt)?;
+    let local = Local::new(study, context)?;
     let (mut journal, loaded) = Journal::open(&shard.journal(folder))?;
     done.warnings.extend(loaded.warnings);
     // What is lost to a kill is one batch: registers of all threads.
@@ -106,12 +106,12 @@ pub fn evaluate_shard(
     for (rung, choices) in open.iter().enumerate() {
         for some in choices.chunks(batch) {
             let some: Vec<&Choice> = some.iter().collect();
-            let entries = local.entries(study, rung, &some, interrupt)?;
+            let entries = local.entries(study, rung, &some, context)?;
             journal.append(&entries)?;
             done.evaluated += entries.len();
             done.stopped += entries.iter().filter(|entry| entry.stop.is_some()).count();
             told(&done);
-            if interrupt.load(Ordering::Relaxed) {
+            if context.stopped() {
                 return Ok(done);
             }
         }

@@ -1,11 +1,10 @@
 //! What a layout loses where it is not built as drawn.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::{Deserialize, Serialize};
 
 use super::over::of_runs;
 use super::{Study, StudyError};
+use crate::Context;
 use crate::evaluate::{Evaluator, Flaw};
 use crate::score::{Measure, Scores};
 
@@ -52,16 +51,16 @@ pub(super) fn evaluate(
     study: &Study,
     choice: &[u8],
     rung: usize,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Option<Loses>, StudyError> {
     let Some(tolerance) = study.tolerance.filter(|tolerance| tolerance.reported > 0) else { return Ok(None) };
     let mut flaws = vec![Flaw::default()];
     flaws.extend(study.flaws(1, tolerance.reported));
     let cases = study.under_each_impact(&flaws);
     let overrides = study.overrides(rung);
-    let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, interrupt)?;
+    let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, context)?;
     let layout = study.layout(choice).materials;
-    let runs = evaluator.scores(std::slice::from_ref(&layout), interrupt)?.concat();
+    let runs = evaluator.scores(std::slice::from_ref(&layout), context)?.concat();
     let stats = study.counter.stats(&layout);
     let of_crystals = runs.chunks(study.impacts.len() * study.forces.count());
     let mut built = of_crystals.map(|runs| of_runs(study, runs, &stats));

@@ -1,10 +1,9 @@
 //! What is asked of a piece.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::Serialize;
 
 use super::{Tolerances, WorkshopError};
+use crate::Context;
 use crate::design::{Design, Threshold};
 use crate::evaluate::{Comparison, EvaluatorError, Forces, Overrides, Subject, judged};
 use crate::score::{Measure, Needs, Scores};
@@ -37,10 +36,10 @@ pub fn best_baseline(
     design: &Design,
     subject: Subject<'_>,
     overrides: Overrides,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Option<Beaten>, EvaluatorError> {
     let comparison = Comparison::of_layout(design, "layout".to_owned(), subject, overrides)?.over(Forces::USUAL);
-    let verdict = judged(&comparison, interrupt)?;
+    let verdict = judged(&comparison, context)?;
     let rivals = verdict.into_iter().filter(|verdict| verdict.measure == Measure::Contrast.name());
     let best = rivals.reduce(|a, b| if b.best > a.best { b } else { a });
     Ok(best.map(|verdict| Beaten { arrangement: verdict.arrangement, contrast: verdict.best }))
@@ -56,14 +55,14 @@ impl Criterion {
         subject: Subject<'_>,
         tolerances: &Tolerances,
         overrides: Overrides,
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Self, WorkshopError> {
         let asked = tolerances.thresholds.as_ref().unwrap_or(&design.thresholds);
         if !asked.is_empty() {
             let words: Vec<String> = asked.iter().map(in_words).collect();
             return Ok(Self { thresholds: asked.clone(), words: words.join(" and "), baseline: None });
         }
-        let best = best_baseline(design, subject, overrides, interrupt)?;
+        let best = best_baseline(design, subject, overrides, context)?;
         let Some(best) = best else {
             return Ok(Self {
                 thresholds: Vec::new(),

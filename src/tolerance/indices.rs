@@ -6,12 +6,11 @@
 //! that the effect depends on where the others are. Intervals are of 95 %, by resampling trajectories. Chance keeps its random numbers along a
 //! trajectory and differs from one to the next.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::Serialize;
 
 use super::piece::Piece;
 use super::workshop::{Made, Workshop, WorkshopError};
+use crate::Context;
 use crate::chance::Mean;
 use crate::evaluate::Forces;
 use crate::score::{Measure, geometric};
@@ -47,12 +46,7 @@ pub fn indices_runs(workshop: &Workshop) -> usize {
 ///
 /// # Errors
 /// See [`WorkshopError`].
-pub fn indices(
-    workshop: &Workshop,
-    seed: u64,
-    interrupt: &AtomicBool,
-    finished: &(dyn Fn(u64) + Sync),
-) -> Result<Vec<Index>, WorkshopError> {
+pub fn indices(workshop: &Workshop, seed: u64, context: &Context) -> Result<Vec<Index>, WorkshopError> {
     let quantities = workshop.quantities();
     let mut dice = Dice::new(seed ^ 0x6d6f_7272_6973);
     let mut pieces = vec![Piece::nominal(quantities)];
@@ -82,7 +76,7 @@ pub fn indices(
         }
         ways.push(way);
     }
-    let runs = workshop.runs(&pieces, &Forces::USUAL.about(1.0), interrupt, finished)?;
+    let runs = workshop.runs(&pieces, &Forces::USUAL.about(1.0), context)?;
     let mut all = Vec::new();
     for measure in [Measure::Contrast, Measure::FocalGain, Measure::Protection] {
         let score = |runs: &[Made]| {

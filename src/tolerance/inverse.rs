@@ -2,8 +2,6 @@
 //!
 //! Pieces of all rungs have the same random numbers, so that they differ by the rung alone.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::Serialize;
 
 use super::Tolerances;
@@ -13,6 +11,7 @@ use super::samples::Samples;
 use super::workshop::{Workshop, WorkshopError};
 use super::yields::Share;
 use crate::score::Scores;
+use crate::{Context, Progress};
 
 /// A rung that was tried.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,8 +66,7 @@ pub fn inverse(
     criterion: &Criterion,
     (wanted, count, seed): (f64, u64, u64),
     of_layout: &Scores,
-    interrupt: &AtomicBool,
-    finished: &(dyn Fn(u64) + Sync),
+    context: &Context,
 ) -> Result<Vec<Inverse>, WorkshopError> {
     let mut all = Vec::new();
     for (quantity, rungs) in ladders(workshop.tolerances()) {
@@ -84,8 +82,8 @@ pub fn inverse(
                 &criterion.measures(),
             )?;
             let mut samples = Samples::new(&shop, seed);
-            samples.grow(&shop, count, interrupt, |_| Ok::<_, WorkshopError>(()))?;
-            finished(count);
+            samples.grow(&shop, count, &context.silent(), |_| Ok::<_, WorkshopError>(()))?;
+            context.tell(Progress::Finished { count, name: "" });
             let share = samples.share(count as usize, criterion, of_layout);
             known[k] = Some(share);
             Ok(share)

@@ -4,8 +4,6 @@
 //! they lack of the largest, over the square root of the greatest kinetic energy at their site as drawn, to which the overlap of a plastic contact is
 //! proportional. The worst are exchanged for as many new ones of their lots, the largest for the worst, where these are larger.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::Serialize;
 
 use super::Kind;
@@ -16,6 +14,7 @@ use super::yields::Share;
 use crate::chance::Mean;
 use crate::score::{Measure, Scores};
 use crate::search::Dice;
+use crate::{Context, Progress};
 
 /// Pieces by which it is judged.
 const PIECES: u64 = 64;
@@ -45,8 +44,7 @@ pub fn rechoose(
     criterion: &Criterion,
     (spheres, seed): (usize, u64),
     (of_layout, energy): (&Scores, &[f64]),
-    interrupt: &AtomicBool,
-    finished: &(dyn Fn(u64) + Sync),
+    context: &Context,
 ) -> Result<Rechosen, WorkshopError> {
     let (design, subject, tolerances) = (workshop.design(), workshop.subject(), workshop.tolerances());
     let layout = subject.layout;
@@ -82,8 +80,8 @@ pub fn rechoose(
         }
         cases.push(piece.case_of(with, quantities, subject, 1.0, &diameters));
     }
-    let runs = workshop.cases(&cases, interrupt)?;
-    finished(2 * PIECES);
+    let runs = workshop.cases(&cases, context)?;
+    context.tell(Progress::Finished { count: 2 * PIECES, name: "" });
     let contrast = |made: &Made| made.scores.get(Measure::Contrast).filter(|_| made.stop.is_none()).unwrap_or(0.0);
     let [before, after]: [Vec<&Made>; 2] = [0, 1].map(|k| runs.iter().skip(k).step_by(2).collect());
     let mean = |all: &[&Made]| all.iter().map(|made| contrast(made)).sum::<f64>() / all.len() as f64;

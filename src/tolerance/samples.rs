@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use super::criterion::Criterion;
 use super::piece::Piece;
 use super::workshop::{Made, Workshop, WorkshopError};
 use super::yields::Share;
+use crate::Context;
 use crate::outcome::VERSION;
 use crate::score::{Measure, Scores};
 use crate::study::Key;
@@ -71,7 +71,7 @@ impl Samples {
         &mut self,
         workshop: &Workshop,
         count: u64,
-        interrupt: &AtomicBool,
+        context: &Context,
         mut kept: impl FnMut(&Self) -> Result<(), E>,
     ) -> Result<(), E> {
         const BLOCK: u64 = 128;
@@ -79,7 +79,7 @@ impl Samples {
             let first = self.list.len() as u64;
             let numbers = first..count.min(first + BLOCK);
             let pieces: Vec<Piece> = numbers.map(|k| Piece::made(workshop.quantities(), self.seed, k)).collect();
-            let runs = workshop.runs(&pieces, &[1.0], interrupt, &|_| ())?;
+            let runs = workshop.runs(&pieces, &[1.0], context)?;
             for (piece, Made { scores, stop }) in pieces.into_iter().zip(runs.into_iter().flatten()) {
                 self.list.push(Sample { values: piece.values, scores, stop });
             }

@@ -4,12 +4,11 @@
 //! the scatter of such means counts as not resolved. A quantity with limits is set to both of them. One of chance (diameters within a lot, wrong
 //! spheres, holes) is drawn for sixteen pieces: its change is that of their mean, its spread their standard deviation.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::Serialize;
 
 use super::piece::Piece;
 use super::workshop::{Made, Workshop, WorkshopError};
+use crate::Context;
 use crate::chance::Mean;
 use crate::evaluate::Forces;
 use crate::score::{Measure, geometric};
@@ -86,8 +85,7 @@ pub fn sensitivity(
     workshop: &Workshop,
     asked: &[Measure],
     seed: u64,
-    interrupt: &AtomicBool,
-    finished: &(dyn Fn(u64) + Sync),
+    context: &Context,
 ) -> Result<Sensitivity, WorkshopError> {
     let quantities = workshop.quantities();
     let factors = Forces::USUAL.about(1.0);
@@ -104,7 +102,7 @@ pub fn sensitivity(
         }
         parts.push(begin..pieces.len());
     }
-    let runs = workshop.runs(&pieces, &factors, interrupt, finished)?;
+    let runs = workshop.runs(&pieces, &factors, context)?;
     let mut measures: Vec<Measure> = JUDGED.to_vec();
     measures.extend(
         asked.iter().filter(|measure| !JUDGED.contains(measure) && workshop.measures().any(|m| m == **measure)),

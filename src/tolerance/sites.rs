@@ -3,8 +3,6 @@
 //! A wrong sphere is of another of the layout's materials, that which costs most, on one side of the axis. Sites are first seen under the design's own
 //! force; the worst are judged again over eight forces, since single scores scatter by a percent.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::Serialize;
 
 use super::workshop::{Made, Workshop, WorkshopError};
@@ -14,6 +12,7 @@ use crate::design::Design;
 use crate::evaluate::{Blow, Case, Flaw, Forces, Subject};
 use crate::report::site_map;
 use crate::score::geometric;
+use crate::{Context, Progress};
 
 /// The worst single sites, of which pairs are tried.
 const WORST: usize = 40;
@@ -72,11 +71,7 @@ fn places(subject: Subject<'_>) -> Vec<usize> {
 ///
 /// # Errors
 /// See [`WorkshopError`].
-pub fn sites(
-    workshop: &Workshop,
-    interrupt: &AtomicBool,
-    finished: &(dyn Fn(u64) + Sync),
-) -> Result<Sites, WorkshopError> {
+pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopError> {
     let (design, subject) = (workshop.design(), workshop.subject());
     let (layout, drawn_on) = (subject.layout, subject.drawn());
     let lattice_sites = layout.lattice.sites();
@@ -92,8 +87,8 @@ pub fn sites(
     let run = |cases: Vec<Case>| -> Result<Vec<f64>, WorkshopError> {
         let mut found = Vec::with_capacity(cases.len());
         for block in cases.chunks(BLOCK) {
-            found.extend(workshop.cases(block, interrupt)?.iter().map(|made| contrast(made).unwrap_or(0.0)));
-            finished(block.len() as u64);
+            found.extend(workshop.cases(block, context)?.iter().map(|made| contrast(made).unwrap_or(0.0)));
+            context.tell(Progress::Finished { count: block.len() as u64, name: "" });
         }
         Ok(found)
     };

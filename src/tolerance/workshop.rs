@@ -1,7 +1,5 @@
 //! Makes pieces and simulates them, many side by side.
 
-use std::sync::atomic::AtomicBool;
-
 use rayon::prelude::*;
 
 use super::piece::Piece;
@@ -17,6 +15,7 @@ use crate::evaluate::{
 use crate::layout::Layout;
 use crate::material::Material;
 use crate::score::{Measure, Needs, Scores};
+use crate::{Context, Progress};
 
 /// Why pieces cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -125,43 +124,31 @@ impl<'a> Workshop<'a> {
         Measure::ALL.iter().copied().filter(move |measure| known(measure.needs()) && *measure != Measure::Balance)
     }
 
-    /// Simulates pieces, each struck with these parts of its force: for each piece its runs. `finished` hears how many pieces are done.
+    /// Simulates pieces, each struck with these parts of its force: for each piece its runs. The context is told how many are done.
     ///
     /// # Errors
     /// See [`WorkshopError`]. A piece that a guard stops is none.
-    pub fn runs(
-        &self,
-        pieces: &[Piece],
-        factors: &[f64],
-        interrupt: &AtomicBool,
-        finished: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Vec<Made>>, WorkshopError> {
+    pub fn runs(&self, pieces: &[Piece], factors: &[f64], context: &Context) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let mut runs = Vec::with_capacity(pieces.len());
         // Each force has uniform crystals of its own, which many pieces are to share.
         for block in pieces.chunks(if factors.len() > 1 { BLOCK / 2 } else { BLOCK }) {
-            runs.extend(self.block(block, factors, interrupt)?);
-            finished(block.len() as u64);
+            runs.extend(self.block(block, factors, context)?);
+            context.tell(Progress::Finished { count: block.len() as u64, name: "" });
         }
         Ok(runs)
     }
 
-    fn block(
-        &self,
-        pieces: &[Piece],
-        factors: &[f64],
-        interrupt: &AtomicBool,
-    ) -> Result<Vec<Vec<Made>>, WorkshopError> {
+    fn block(&self, pieces: &[Piece], factors: &[f64], context: &Context) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let Tolerances { state, side_gap, end_gap, .. } = *self.tolerances;
         if state == State::Settled {
             let all: Vec<&Piece> = pieces.iter().collect();
-            return self.held(&all, factors, Frame::Settled { side_gap, end_gap }, interrupt);
+            return self.held(&all, factors, Frame::Settled { side_gap, end_gap }, context);
         }
         // A plate has to be followed as a rig, whose sides repeat themselves as mirrors do.
         let is_thrown = |piece: &Piece| piece.projectile(self.tolerances, &self.quantities, 1.0).is_some();
         let thrown: Vec<&Piece> = pieces.iter().filter(|piece| is_thrown(piece)).collect();
-        let mut thrown = self.held(&thrown, factors, Frame::Mirrors, interrupt)?.into_iter();
-        let mut pulsed =
-            self.on_sites(pieces.iter().filter(|piece| !is_thrown(piece)), factors, interrupt)?.into_iter();
+        let mut thrown = self.held(&thrown, factors, Frame::Mirrors, context)?.into_iter();
+        let mut pulsed = self.on_sites(pieces.iter().filter(|piece| !is_thrown(piece)), factors, context)?.into_iter();
         let in_order = pieces.iter().filter_map(|piece| if is_thrown(piece) { thrown.next() } else { pulsed.next() });
         Ok(in_order.collect())
     }
@@ -171,7 +158,7 @@ impl<'a> Workshop<'a> {
         &self,
         pieces: impl Iterator<Item = &'b Piece>,
         factors: &[f64],
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let with = (self.design, self.tolerances);
         let of = |piece: &Piece| -> Vec<Case> {
@@ -181,23 +168,23 @@ impl<'a> Workshop<'a> {
         if cases.is_empty() {
             return Ok(Vec::new());
         }
-        self.cases(&cases, interrupt).map(|runs| runs.chunks(factors.len()).map(<[_]>::to_vec).collect())
+        self.cases(&cases, context).map(|runs| runs.chunks(factors.len()).map(<[_]>::to_vec).collect())
     }
 
     /// Simulates the layout in any cases, on its sites.
     ///
     /// # Errors
     /// See [`WorkshopError`].
-    pub fn cases(&self, cases: &[Case], interrupt: &AtomicBool) -> Result<Vec<Made>, WorkshopError> {
+    pub fn cases(&self, cases: &[Case], context: &Context) -> Result<Vec<Made>, WorkshopError> {
         let given = Overrides {
             integrator: Some(self.plan.integrator),
             step: Some(self.plan.step),
             window: Some(self.plan.window),
             first_seed: None,
         };
-        let evaluator = Evaluator::new(self.design, cases, self.layout().palette.clone(), given, interrupt)?;
+        let evaluator = Evaluator::new(self.design, cases, self.layout().palette.clone(), given, context)?;
         let evaluator = evaluator.recording(self.detail);
-        let runs = evaluator.scores(&[self.subject.drawn()], interrupt)?.concat();
+        let runs = evaluator.scores(&[self.subject.drawn()], context)?.concat();
         if runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
             return Err(EvaluatorError::Interrupted.into());
         }
@@ -213,7 +200,7 @@ impl<'a> Workshop<'a> {
         pieces: &[&Piece],
         factors: &[f64],
         frame: Frame,
-        interrupt: &AtomicBool,
+        context: &Context,
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let (layout, sites) = (self.layout(), self.layout().materials.len());
         let strikes = |piece: &Piece, factor: f64| {
@@ -264,7 +251,7 @@ impl<'a> Workshop<'a> {
             .map(|(blow, spheres, palette)| {
                 let (blow, projectile) = &blows[blow];
                 let held = (frame, blow, *projectile);
-                match held_energies((self.design, self.plan), &palette, spheres, held, interrupt) {
+                match held_energies((self.design, self.plan), &palette, spheres, held, context) {
                     Ok(energies) => Ok(Made { scores: Scores::of_energies(&energies, within.0, within.1), stop: None }),
                     Err(HeldError::Stopped(RigStop::Interrupted { .. })) => Err(EvaluatorError::Interrupted.into()),
                     Err(HeldError::Rig(error)) => Err(WorkshopError::Held(error.into())),

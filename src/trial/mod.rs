@@ -20,7 +20,6 @@ mod tables;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
@@ -31,6 +30,7 @@ pub use summary::{BodySummary, Recorded, Summary};
 use crate::dem::rig::{RigError, RigStop, Simulation};
 use crate::output::{self, OutputError};
 use crate::setup::Bench;
+use crate::{Context, Progress};
 use checkpoint::Checkpoint;
 use streams::Streams;
 
@@ -132,7 +132,7 @@ pub enum Ending {
 /// A chosen step is halved at most so often.
 const MOST_HALVINGS: u32 = 8;
 
-/// Runs a bench in a folder; `progress` is told now and then how many of how many steps are done.
+/// Runs a bench in a folder; the context is told now and then how many of how many steps are done.
 ///
 /// Where a contact turns out stiffer than the chosen step foresaw, the run begins again from its start with half the step: what is
 /// written is that of one step, as if it had been given. How often that was is kept in checkpoints, so that a run that is
@@ -144,8 +144,7 @@ pub fn run<const D: usize>(
     bench: &Bench<D>,
     folder: &Path,
     keeping: Keeping,
-    interrupt: &AtomicBool,
-    mut progress: impl FnMut(u64, u64),
+    context: &Context,
 ) -> Result<(Summary, Ending), TrialError> {
     let path = folder.join(CHECKPOINT);
     let mut begun = match keeping.resume {
@@ -157,7 +156,7 @@ pub fn run<const D: usize>(
     bench.record.frames = begun.as_ref().map_or(bench.record.frames, |checkpoint| checkpoint.frames);
     loop {
         let bench = halved.of(&bench);
-        match once(&bench, folder, begun.take(), &halved, keeping.every, interrupt, &mut progress)? {
+        match once(&bench, folder, begun.take(), &halved, keeping.every, context)? {
             (_, Ending::Stopped(stop @ RigStop::Coarse { .. })) if halved.times < MOST_HALVINGS => {
                 let why = stop.words("s", &|body| bench.name_of(body));
                 halved = Halved { times: halved.times + 1, why };
@@ -201,8 +200,7 @@ fn once<const D: usize>(
     begun: Option<Checkpoint>,
     halved: &Halved,
     keep_every: Duration,
-    interrupt: &AtomicBool,
-    progress: &mut impl FnMut(u64, u64),
+    context: &Context,
 ) -> Result<(Summary, Ending), TrialError> {
     let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step)?.watching(bench.record.arrivals.clone());
     let path = folder.join(CHECKPOINT);
@@ -226,7 +224,7 @@ fn once<const D: usize>(
         let done = simulation.steps();
         let sample = (done / every + 1) * every;
         let until = sample.min((done / CHUNK + 1) * CHUNK).min(total);
-        match advance(&mut simulation, until - done, interrupt, &mut streams)? {
+        match advance(&mut simulation, until - done, context, &mut streams)? {
             Ok(()) => {}
             Err(RigStop::Interrupted { time }) => {
                 // The request may have been seen just where a sample is due.
@@ -250,7 +248,7 @@ fn once<const D: usize>(
             Checkpoint::of(bench, &simulation, &mut streams, halved)?.write(&path)?;
             kept = Instant::now();
         }
-        progress(simulation.steps(), total);
+        context.tell(Progress::Steps { done: simulation.steps(), of: total });
     }
     streams.flush()?;
     let complete = !matches!(ending, Ending::Interrupted { .. });
@@ -266,13 +264,13 @@ fn once<const D: usize>(
 fn advance<const D: usize>(
     simulation: &mut Simulation<D>,
     steps: u64,
-    interrupt: &AtomicBool,
+    context: &Context,
     streams: &mut Streams,
 ) -> Result<Result<(), RigStop>, TrialError> {
     let step = simulation.step();
-    let Some(events) = streams.events() else { return Ok(simulation.advance(steps, interrupt)) };
+    let Some(events) = streams.events() else { return Ok(simulation.advance(steps, context)) };
     let mut written = Ok(());
-    let advanced = simulation.follow(steps, interrupt, |view| {
+    let advanced = simulation.follow(steps, context, |view| {
         if written.is_ok() {
             written = events.see(view, step);
         }

@@ -1,7 +1,6 @@
 //! Layout files: what is written can be read and edited, and what is wrong is said with its line.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::evaluate::{Overrides, Plan, Subject};
 use granulens::score::Measure;
 
@@ -173,7 +172,7 @@ fn two_halves_that_are_alike_are_the_half() {
     let layout = granulens::layout::read(&desk.path("small.csv"), design.lattice, &[], &[]).unwrap();
     let plan = Plan::new(&design, Overrides::default(), &layout.palette).unwrap();
     let evaluate =
-        |left| Subject { layout: &layout, left }.evaluate(&design, &plan, &AtomicBool::new(false)).unwrap().scores;
+        |left| Subject { layout: &layout, left }.evaluate(&design, &plan, &Context::default()).unwrap().scores;
     let (half, whole) = (evaluate(None), evaluate(Some(&layout.materials[..])));
     for measure in [
         Measure::FocalMean,

@@ -1,8 +1,8 @@
 //! `tolerance`: what a layout is worth once a workshop has made it.
 
 use std::fmt::Write as _;
-use std::sync::atomic::AtomicBool;
 
+use granulens::Context;
 use granulens::design::Design;
 use granulens::evaluate::{Blow, Case, Evaluator, Flaw, Frame, Overrides, Plan, held_energies, held_spheres};
 use granulens::layout;
@@ -216,7 +216,7 @@ fn fast_and_slow_ways_agree_on_scattered_radii() {
     let drawn =
         layout::read(shipped("studies/four-materials-best.csv").as_ref(), design.lattice, &design.palette(), &[])
             .unwrap();
-    let going = AtomicBool::new(false);
+    let going = Context::default();
     let overrides =
         Overrides { integrator: Some(granulens::dem::Integrator::Verlet), step: Some(1e-7), ..Overrides::default() };
     let plan = Plan::new(&design, overrides, &drawn.palette).unwrap();

@@ -1,7 +1,6 @@
 //! One truth in every number: whichever command is asked, the same layout has the same scores, to the last bit.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::design::Design;
 use granulens::evaluate::{Forces, Overrides, Plan, beside_uniform};
 use granulens::lattice::HexagonalSheet;
@@ -98,7 +97,7 @@ fn every_command_says_the_same_of_a_layout() {
 
         let overrides = Overrides { step: Some(2e-7), window: Some(1e-4), ..Overrides::default() };
         let plan = Plan::new(&read, overrides, &layout.palette).unwrap();
-        let beside = beside_uniform(&read, &layout, &plan, Forces::ONE, &AtomicBool::new(false)).unwrap();
+        let beside = beside_uniform(&read, &layout, &plan, Forces::ONE, &Context::default()).unwrap();
         let scores: &Scores = &beside.evaluation.scores;
         let own: Vec<Option<u64>> = TOLD.iter().map(|&m| scores.get(m).map(f64::to_bits)).collect();
         assert!(own.iter().all(Option::is_some), "seed {seed}: {scores:?}");

@@ -4,8 +4,7 @@ mod lammps;
 mod readers;
 mod views;
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::contact::{Constants, LawKind};
 use granulens::dem::ForcePulse;
 use granulens::dem::rig::{Rig, Simulation};
@@ -14,7 +13,7 @@ use granulens::lattice::HexagonalSheet;
 use granulens::layout::Layout;
 use granulens::material::find;
 
-static GO: AtomicBool = AtomicBool::new(false);
+static GO: std::sync::LazyLock<Context> = std::sync::LazyLock::new(Context::default);
 
 const DIAMETER: f64 = 6.35e-3;
 

@@ -9,7 +9,6 @@ mod mutate;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use granulens::contact::{LawKind, Tabulated};
@@ -20,6 +19,7 @@ use granulens::material::find;
 use granulens::sample::{Sample, Sphere};
 use granulens::setup::{Bench, Setup};
 use granulens::study::{Journal, Study};
+use granulens::{Context, Progress};
 use granulens::{layout, trial};
 
 use mutate::Mutations;
@@ -191,7 +191,7 @@ fn rig() -> Simulation<2> {
 
 #[test]
 fn checkpoints() {
-    let go = AtomicBool::new(false);
+    let go = Context::default();
     let mut simulation = rig();
     let mut corpus = vec![simulation.checkpoint()];
     for _ in 0..3 {
@@ -249,15 +249,18 @@ fn bench() -> Bench<1> {
 /// A run that is taken up from any bytes either goes on to its end or says why not; its streams are cut where the bytes say.
 #[test]
 fn checkpoints_of_trials() {
-    let (bench, go) = (bench(), AtomicBool::new(false));
+    let (bench, go) = (bench(), Context::default());
     let folder = tempfile::tempdir().unwrap();
     let (begun, tried) = (folder.path().join("begun"), folder.path().join("tried"));
     let keeping = |resume| trial::Keeping { resume, every: Duration::from_secs(3600) };
-    let stop = AtomicBool::new(false);
-    let (_, ending) = trial::run(&bench, &begun, keeping(false), &stop, |done, _| {
-        stop.store(done >= 40, Ordering::Relaxed);
-    })
-    .unwrap();
+    let stop = Context::default();
+    let asked = stop.clone();
+    let context = stop.telling(move |progress| {
+        if matches!(progress, Progress::Steps { done: 40.., .. }) {
+            asked.stop();
+        }
+    });
+    let (_, ending) = trial::run(&bench, &begun, keeping(false), &context).unwrap();
     assert!(matches!(ending, trial::Ending::Interrupted { .. }), "{ending:?}");
     let whole = fs::read(begun.join("checkpoint")).unwrap();
     let opening = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
@@ -269,7 +272,7 @@ fn checkpoints_of_trials() {
             fs::copy(entry.path(), tried.join(entry.file_name())).unwrap();
         }
         fs::write(tried.join("checkpoint"), bytes).unwrap();
-        match trial::run(&bench, &tried, keeping(true), &go, |_, _| {}) {
+        match trial::run(&bench, &tried, keeping(true), &go) {
             Ok((summary, _)) => drop(summary.json()),
             Err(error) => drop((error.to_string(), error.help())),
         }
@@ -309,7 +312,7 @@ fn spheres_gone_astray() {
     rig.periods[0] = Some(period);
     // Powers of two: after a step both are some 10^31 whole periods away, one on each side.
     (rig.velocity[0], rig.velocity[1]) = ([2_f64.powi(123), 0.0], [-2_f64.powi(123), 0.0]);
-    let _ = Simulation::new(rig, step).unwrap().advance(70, &AtomicBool::new(false));
+    let _ = Simulation::new(rig, step).unwrap().advance(70, &Context::default());
 }
 
 /// Tables of numbers, from the bytes of a file: points are pairs of doubles.

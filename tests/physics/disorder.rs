@@ -6,8 +6,7 @@
 //! one after the other, while those beside it close later or not at all, so that the blow stays on the line: no faster decay
 //! is to be expected there.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::contact::{Constants, LawKind};
 use granulens::dem::{ForcePulse, Impact, Integrator, Record, simulate};
 use granulens::material::find;
@@ -35,7 +34,7 @@ fn struck(spheres: Vec<Sphere<2>>, speed: f64, window: f64) -> Record<2> {
         step,
         window,
     };
-    let record = simulate(&sample, &impact, &AtomicBool::new(false)).unwrap();
+    let record = simulate(&sample, &impact, &Context::default()).unwrap();
     assert!(record.stop.is_none(), "{:?}", record.stop);
     record
 }

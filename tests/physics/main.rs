@@ -6,8 +6,8 @@ mod disorder;
 mod reference;
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
+use granulens::Context;
 use granulens::contact::{Constants, LawKind};
 use granulens::design::Design;
 use granulens::evaluate::{Overrides, Plan, calibrate, decay, evaluate, trace_lens};
@@ -19,7 +19,7 @@ use granulens::wave::Decay;
 
 use reference::material;
 
-static GO: AtomicBool = AtomicBool::new(false);
+static GO: std::sync::LazyLock<Context> = std::sync::LazyLock::new(Context::default);
 
 fn design(name: &str) -> Design {
     Design::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("designs/gallery").join(name)).unwrap()

@@ -1,10 +1,9 @@
 //! The rows of `granulens reproduce`: the quick ones run here, the rest with the command itself.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::reproduce::{Finding, Part, Verdict, Wanted, markdown, rows, run, select};
 
-static GO: AtomicBool = AtomicBool::new(false);
+static GO: std::sync::LazyLock<Context> = std::sync::LazyLock::new(Context::default);
 
 /// Rows of at most so many seconds run in the tests.
 const QUICK: f64 = 1.0;
@@ -13,7 +12,7 @@ const QUICK: f64 = 1.0;
 fn quick_rows_come_to_their_expected_verdicts() {
     let quick: Vec<_> = rows().into_iter().filter(|row| row.seconds <= QUICK).collect();
     assert!(quick.len() > 15, "{} rows are quick", quick.len());
-    let findings = run(&quick, &GO, |_| ());
+    let findings = run(&quick, &GO);
     let deviations: Vec<String> = findings.iter().filter_map(Finding::deviates).collect();
     assert!(deviations.is_empty(), "{deviations:#?}\n{}", markdown(&findings));
 }
@@ -22,7 +21,7 @@ fn quick_rows_come_to_their_expected_verdicts() {
 /// 5, 10 F_p; linear 28.4; Hertz 21), whose sheet and region were others: threshold and region move them by 0.4 degrees.
 #[test]
 fn an_interface_bends_a_wave_as_in_the_independent_implementation() {
-    let findings = run(&[select("5.3.2-amplitude"), select("5.3.2-elastic")].concat(), &GO, |_| ());
+    let findings = run(&[select("5.3.2-amplitude"), select("5.3.2-elastic")].concat(), &GO);
     let parts = findings[0].parts.as_ref().unwrap();
     for (part, theirs) in parts.iter().zip([25.6, 25.9, 27.0, 28.5, 29.6]) {
         assert!((part.ours - theirs).abs() < 0.4, "{}: {} and {theirs}", part.what, part.ours);
@@ -49,7 +48,7 @@ fn names_are_unique_and_sections_select_their_rows() {
 /// Every layout of `designs/optimum/` is as good as `figures.csv` says, but for those that are only where a search began.
 #[test]
 fn the_best_layouts_are_as_good_as_is_said() {
-    let findings = run(&select("optimum"), &GO, |_| ());
+    let findings = run(&select("optimum"), &GO);
     let deviations: Vec<String> = findings.iter().filter_map(Finding::deviates).collect();
     assert!(deviations.is_empty(), "{deviations:#?}\n{}", markdown(&findings));
     let scored: Vec<&Part> = findings.iter().flat_map(|finding| finding.parts.as_ref().unwrap()).collect();
@@ -89,7 +88,7 @@ fn findings_do_not_depend_on_threads() {
     let quick = select("4.2");
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let findings = pool.install(|| run(&quick, &GO, |_| ()));
+        let findings = pool.install(|| run(&quick, &GO));
         findings.into_iter().map(|finding| finding.parts.unwrap()).collect::<Vec<_>>()
     };
     assert_eq!(on(1), on(3));
@@ -97,7 +96,9 @@ fn findings_do_not_depend_on_threads() {
 
 #[test]
 fn an_interrupted_row_has_no_verdict() {
-    let findings = run(&select("3"), &AtomicBool::new(true), |_| ());
+    let stopped = Context::default();
+    stopped.stop();
+    let findings = run(&select("3"), &stopped);
     assert!(findings.iter().all(|finding| finding.interrupted() && finding.verdict().is_none()));
 }
 

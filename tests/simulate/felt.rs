@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use std::process::Command;
-use std::sync::atomic::AtomicBool;
 
+use granulens::Context;
 use granulens::dem::{Integrator, simulate_batch};
 use granulens::evaluate::{Overrides, Plan};
 use granulens::real::Width;
@@ -128,7 +128,7 @@ fn check_simulate_rig_and_batch_mean_the_same_by_what_a_sphere_felt() {
     let plan = Plan::new(&design, overrides, &layout.palette).unwrap();
     assert_eq!(checked.how[0], plan.step);
     let impact = granulens::evaluate::impact(&design, &plan);
-    let batch = simulate_batch(&[layout.sample()], &impact, Width::widest(), &AtomicBool::new(false)).unwrap();
+    let batch = simulate_batch(&[layout.sample()], &impact, Width::widest(), &Context::default()).unwrap();
     let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&batch[0].max_kinetic), bits(&checked.kinetic));
 }

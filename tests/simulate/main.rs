@@ -22,15 +22,26 @@ mod sections;
 mod steps;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use granulens::setup::{Bench, Setup};
 use granulens::trial::{self, Ending, Keeping, Series, Summary};
+use granulens::{Context, Progress};
 
 /// A file of the repository.
 fn shipped(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// A context that is stopped as soon as so many steps of so many are done.
+fn until(there: impl Fn(u64, u64) -> bool + Send + Sync + 'static) -> Context {
+    let context = Context::default();
+    let stop = context.clone();
+    context.telling(move |progress| {
+        if matches!(*progress, Progress::Steps { done, of } if there(done, of)) {
+            stop.stop();
+        }
+    })
 }
 
 /// A run in a folder of its own.
@@ -45,7 +56,7 @@ impl Ran {
     fn of<const D: usize>(bench: &Bench<D>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let keeping = Keeping { resume: false, every: Duration::from_secs(3600) };
-        let (summary, ending) = trial::run(bench, folder.path(), keeping, &AtomicBool::new(false), |_, _| {}).unwrap();
+        let (summary, ending) = trial::run(bench, folder.path(), keeping, &Context::default()).unwrap();
         Self { folder, summary, ending }
     }
 

@@ -197,7 +197,7 @@ fn a_squeezed_chain_carries_waves_from_the_sonic_to_the_solitary_limit() {
         let mut heard = [(0.0, 0.0); 2];
         let (mut before, mut number) = ([[0.0; 2]; 2], 0.0);
         simulation
-            .follow(steps, &AtomicBool::new(false), |view| {
+            .follow(steps, &Context::default(), |view| {
                 number += 1.0;
                 for (which, &sphere) in marks.iter().enumerate() {
                     let now = view.velocity(sphere)[0];

@@ -1,7 +1,6 @@
 //! Runs that are killed, interrupted and taken up.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
+use granulens::Context;
 use granulens::trial::TrialError;
 
 use super::*;
@@ -91,12 +90,9 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
     let mut resume = false;
     let mut interrupted = 0;
     for stop in stops.into_iter().chain([u64::MAX]) {
-        let interrupt = AtomicBool::new(false);
         let keeping = Keeping { resume, every: NEVER };
-        let (summary, ending) = trial::run(&bench, folder.path(), keeping, &interrupt, |done, _| {
-            interrupt.store(done >= stop, Ordering::Relaxed);
-        })
-        .unwrap();
+        let (summary, ending) =
+            trial::run(&bench, folder.path(), keeping, &until(move |done, _| done >= stop)).unwrap();
         resume = true;
         match ending {
             Ending::Interrupted { time } => {
@@ -120,31 +116,31 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
     for stop in places(6, bench.plan.steps()) {
         let killed = tempfile::tempdir().unwrap();
         let copy = tempfile::tempdir().unwrap();
-        let mut copied = false;
         let keeping = Keeping { resume: false, every: Duration::ZERO };
-        trial::run(&bench, killed.path(), keeping, &AtomicBool::new(false), |done, _| {
-            if done >= stop && !copied {
-                copied = true;
-                for (name, mut bytes) in contents(killed.path()) {
+        let [from, to] = [&killed, &copy].map(|folder| folder.path().to_owned());
+        let killing = Context::default().telling(move |progress| {
+            let there = matches!(*progress, Progress::Steps { done, .. } if done >= stop);
+            if there && std::fs::read_dir(&to).unwrap().next().is_none() {
+                for (name, mut bytes) in contents(&from) {
                     // Frames are files of their own: those after the checkpoint are written again.
                     if name.ends_with(".csv") && !name.contains('/') {
                         // More than the rest of the run will write over.
                         bytes.extend(b"0.1,2,3,4\n".repeat(200_000));
                         bytes.extend(b"0.1,2,half a li");
                     }
-                    let place = copy.path().join(name);
+                    let place = to.join(name);
                     std::fs::create_dir_all(place.parent().unwrap()).unwrap();
                     std::fs::write(place, bytes).unwrap();
                 }
             }
-        })
-        .unwrap();
+        });
+        trial::run(&bench, killed.path(), keeping, &killing).unwrap();
         // At the very end there is nothing left to copy.
-        if !copied || !copy.path().join("checkpoint").exists() {
+        if !copy.path().join("checkpoint").exists() {
             continue;
         }
         let keeping = Keeping { resume: true, every: NEVER };
-        trial::run(&bench, copy.path(), keeping, &AtomicBool::new(false), |_, _| {}).unwrap();
+        trial::run(&bench, copy.path(), keeping, &Context::default()).unwrap();
         same(whole.folder.path(), copy.path());
     }
 }
@@ -153,13 +149,9 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
 fn half_way() -> (Bench<2>, tempfile::TempDir) {
     let bench = bench();
     let folder = tempfile::tempdir().unwrap();
-    let interrupt = AtomicBool::new(false);
     let keeping = Keeping { resume: false, every: NEVER };
     let half = bench.plan.steps() / 2;
-    let (_, ending) = trial::run(&bench, folder.path(), keeping, &interrupt, |done, _| {
-        interrupt.store(done >= half, Ordering::Relaxed);
-    })
-    .unwrap();
+    let (_, ending) = trial::run(&bench, folder.path(), keeping, &until(move |done, _| done >= half)).unwrap();
     assert!(matches!(ending, Ending::Interrupted { .. }));
     (bench, folder)
 }
@@ -167,7 +159,7 @@ fn half_way() -> (Bench<2>, tempfile::TempDir) {
 #[track_caller]
 fn refused(bench: &Bench<2>, folder: &Path, resume: bool) -> TrialError {
     let keeping = Keeping { resume, every: NEVER };
-    trial::run(bench, folder, keeping, &AtomicBool::new(false), |_, _| {}).map(|_| ()).unwrap_err()
+    trial::run(bench, folder, keeping, &Context::default()).map(|_| ()).unwrap_err()
 }
 
 #[test]
@@ -237,7 +229,7 @@ fn what_stands_in_the_folder_is_not_lost() {
     // A finished one is replaced, and what else lies there stays.
     std::fs::write(ran.folder.path().join("measured.csv"), "mine").unwrap();
     let keeping = Keeping { resume: false, every: NEVER };
-    trial::run(&bench, ran.folder.path(), keeping, &AtomicBool::new(false), |_, _| {}).unwrap();
+    trial::run(&bench, ran.folder.path(), keeping, &Context::default()).unwrap();
     assert!(ran.folder.path().join("measured.csv").exists());
 }
 

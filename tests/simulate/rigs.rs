@@ -76,7 +76,7 @@ fn a_lens_as_a_rig_is_the_lens() {
     // Rigs know no other scheme.
     let verlet = Overrides { integrator: Some(Integrator::Verlet), ..Overrides::default() };
     let plan = Plan::new(&design, verlet, &layout.palette).unwrap();
-    let expected = evaluate(&design, &layout, &plan, &AtomicBool::new(false)).unwrap().record.max_kinetic;
+    let expected = evaluate(&design, &layout, &plan, &Context::default()).unwrap().record.max_kinetic;
 
     let Setup::Two(bench) = Setup::read(&path).unwrap() else { panic!() };
     let ran = Ran::of(&bench);
@@ -118,7 +118,7 @@ fn a_crystal_that_is_none_any_more_still_finds_its_contacts() {
         };
         record.contacts.iter().map(|contact| contact.spheres).filter(apart).collect()
     };
-    let (impact, never) = (granulens::evaluate::impact(&design, &plan), AtomicBool::new(false));
+    let (impact, never) = (granulens::evaluate::impact(&design, &plan), Context::default());
     let watched = granulens::dem::simulate(&sample, &impact, &never).unwrap();
     let searched = granulens::dem::rig::simulate_as_rig(&sample, &impact, None, &never).unwrap();
     assert!(watched.stop.is_none() && searched.stop.is_none());

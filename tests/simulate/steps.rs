@@ -42,7 +42,7 @@ fn blow<const D: usize>(rig: Rig<D>, step: f64, steps: u64, free: f64) -> Result
     let mut simulation = Simulation::new(rig, step).unwrap();
     let mut peak = 0.0_f64;
     // Every law of a file remembers its greatest force, though the contact may open between two looks.
-    simulation.follow(steps, &AtomicBool::new(false), |view| {
+    simulation.follow(steps, &Context::default(), |view| {
         view.contacts().for_each(|contact| peak = peak.max(contact.force_max));
     })?;
     let (view, rig) = (simulation.view(), simulation.rig());
@@ -408,7 +408,7 @@ fn restitution_is_that_of_each_pair() {
                      [[moving]]\nlayers = 1\nvelocity = \"1 m/s\"\n[run]\nwindow = \"2 ms\"\n"
                 ));
                 let mut simulation = Simulation::new(bench.rig, bench.plan.step).unwrap();
-                simulation.advance(bench.plan.steps(), &AtomicBool::new(false)).unwrap();
+                simulation.advance(bench.plan.steps(), &Context::default()).unwrap();
                 let found = simulation.view().velocity(1)[0] - simulation.view().velocity(0)[0];
                 assert!((found / e - 1.0).abs() < 1e-3, "e {e}, pull {pull}, gap {gap}: {found}");
             }
@@ -445,17 +445,12 @@ fn what_was_not_foreseen_is_run_again_with_half_the_step() {
     }
     // Interrupted after the run has begun again, and taken up.
     let folder = tempfile::tempdir().unwrap();
-    let (stop, keeping) = (AtomicBool::new(false), |resume| Keeping { resume, every: Duration::ZERO });
+    let keeping = |resume| Keeping { resume, every: Duration::ZERO };
     let total = bench.plan.steps();
-    let (_, ending) = trial::run(&bench, folder.path(), keeping(false), &stop, |done, of| {
-        if of > total && done > of / 3 {
-            stop.store(true, std::sync::atomic::Ordering::Relaxed);
-        }
-    })
-    .unwrap();
+    let (_, ending) =
+        trial::run(&bench, folder.path(), keeping(false), &until(move |done, of| of > total && done > of / 3)).unwrap();
     assert!(matches!(ending, Ending::Interrupted { .. }), "{ending:?}");
-    let (summary, ending) =
-        trial::run(&bench, folder.path(), keeping(true), &AtomicBool::new(false), |_, _| {}).unwrap();
+    let (summary, ending) = trial::run(&bench, folder.path(), keeping(true), &Context::default()).unwrap();
     assert_eq!((ending, summary.method.step_s), (Ending::Complete, ran.summary.method.step_s));
     for file in ["energies.csv", "flats.csv", "spheres.csv"] {
         assert!(read(&ran, file) == std::fs::read_to_string(folder.path().join(file)).unwrap(), "{file}");

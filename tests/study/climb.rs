@@ -1,7 +1,6 @@
 //! Annealing at low temperature, screened at a coarse step; and the figures that a study ends with.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::dem::ForcePulse;
 use granulens::evaluate::{Evaluator, Forces, Overrides, Plan, beside_uniform};
 use granulens::score::Measure;
@@ -32,7 +31,7 @@ fn a_climb_finds_the_optimum_of_a_crystal_that_can_be_enumerated() {
     assert_eq!(state.ended, Ended::Budget);
     let judge = study.at(1);
     assert_eq!((judge.forces.count(), study.at(0).forces.count()), (3, 1));
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let evaluator =
         Evaluator::new(&judge.design, &judge.cases(), judge.palette.clone(), judge.overrides(1), &never).unwrap();
     let choices: Vec<Vec<u8>> = (0..4096_u32).map(|bits| (0..12).map(|k| (bits >> k & 1) as u8).collect()).collect();
@@ -82,7 +81,7 @@ fn a_climb_comes_to_the_same_bits() {
     let loaded = Journal::read(&desk.path("journal.jsonl")).unwrap();
     let cut: Vec<_> = loaded.entries.iter().filter(|entry| entry.cut).collect();
     assert!(!cut.is_empty() && loaded.entries.iter().any(|entry| !entry.cut));
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let screen =
         Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(1), &never).unwrap();
     assert_eq!([0, 1, 2].map(|rung| study.plan(rung).unwrap().window), [80e-6, 72e-6, 80e-6]);
@@ -99,17 +98,19 @@ fn an_interrupted_climb_goes_on_where_it_was() {
     let (whole, _) = desk.run().unwrap();
     let journal = desk.journal();
     desk.put(b"");
-    struct Press<'a>(&'a AtomicBool, usize);
+    struct Press<'a>(&'a Context, usize);
     impl Watch for Press<'_> {
         fn warning(&mut self, _: &str) {}
         fn batch(&mut self, _: &State, simulated: usize) {
             self.1 += simulated;
-            self.0.store(self.1 > 20, std::sync::atomic::Ordering::Relaxed);
+            if self.1 > 20 {
+                self.0.stop();
+            }
         }
     }
     for _ in 0..100 {
-        let interrupt = AtomicBool::new(false);
-        let state = run(&desk.study(), &desk.path("journal.jsonl"), &interrupt, &mut Press(&interrupt, 0)).unwrap();
+        let context = Context::default();
+        let state = run(&desk.study(), &desk.path("journal.jsonl"), &context, &mut Press(&context, 0)).unwrap();
         if state.ended != Ended::Interrupted {
             assert_eq!(state, whole);
             assert!(desk.journal() == journal);
@@ -132,7 +133,7 @@ fn final_figures_are_those_of_check() {
     for figures in &state.finals {
         let overrides = Overrides { step: Some(figures.step), ..study.overrides(0) };
         let plan = Plan::new(&study.design, overrides, &study.palette).unwrap();
-        let beside = beside_uniform(&study.design, &layout, &plan, Forces::USUAL, &AtomicBool::new(false)).unwrap();
+        let beside = beside_uniform(&study.design, &layout, &plan, Forces::USUAL, &Context::default()).unwrap();
         let (mean, spreads) = beside.over_forces.unwrap();
         for measure in [Measure::Contrast, Measure::FocalGain, Measure::FocalMean, Measure::ProtectedMean] {
             assert_eq!(figures.exact.get(measure), beside.evaluation.scores.get(measure), "{measure:?}");
@@ -147,7 +148,7 @@ fn final_figures_are_those_of_check() {
 fn forces_and_durations_side_by_side_have_the_bits_of_runs_alone() {
     let desk = Desk::new(STUDY);
     let study = desk.study();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let pulse = |force: f64, duration: f64| ForcePulse { force, duration };
     let pulses = [pulse(16e3, 20e-6), pulse(15.9e3, 20e-6), pulse(8e3, 33e-6), pulse(20e3, 7.3e-6), pulse(16e3, 1e-6)];
     let scores = |pulses: &[ForcePulse]| {

@@ -27,8 +27,8 @@ mod stages;
 mod stored;
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
+use granulens::Context;
 use granulens::evaluate::Evaluator;
 use granulens::study::{State, Study, StudyError, Watch, run};
 
@@ -133,7 +133,7 @@ impl Desk {
 
     fn run(&self) -> Result<(State, Told), StudyError> {
         let mut told = Told::default();
-        let state = run(&self.study(), &self.path("journal.jsonl"), &AtomicBool::new(false), &mut told)?;
+        let state = run(&self.study(), &self.path("journal.jsonl"), &Context::default(), &mut told)?;
         Ok((state, told))
     }
 
@@ -166,6 +166,6 @@ fn with_threads<T: Send>(threads: usize, job: impl FnOnce() -> T + Send) -> T {
 }
 
 fn evaluator(study: &Study) -> Evaluator<'_> {
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(0), &never).unwrap()
 }

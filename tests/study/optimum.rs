@@ -1,7 +1,6 @@
 //! Every method finds what brute force finds, within the limits.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::search::front;
 use granulens::study::{Entry, Key, Rung, Study, Work, run};
 
@@ -15,7 +14,7 @@ fn enumerated(study: &Study) -> Rung {
         .map(|bits| (0..study.free.len()).map(|k| (bits >> k & 1) as u8).collect::<Vec<_>>())
         .collect();
     let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.layout(choice).materials).collect();
-    let runs = evaluator.scores(&layouts, &AtomicBool::new(false)).unwrap();
+    let runs = evaluator.scores(&layouts, &Context::default()).unwrap();
     let mut rung = Rung::default();
     for ((choice, layout), runs) in choices.iter().zip(&layouts).zip(&runs) {
         rung.add(study, choice, Entry::new(key.of(layout), String::new(), &study.by_impact(runs)));
@@ -36,7 +35,7 @@ fn every_method_finds_the_optimum_of_a_crystal_that_can_be_enumerated() {
         let mut study = study.clone();
         study.stages[0].work = Work::Search(method.parse().unwrap());
         let journal = desk.path(&format!("{method}.jsonl"));
-        let state = run(&study, &journal, &AtomicBool::new(false), &mut ()).unwrap();
+        let state = run(&study, &journal, &Context::default(), &mut ()).unwrap();
         assert_eq!(state.nearest, None);
         let best = state.best.unwrap();
         assert!(best.within_limits);

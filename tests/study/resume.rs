@@ -1,7 +1,6 @@
 //! The same bits whatever ends a run, and on any number of threads.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::search::Dice;
 use granulens::study::{Ended, State, Watch, run};
 
@@ -41,10 +40,10 @@ fn a_study_out_of_time_goes_on() {
     let desk = Desk::new(STAGED);
     let mut hurried = desk.study();
     hurried.time = Some(1e-9);
-    let state = run(&hurried, &desk.path("journal.jsonl"), &AtomicBool::new(false), &mut ()).unwrap();
+    let state = run(&hurried, &desk.path("journal.jsonl"), &Context::default(), &mut ()).unwrap();
     assert_eq!((state.ended, state.evaluations), (Ended::Time, 0));
     hurried.time = Some(1e6);
-    assert_eq!(run(&hurried, &desk.path("journal.jsonl"), &AtomicBool::new(false), &mut ()).unwrap(), whole);
+    assert_eq!(run(&hurried, &desk.path("journal.jsonl"), &Context::default(), &mut ()).unwrap(), whole);
 }
 
 /// Ctrl-C between any two batches, again and again.
@@ -54,17 +53,19 @@ fn an_interrupted_study_goes_on_where_it_was() {
     let (whole, _) = desk.run().unwrap();
     let journal = desk.journal();
     desk.put(b"");
-    struct Press<'a>(&'a AtomicBool, usize);
+    struct Press<'a>(&'a Context, usize);
     impl Watch for Press<'_> {
         fn warning(&mut self, _: &str) {}
         fn batch(&mut self, _: &State, simulated: usize) {
             self.1 += simulated;
-            self.0.store(self.1 > 40, std::sync::atomic::Ordering::Relaxed);
+            if self.1 > 40 {
+                self.0.stop();
+            }
         }
     }
     for _ in 0..100 {
-        let interrupt = AtomicBool::new(false);
-        let state = run(&desk.study(), &desk.path("journal.jsonl"), &interrupt, &mut Press(&interrupt, 0)).unwrap();
+        let context = Context::default();
+        let state = run(&desk.study(), &desk.path("journal.jsonl"), &context, &mut Press(&context, 0)).unwrap();
         if state.ended != Ended::Interrupted {
             assert_eq!(state, whole);
             assert!(desk.journal() == journal);

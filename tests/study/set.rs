@@ -1,8 +1,7 @@
 //! What layouts are judged by: impacts at an angle and off the axis, crystals that are not built as drawn, and measures
 //! beyond energies.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::contact::LawKind;
 use granulens::dem::{ForcePulse, Stop};
 use granulens::evaluate::{Blow, Case, Detail, Evaluated, Evaluator, Flaw, Overrides, Plan, evaluate};
@@ -15,7 +14,7 @@ const PULSE: ForcePulse = ForcePulse { force: 16e3, duration: 20e-6 };
 
 /// Scores of one layout of the tiny crystal in some cases, with all that can be recorded if `detail`.
 fn scores(study: &Study, layout: &[u8], cases: &[Case], detail: Detail) -> Vec<Scores> {
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let evaluator = Evaluator::new(&study.design, cases, study.palette.clone(), study.overrides(0), &never).unwrap();
     let runs = evaluator.recording(detail).scores(&[layout.to_vec()], &never).unwrap().remove(0);
     assert!(runs.iter().all(|run: &Evaluated| run.stop.is_none()));
@@ -90,7 +89,7 @@ fn what_is_felt_is_what_the_records_say() {
     let felt = scores(&study, &drawn.materials, &[PULSE.into()], Detail::Everything).remove(0);
     let dissipation = felt.dissipation.unwrap();
     let plan = Plan::new(&study.design, study.overrides(0), &study.palette).unwrap();
-    let record = evaluate(&study.design, &drawn, &plan, &AtomicBool::new(false)).unwrap().record;
+    let record = evaluate(&study.design, &drawn, &plan, &Context::default()).unwrap().record;
     assert!((dissipation - record.ledger.dissipated / record.ledger.work_in).abs() < 1e-15);
     assert!(dissipation > 0.5 && dissipation < 1.0);
     let sites = study.design.target.protect.sites(&study.design.lattice);
@@ -137,7 +136,7 @@ fn flaws_are_what_they_say() {
 fn scattered_radii_and_friction_have_the_bits_of_one_by_one() {
     let desk = Desk::new(STUDY);
     let study = desk.study();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let sites = study.design.lattice.len();
     let scattered = |k: usize| Flaw {
         radii: (0..sites).map(|i| 1.0 - 1e-4 * ((7 * i + k) % 11) as f64).collect(),
@@ -173,7 +172,7 @@ fn scattered_radii_and_friction_have_the_bits_of_one_by_one() {
 fn a_run_ends_when_its_limit_is_out_of_reach() {
     let desk = Desk::new(STUDY);
     let study = desk.study();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let overrides = Overrides { step: Some(2e-8), ..study.overrides(0) };
     let evaluator = Evaluator::new(&study.design, &[PULSE], study.palette.clone(), overrides, &never).unwrap();
     let layouts: Vec<Vec<u8>> = (0..12)
@@ -265,7 +264,7 @@ fn protection_is_compared_with_the_best_baseline() {
     // Q refers to one of the baselines, the crystal of brass alone: the best of all is not louder.
     assert!(best >= scored.protection.unwrap() * (1.0 - 1e-12));
     let study = desk.study();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let lattice = study.design.lattice;
     let uniform = [0, 1].map(|material| vec![material; lattice.len()]);
     let evaluator = Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(0), &never)

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 
+use granulens::Context;
 use granulens::search::{Choice, Dice};
 use granulens::study::{
     Asking, Ended, Engine, Entry, Local, Shard, State, Study, StudyError, evaluate_shard, merge, run, run_with,
@@ -17,14 +17,13 @@ impl Desk {
         let study = self.study();
         let (mut asking, warnings) = Asking::open(&study, self.0.path()).unwrap();
         assert_eq!(warnings, Vec::<String>::new());
-        let state =
-            run_with(&study, &self.path("journal.jsonl"), &mut asking, &AtomicBool::new(false), &mut ()).unwrap();
+        let state = run_with(&study, &self.path("journal.jsonl"), &mut asking, &Context::default(), &mut ()).unwrap();
         (state, asking.asked)
     }
 
     fn shard(&self, shard: Shard) -> usize {
         let study = self.study();
-        evaluate_shard(&study, self.0.path(), shard, &AtomicBool::new(false), |_| ()).unwrap().evaluated
+        evaluate_shard(&study, self.0.path(), shard, &Context::default(), |_| ()).unwrap().evaluated
     }
 
     /// Asks for so many different layouts.
@@ -149,7 +148,7 @@ fn damaged_shards_are_named_and_the_rest_kept() {
     assert!(!merged.is_whole());
     // A shard that is no journal is left alone; its part is evaluated by others.
     assert!(std::fs::read(path(3)).unwrap() == b"dear diary\n");
-    let refused = evaluate_shard(&desk.study(), desk.0.path(), "3/4".parse().unwrap(), &AtomicBool::new(false), |_| ());
+    let refused = evaluate_shard(&desk.study(), desk.0.path(), "3/4".parse().unwrap(), &Context::default(), |_| ());
     assert!(refused.unwrap_err().to_string().contains("left alone"));
     assert_eq!(desk.shard("1/1".parse().unwrap()), lost + 17);
     let merged = merge(desk.0.path()).unwrap();
@@ -190,9 +189,9 @@ fn an_interrupted_shard_goes_on() {
     let mut runs = 0;
     let mut evaluated = 0;
     loop {
-        let interrupt = AtomicBool::new(false);
-        let done = evaluate_shard(&study, desk.0.path(), shard, &interrupt, |_| {
-            interrupt.store(true, Ordering::Relaxed);
+        let context = Context::default();
+        let done = evaluate_shard(&study, desk.0.path(), shard, &context, |_| {
+            context.stop();
         })
         .unwrap();
         assert_eq!(done.known, evaluated);
@@ -218,7 +217,7 @@ impl Engine for Elsewhere<'_> {
     fn entries(&mut self, rung: usize, choices: &[&Choice]) -> Result<Vec<Entry>, StudyError> {
         let some = choices.len().min(self.left);
         self.left -= some;
-        let mut entries = self.local.entries(self.study, rung, &choices[..some], &AtomicBool::new(false))?;
+        let mut entries = self.local.entries(self.study, rung, &choices[..some], &Context::default())?;
         if self.wrong {
             entries.reverse();
         }
@@ -233,7 +232,7 @@ fn a_driver_that_ends_anywhere_goes_on_to_the_same_bits() {
     let desk = Desk::new(&text);
     let (whole, _) = desk.run().unwrap();
     let journal = desk.journal();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let drive = |desk: &Desk, study: &Study, left: usize, wrong: bool| {
         let mut engine = Elsewhere { study, local: Local::new(study, &never).unwrap(), left, wrong };
         run_with(study, &desk.path("journal.jsonl"), &mut engine, &never, &mut ())

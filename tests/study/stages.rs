@@ -1,7 +1,6 @@
 //! Several impacts, several steps, one after the other.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens::Context;
 use granulens::study::{Entry, Over, Study, summary};
 
 use crate::{Desk, STAGED, evaluator};
@@ -12,7 +11,7 @@ fn several_impacts_are_scored_as_each_by_itself() {
     let desk = Desk::new(STAGED);
     let study = desk.study();
     let layouts: Vec<Vec<u8>> = study.first().iter().map(|choice| study.layout(choice).materials).collect();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let together = evaluator(&study).scores(&layouts, &never).unwrap();
     for (k, impact) in study.impacts.iter().enumerate() {
         let alone = Study { impacts: vec![*impact], ..study.clone() };
@@ -51,7 +50,7 @@ fn stages_promote_the_best_and_steps_are_compared() {
     let choice = best.entry.choice(study.free.len(), 2).unwrap();
     let mut fine = study.clone();
     fine.rungs.remove(0);
-    let runs = evaluator(&fine).scores(&[study.layout(&choice).materials], &AtomicBool::new(false)).unwrap();
+    let runs = evaluator(&fine).scores(&[study.layout(&choice).materials], &Context::default()).unwrap();
     assert_eq!(best.entry.impacts[0].contrast, runs[0][0].scores.contrast);
     let stats = study.counter.stats(&study.layout(&choice).materials);
     assert_eq!((best.scores.half_mass, best.scores.lone), (Some(stats.half.mass), stats.lone));

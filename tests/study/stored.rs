@@ -1,8 +1,8 @@
 //! The layouts in `studies/`, against what is said about them in `docs/optimiser.md`.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
+use granulens::Context;
 use granulens::dem::Integrator;
 use granulens::design::Design;
 use granulens::evaluate::{Evaluated, Evaluator, Overrides, evaluate};
@@ -120,7 +120,7 @@ fn stored_layouts_are_as_good_as_is_said() {
             palette = layout.palette;
             layouts.push(layout.materials);
         }
-        let never = AtomicBool::new(false);
+        let never = Context::default();
         for (step, tolerance) in [(step, 1e-3), (0.5 * step, 1e-2)] {
             let overrides = Overrides { step: Some(step), window: Some(window), ..Overrides::default() };
             let evaluator = Evaluator::new(&design, &[design.impact], palette.clone(), overrides, &never).unwrap();
@@ -181,7 +181,7 @@ fn a_stored_layout_stands_five_impacts() {
     let study = Study::read(&repository("studies/four-materials-robust.toml"), None).unwrap();
     let file = repository("studies/four-materials-robust-best.csv");
     let layout = layout::read(&file, study.design.lattice, &study.palette, &[]).unwrap();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let overrides = Overrides {
         integrator: Some(Integrator::Adams),
         step: Some(5e-8),
@@ -216,7 +216,7 @@ fn stored_layouts_have_the_same_scores_one_by_one() {
         layouts.push(layout);
     }
     assert!(layouts.len() >= 9);
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let overrides = Overrides { step: Some(2e-7), window: Some(350e-6), ..Overrides::default() };
     let cases = study.cases();
     let evaluator = Evaluator::new(&study.design, &cases, palette, overrides, &never).unwrap();

@@ -7,6 +7,7 @@
 //!
 //! Each module uses only those above it.
 
+mod context;
 pub mod units;
 pub mod chance;
 pub mod search;
@@ -26,3 +27,5 @@ pub mod motion;
 pub mod dem;
 pub mod bed;
 pub mod score;
+
+pub use context::{Context, Progress};

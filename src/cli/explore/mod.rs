@@ -27,7 +27,7 @@ use granulens::outcome::Outcome;
 use granulens::study::Study;
 
 use super::Common;
-use super::console::{emit, interrupt, note};
+use super::console::{context, emit, note};
 use super::failure::Failure;
 
 /// Design by hand and eye: a page in the browser that shows the lens, its rays and its energies while they are dragged
@@ -69,7 +69,7 @@ impl Explore {
         if !self.no_open && !browse(&address) {
             note(common, "note: no browser could be started; open the address by hand");
         }
-        server.serve(interrupt());
+        server.serve(context());
         note(common, "explorer: ended");
         Ok(())
     }

@@ -120,7 +120,7 @@ fn run(design: &Design, name: &str, layout: &Layout, frames: usize, job: &Job) -
     take(&simulation, &mut run);
     for frame in 1..=frames {
         let until = steps * frame as u64 / frames as u64;
-        match simulation.advance(until.saturating_sub(simulation.steps()), job.interrupt()) {
+        match simulation.advance(until.saturating_sub(simulation.steps()), job.context()) {
             Ok(()) => {}
             Err(RigStop::Interrupted { .. }) => {
                 return Err(Failure::Interrupted("a newer run took its place".to_owned()));

@@ -22,7 +22,7 @@ pub struct Asked {
 pub fn ranking(asked: &Asked, shared: &Shared) -> Result<Value, Failure> {
     let job = shared.work.begin(&asked.tab, "rank");
     let design = read(&asked.text, shared)?;
-    match rank(&design, &all_materials(&design), &Family::ALL, asked.simulate.min(200), job.interrupt()) {
+    match rank(&design, &all_materials(&design), &Family::ALL, asked.simulate.min(200), job.context()) {
         Err(EvaluatorError::Interrupted) => Ok(json!({ "cancelled": true })),
         ranked => Ok(json!({ "ranking": ranked?, "host": design.host.name })),
     }

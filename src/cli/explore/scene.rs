@@ -78,8 +78,8 @@ pub fn simulate(asked: Asked, shared: &Shared) -> Result<Value, Failure> {
     }
     let comparison = comparison(&design, asked.layout.as_ref())?;
     let outcome = match asked.detail {
-        Detail::Coarse | Detail::Fine => glimpse(&comparison, job.interrupt()),
-        Detail::Whole => compare(&comparison.over(Forces::USUAL), job.interrupt(), &()),
+        Detail::Coarse | Detail::Fine => glimpse(&comparison, job.context()),
+        Detail::Whole => compare(&comparison.over(Forces::USUAL), job.context()),
     };
     let outcome = match outcome {
         Ok(outcome) if !stopped(&job) => outcome,
@@ -102,5 +102,5 @@ pub fn simulate(asked: Asked, shared: &Shared) -> Result<Value, Failure> {
 }
 
 fn stopped(job: &super::work::Job) -> bool {
-    job.interrupt().load(std::sync::atomic::Ordering::Relaxed)
+    job.context().stopped()
 }

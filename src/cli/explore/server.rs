@@ -6,12 +6,13 @@
 
 use std::io::{Read as _, Write as _};
 use std::net::SocketAddr;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use serde_json::{Value, json};
 use tiny_http::{Method, Request};
+
+use granulens::Context;
 
 use super::work::{Work, caught};
 use super::{Opened, assets, desk, play, rank, save, scene, study, surface, swaps};
@@ -110,15 +111,15 @@ impl Server {
     }
 
     /// Answers until it is to end; what is under way is stopped then.
-    pub fn serve(self, interrupt: &AtomicBool) {
-        let ended = Arc::new(AtomicBool::new(false));
+    pub fn serve(self, context: &Context) {
+        let ended = Arc::new(Context::default());
         let gate = Arc::new(Gate { hosts: hosts(self.here), token: self.token });
         let threads: Vec<_> = (0..THREADS)
             .map(|_| {
                 let (listener, ended) = (Arc::clone(&self.listener), Arc::clone(&ended));
                 let (gate, shared) = (Arc::clone(&gate), Arc::clone(&self.shared));
                 std::thread::spawn(move || {
-                    while !ended.load(Ordering::Relaxed) {
+                    while !ended.stopped() {
                         if let Ok(Some(request)) = listener.recv_timeout(PATIENCE) {
                             reply(request, &gate, &shared);
                         }
@@ -126,10 +127,10 @@ impl Server {
                 })
             })
             .collect();
-        while !interrupt.load(Ordering::Relaxed) {
+        while !context.stopped() {
             std::thread::sleep(PATIENCE);
         }
-        ended.store(true, Ordering::Relaxed);
+        ended.stop();
         self.shared.work.stop_all();
         self.shared.study.end();
         for thread in threads {

@@ -1,10 +1,10 @@
 //! A study from the page: start, stop, go on; what its journal holds, whoever writes it.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
+use granulens::Context;
 use granulens::score::{Measure, Scores};
 use granulens::study::{Judged, Rung, State, Study, Watch, front_of};
 use serde::Deserialize;
@@ -27,7 +27,7 @@ pub struct Runner(Mutex<Option<Running>>);
 
 struct Running {
     path: String,
-    stop: Arc<AtomicBool>,
+    stop: Context,
     thread: Option<JoinHandle<()>>,
     news: Arc<Mutex<News>>,
 }
@@ -47,7 +47,7 @@ impl Runner {
     /// Stops the study, if one runs, and waits until its journal is whole.
     pub fn end(&self) {
         if let Some(mut running) = self.lock().take() {
-            running.stop.store(true, Ordering::Relaxed);
+            running.stop.stop();
             if let Some(thread) = running.thread.take() {
                 let _ = thread.join();
             }
@@ -258,11 +258,11 @@ pub fn start(asked: &Asked, shared: &Shared) -> Result<Value, Failure> {
             "Stop it first; what it has found is kept, and it goes on where it was.",
         ));
     }
-    let (stop, news) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(News::default())));
-    let (interrupt, told) = (Arc::clone(&stop), Arc::clone(&news));
+    let (stop, news) = (Context::default(), Arc::new(Mutex::new(News::default())));
+    let (context, told) = (stop.clone(), Arc::clone(&news));
     let thread = std::thread::spawn(move || {
         let mut watch = Told(Arc::clone(&told));
-        let done = caught(|| run::search(&study, &place, &common, &interrupt, &mut watch));
+        let done = caught(|| run::search(&study, &place, &common, &context, &mut watch));
         let ended = match done {
             Ok(Ok(state)) => json!({ "why": state.ended, "evaluations": state.evaluations }),
             Ok(Err(failure)) => json!({ "error": failure.told() }),
@@ -277,7 +277,7 @@ pub fn start(asked: &Asked, shared: &Shared) -> Result<Value, Failure> {
 /// Asks the study to stop.
 pub fn stop(shared: &Shared) -> Result<Value, Failure> {
     if let Some(running) = &*shared.study.lock() {
-        running.stop.store(true, Ordering::Relaxed);
+        running.stop.stop();
     }
     Ok(json!({ "stopping": true }))
 }

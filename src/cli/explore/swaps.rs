@@ -1,7 +1,5 @@
 //! What exchanging single spheres does to C, for who paints.
 
-use std::sync::atomic::Ordering;
-
 use granulens::design::Accuracy;
 use granulens::evaluate::{EvaluatorError, Overrides, Plan, swaps};
 use serde::Deserialize;
@@ -34,9 +32,9 @@ pub fn map(asked: &Asked, shared: &Shared) -> Result<Value, Failure> {
     let overrides = Overrides::default();
     let plan = Plan::new(&design, overrides, &layout.palette)
         .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
-    match swaps(&design, &layout, &plan, job.interrupt()) {
+    match swaps(&design, &layout, &plan, job.context()) {
         Err(EvaluatorError::Interrupted) => Ok(json!({ "cancelled": true })),
-        _ if job.interrupt().load(Ordering::Relaxed) => Ok(json!({ "cancelled": true })),
+        _ if job.context().stopped() => Ok(json!({ "cancelled": true })),
         found => Ok(json!(found?)),
     }
 }

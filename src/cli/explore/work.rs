@@ -2,61 +2,62 @@
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
+
+use granulens::Context;
 
 /// What is being computed, for whom.
 #[derive(Default)]
 pub struct Work {
-    under_way: Mutex<HashMap<(String, &'static str), Arc<AtomicBool>>>,
+    under_way: Mutex<HashMap<(String, &'static str), Context>>,
 }
 
-/// A computation under way: its request to stop.
+/// A computation under way: what it runs under.
 pub struct Job<'a> {
     work: &'a Work,
     key: (String, &'static str),
-    stop: Arc<AtomicBool>,
+    context: Context,
 }
 
 impl Work {
     /// Begins a computation of a kind for a tab of the browser; the tab's earlier one of that kind is asked to stop.
     pub fn begin(&self, tab: &str, kind: &'static str) -> Job<'_> {
         let key = (tab.to_owned(), kind);
-        let stop = Arc::new(AtomicBool::new(false));
-        if let Some(earlier) = self.all().insert(key.clone(), Arc::clone(&stop)) {
-            earlier.store(true, Ordering::Relaxed);
+        let context = Context::default();
+        if let Some(earlier) = self.all().insert(key.clone(), context.clone()) {
+            earlier.stop();
         }
-        Job { work: self, key, stop }
+        Job { work: self, key, context }
     }
 
     /// Asks a tab's computation of a kind to stop.
     pub fn cancel(&self, tab: &str, kind: &'static str) {
-        if let Some(stop) = self.all().get(&(tab.to_owned(), kind)) {
-            stop.store(true, Ordering::Relaxed);
+        if let Some(context) = self.all().get(&(tab.to_owned(), kind)) {
+            context.stop();
         }
     }
 
     /// Asks all of them to stop.
     pub fn stop_all(&self) {
-        self.all().values().for_each(|stop| stop.store(true, Ordering::Relaxed));
+        self.all().values().for_each(Context::stop);
     }
 
-    fn all(&self) -> std::sync::MutexGuard<'_, HashMap<(String, &'static str), Arc<AtomicBool>>> {
+    fn all(&self) -> std::sync::MutexGuard<'_, HashMap<(String, &'static str), Context>> {
         self.under_way.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Job<'_> {
-    /// The request to stop.
-    pub fn interrupt(&self) -> &AtomicBool {
-        &self.stop
+    /// What it runs under.
+    pub fn context(&self) -> &Context {
+        &self.context
     }
 }
 
 impl Drop for Job<'_> {
     fn drop(&mut self) {
         let mut all = self.work.all();
-        if all.get(&self.key).is_some_and(|stop| Arc::ptr_eq(stop, &self.stop)) {
+        if all.get(&self.key).is_some_and(|context| context.same(&self.context)) {
             all.remove(&self.key);
         }
     }
@@ -80,7 +81,7 @@ mod tests {
         let first = work.begin("a", "scene");
         let [other_kind, other_tab] = [work.begin("a", "play"), work.begin("b", "scene")];
         let second = work.begin("a", "scene");
-        let stopped = |job: &Job| job.interrupt().load(Ordering::Relaxed);
+        let stopped = |job: &Job| job.context().stopped();
         assert!(stopped(&first) && ![&other_kind, &other_tab, &second].into_iter().any(stopped));
         // The end of the first does not make the second unknown.
         drop(first);

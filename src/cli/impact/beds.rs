@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use granulens::Context;
 use granulens::bed::{Bed, Damping, Grains, Pile, SettleError, Settled, read, settle, stop_words, write};
 use granulens::dem::rig::RigStop;
 
-use super::super::console::interrupt;
 use super::super::failure::Failure;
 
 /// A bed from its file.
@@ -33,10 +33,10 @@ pub fn place(pile: &Pile, grains: &Grains) -> PathBuf {
     Path::new("reports/beds").join(format!("bed-{key:08x}.csv"))
 }
 
-/// Lets a pile settle and keeps the bed; the seconds that took. `progress` hears time (tau_c) and kinetic energy (m g d).
-pub fn pour(file: &Path, pile: &Pile, grains: &Grains, progress: impl FnMut(f64, f64)) -> Result<(Bed, f64), Failure> {
+/// Lets a pile settle and keeps the bed; the seconds that took.
+pub fn pour(file: &Path, pile: &Pile, grains: &Grains, context: &Context) -> Result<(Bed, f64), Failure> {
     let begun = Instant::now();
-    let Settled { bed, time, smoothed } = settle(pile, grains, interrupt(), progress).map_err(|error| match error {
+    let Settled { bed, time, smoothed } = settle(pile, grains, context).map_err(|error| match error {
         SettleError::Stop(RigStop::Interrupted { .. }) => {
             Failure::Interrupted("the bed had not settled yet; it was not kept".to_owned())
         }

@@ -1,8 +1,8 @@
 //! `--dry-run` of impacts: a moment of one, on a bed that is at rest already.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use granulens::Context;
 use granulens::bed::{Bed, BedFile, Ensemble, Origin, strike};
 
 use super::super::Common;
@@ -41,11 +41,13 @@ pub fn of(common: &Common, file: &BedFile, ensemble: Option<&Ensemble>, fresh: b
 
 /// Time of one core for an impact (s).
 fn one(bed: &Bed, file: &BedFile) -> Result<f64, Failure> {
-    let (over, begun) = (AtomicBool::new(false), Instant::now());
+    let (over, begun) = (Context::default(), Instant::now());
     let mut reached = 0.0;
     strike(bed, &file.impact, &over, |moment| {
         reached = moment.time;
-        over.store(begun.elapsed().as_secs_f64() > TASTE, Ordering::Relaxed);
+        if begun.elapsed().as_secs_f64() > TASTE {
+            over.stop();
+        }
     })
     .map_err(|error| Failure::input(error.to_string()))?;
     Ok(begun.elapsed().as_secs_f64() * (file.impact.window / reached).max(1.0))

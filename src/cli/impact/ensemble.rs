@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::super::Common;
-use super::super::console::{Count, emit, emit_json, interrupt, note, pretty};
+use super::super::console::{Count, context, emit, emit_json, note, pretty};
 use super::super::failure::Failure;
 use super::super::folder::write_file;
 use super::beds::{load, place, pour};
@@ -43,7 +43,7 @@ pub fn run(common: &Common, path: &Path, file: &BedFile, ensemble: &Ensemble, fr
         .with_max_len(1)
         .map(|case| {
             let Sample { seed, bed, measures } = &samples[case.sample as usize];
-            let course = strike(bed, &case.of(&file.impact), interrupt(), |_| ())
+            let course = strike(bed, &case.of(&file.impact), context(), |_| ())
                 .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
             if matches!(course.stop, Some(RigStop::Interrupted { .. })) {
                 return Err(Failure::Interrupted(format!(
@@ -129,7 +129,7 @@ fn samples(
         .with_max_len(1)
         .map(|pile| {
             let kept = place(pile, grains);
-            let bed = if kept.exists() && !fresh { load(&kept)? } else { pour(path, pile, grains, |_, _| ())?.0 };
+            let bed = if kept.exists() && !fresh { load(&kept)? } else { pour(path, pile, grains, context())?.0 };
             bar.finished(&format!("bed of seed {}", pile.seed));
             Ok(sample(Some(pile.seed), bed))
         })

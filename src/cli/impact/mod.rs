@@ -24,7 +24,7 @@ use granulens::report::{BedPictures, BedRecord, Provenance, draw_bed};
 use serde::Serialize;
 
 use super::Common;
-use super::console::{Steps, emit, emit_json, interrupt, note, pretty};
+use super::console::{Steps, context, emit, emit_json, note, pretty};
 use super::failure::Failure;
 use super::folder::begin;
 use beds::{load, place, pour};
@@ -122,7 +122,7 @@ impl Impact {
         let measures = measure(&bed);
         let grains = &file.impact.grains;
         let heard = match self.sound {
-            true => Some(listen(&bed, grains, interrupt()).map_err(|error| Failure::input(error.to_string()))?),
+            true => Some(listen(&bed, grains, context()).map_err(|error| Failure::input(error.to_string()))?),
             false => None,
         };
         let begun = Instant::now();
@@ -131,7 +131,7 @@ impl Impact {
         let recording = file.record.map(|plan| (plan, Recording::beside(&place)));
         let course = match &recording {
             Some((plan, recording)) => recording.strike(common, &bed, &file, *plan, told)?,
-            None => strike(&bed, &file.impact, interrupt(), told)
+            None => strike(&bed, &file.impact, context(), told)
                 .map_err(|error| Failure::input(format!("{}: {error}", self.bed.display())))?,
         };
         bar.done();
@@ -186,9 +186,7 @@ impl Impact {
         }
         note(common, "the bed settles, once: 6000 grains in some ten seconds, 90 000 in some minutes");
         let bar = Steps::unbounded(common);
-        let bed = pour(&self.bed, pile, &file.impact.grains, |time, kinetic| {
-            bar.at(time, &format!("settling: {time:.0} tau_c, kinetic energy {kinetic:.1e} m g d"));
-        });
+        let bed = pour(&self.bed, pile, &file.impact.grains, &bar.context());
         bar.done();
         let (bed, seconds) = bed?;
         note(common, &format!("bed: {} (settled in {seconds:.0} s)", path.display()));

@@ -2,15 +2,15 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
+use granulens::Context;
 use granulens::bed::{Bed, BedFile, Course, FRAME_UNITS, Frame, FramePlan, Moment, Strike, frame_names, frame_texts};
 use granulens::output::OutputError;
 
 use super::super::Common;
-use super::super::console::{interrupt, note};
+use super::super::console::{context, note};
 use super::super::failure::Failure;
 
 /// Time between checkpoints.
@@ -99,10 +99,10 @@ impl Recording {
             let put = |job: Job| send.send(job).is_ok();
             let mut last = Instant::now();
             let mut goes_on = taken_up || put(Job::Frame(0, strike.frame()));
-            let never = AtomicBool::new(false);
+            let never = Context::default();
             while goes_on && strike.goes_on() {
                 // Asked between two looks, so that what is taken up later stands where a run that was not stopped looks too.
-                if interrupt().load(Ordering::Relaxed) {
+                if context().stopped() {
                     break;
                 }
                 strike.go_on(&never);

@@ -13,7 +13,7 @@ use super::events::Meter;
 use super::merge::tell;
 use super::read;
 use super::run::{Ran, begin, finish};
-use crate::cli::console::{emit, emit_json, interrupt, note};
+use crate::cli::console::{context, emit, emit_json, note};
 use crate::cli::failure::Failure;
 use crate::cli::{Band, Common};
 
@@ -53,7 +53,7 @@ impl Ask {
         if given.is_empty() && self.random.is_none() {
             let begun = Instant::now();
             let mut meter = Meter::new(common, study.budget(), false);
-            let state = run_with(&study, &folder.join("journal.jsonl"), &mut asking, interrupt(), &mut meter)?;
+            let state = run_with(&study, &folder.join("journal.jsonl"), &mut asking, context(), &mut meter)?;
             note(common, &format!("{} layouts asked for, {} waited for", asking.asked, asking.waiting));
             let seconds = begun.elapsed().as_secs_f64();
             return finish(Ran { study: &study, folder: &folder, state, meter, seconds }, common);

@@ -1,9 +1,9 @@
 //! `granulens study run`.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use granulens::Context;
 use granulens::outcome::FORMAT;
 use granulens::study::{Ended, Report, State, Study, Watch, asked_in, claim, costs, run};
 use granulens::units::Dimension::Time;
@@ -12,7 +12,7 @@ use serde_json::json;
 use super::events::Meter;
 use super::words::words;
 use super::{folder, read};
-use crate::cli::console::{emit, emit_json, interrupt, note};
+use crate::cli::console::{context, emit, emit_json, note};
 use crate::cli::cost::{Part, tell};
 use crate::cli::failure::Failure;
 use crate::cli::folder::{probe, write_file};
@@ -39,7 +39,7 @@ impl Run {
         let folder = begin(common, &study)?;
         let begun = Instant::now();
         let mut meter = Meter::new(common, study.budget(), events);
-        let state = run(&study, &folder.join("journal.jsonl"), interrupt(), &mut meter)?;
+        let state = run(&study, &folder.join("journal.jsonl"), context(), &mut meter)?;
         finish(Ran { study: &study, folder: &folder, state, meter, seconds: begun.elapsed().as_secs_f64() }, common)
     }
 }
@@ -47,7 +47,7 @@ impl Run {
 /// What the study will cost.
 fn cost(study: &Study, common: &Common) -> Result<(), Failure> {
     {
-        let parts: Vec<Part> = costs(study, interrupt())?
+        let parts: Vec<Part> = costs(study, context())?
             .iter()
             .map(|stage| {
                 let what = format!("evaluations of {}, step {}", stage.method, Time.show(stage.step));
@@ -76,11 +76,11 @@ pub fn search(
     study: &Study,
     folder: &Path,
     common: &Common,
-    interrupt: &AtomicBool,
+    context: &Context,
     watch: &mut impl Watch,
 ) -> Result<State, Failure> {
     take(common, study, folder)?;
-    let state = run(study, &folder.join("journal.jsonl"), interrupt, watch)?;
+    let state = run(study, &folder.join("journal.jsonl"), context, watch)?;
     write_down(study, folder, state, common)
 }
 

@@ -1,11 +1,10 @@
 //! Forces between grains: chains before the impact, what friction does to them, and where the front runs.
 
-use std::sync::atomic::AtomicBool;
-
 use super::super::Wanted::{Above, Below};
 use super::super::kondic::{lattice, rubbing, settled, usual};
 use super::super::{Part, Row, RowError, Verdict};
 use super::{above, of_each, ratios, watch};
+use crate::Context;
 use crate::bed::{Bed, Frame, Grains};
 use crate::chance::Mean;
 use crate::network::{ANGLE, Chains, Contact, Network, Part as Force};
@@ -60,12 +59,12 @@ pub(super) const ROWS: &[Row] = &[
 const EARLY: f64 = 30.0;
 
 /// Grains in chains over those with the forces shuffled, and Pearson's r of a grain's force and its depth.
-fn chains(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn chains(context: &Context) -> Result<Vec<Part>, RowError> {
     const SHUFFLES: u64 = 20;
-    let beds = usual(interrupt)?;
+    let beds = usual(context)?;
     let (mut over, mut with_depth) = (Vec::new(), Vec::new());
     for bed in &beds {
-        watch(bed, rubbing(0.5, 0.0), 0.0, interrupt, |_, frame| {
+        watch(bed, rubbing(0.5, 0.0), 0.0, context, |_, frame| {
             let Ok(network) = frame.network() else { return };
             let Some(found) = in_chains(&network) else { return };
             let shuffled = (0..SHUFFLES).filter_map(|seed| in_chains(&shuffled(&network, seed)?)).sum::<f64>();
@@ -101,7 +100,7 @@ fn shuffled(network: &Network, seed: u64) -> Option<Network> {
 }
 
 /// Mean sizes of normal and tangential forces over contacts and frames, from the touch on.
-fn mean_forces(bed: &Bed, grains: Grains, interrupt: &AtomicBool) -> Result<[f64; 2], RowError> {
+fn mean_forces(bed: &Bed, grains: Grains, context: &Context) -> Result<[f64; 2], RowError> {
     let (mut sums, mut count) = ([0.0; 2], 0.0);
     let of = |frame: &Frame, sums: &mut [f64; 2], count: &mut f64| {
         let Ok(network) = frame.network() else { return };
@@ -111,7 +110,7 @@ fn mean_forces(bed: &Bed, grains: Grains, interrupt: &AtomicBool) -> Result<[f64
             *count += 1.0;
         }
     };
-    watch(bed, grains, EARLY, interrupt, |moment, frame| {
+    watch(bed, grains, EARLY, context, |moment, frame| {
         if moment.depth > 0.0 {
             of(frame, &mut sums, &mut count);
         }
@@ -119,13 +118,13 @@ fn mean_forces(bed: &Bed, grains: Grains, interrupt: &AtomicBool) -> Result<[f64
     Ok(sums.map(|sum| sum / count))
 }
 
-fn tangential_force(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn tangential_force(context: &Context) -> Result<Vec<Part>, RowError> {
     let mut parts = Vec::new();
-    for (name, beds) in [("disordered", usual(interrupt)?), ("hexagonal", vec![settled(lattice(), interrupt)?])] {
+    for (name, beds) in [("disordered", usual(context)?), ("hexagonal", vec![settled(lattice(), context)?])] {
         let (mut normal, mut tangential) = (Vec::new(), Vec::new());
         for bed in &beds {
-            let kinetic = mean_forces(bed, rubbing(0.5, 0.0), interrupt)?;
-            let fixed = mean_forces(bed, rubbing(0.5, 0.8), interrupt)?;
+            let kinetic = mean_forces(bed, rubbing(0.5, 0.0), context)?;
+            let fixed = mean_forces(bed, rubbing(0.5, 0.8), context)?;
             normal.push(fixed[0] / kinetic[0]);
             tangential.push(fixed[1] / kinetic[1]);
         }
@@ -137,17 +136,17 @@ fn tangential_force(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
     Ok(parts)
 }
 
-fn peak_force(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn peak_force(context: &Context) -> Result<Vec<Part>, RowError> {
     let most = |bed: &Bed, grains: Grains| -> Result<f64, RowError> {
         let mut most = 0.0_f64;
         let impact = crate::bed::BedImpact::new(grains, super::disk(super::SPEED), EARLY);
-        super::watch_impact(bed, &impact, interrupt, |moment, _| most = most.max(moment.force[1]))?;
+        super::watch_impact(bed, &impact, context, |moment, _| most = most.max(moment.force[1]))?;
         Ok(most)
     };
-    let beds = usual(interrupt)?;
+    let beds = usual(context)?;
     let of = |grains: Grains| of_each(&beds, |bed| most(bed, grains));
     let (smooth, kinetic, fixed) = (of(rubbing(0.0, 0.0))?, of(rubbing(0.5, 0.0))?, of(rubbing(0.5, 0.8))?);
-    let ordered = most(&*settled(lattice(), interrupt)?, rubbing(0.5, 0.0))?;
+    let ordered = most(&*settled(lattice(), context)?, rubbing(0.5, 0.0))?;
     // How far from 1, up or down.
     let apart = |ratios: &[f64]| {
         let mean = Mean::of(ratios).mean;
@@ -170,13 +169,13 @@ fn peak_force(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
 
 /// What the front adds to the grains' force below the impact, in eleven directions from side to side: greatest over mean, at the
 /// moment when it has gone so far.
-fn outstanding(bed: &Bed, interrupt: &AtomicBool) -> Result<f64, RowError> {
+fn outstanding(bed: &Bed, context: &Context) -> Result<f64, RowError> {
     // Of 15° each, of which the rays of a hexagonal bed, at 60°, are the middle of two; the outermost run along the surface.
     const DIRECTIONS: usize = 11;
     let (mut rest, mut found) = (Vec::new(), f64::NAN);
     let mut touched = None;
     let middle = 0.5 * bed.width;
-    watch(bed, rubbing(0.5, 0.0), 24.0, interrupt, |moment, frame| {
+    watch(bed, rubbing(0.5, 0.0), 24.0, context, |moment, frame| {
         let Ok(network) = frame.network() else { return };
         let forces = network.grain_forces(Force::Normal);
         if rest.is_empty() {
@@ -212,9 +211,9 @@ fn outstanding(bed: &Bed, interrupt: &AtomicBool) -> Result<f64, RowError> {
     Ok(found)
 }
 
-fn front(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let random = of_each(&usual(interrupt)?, |bed| outstanding(bed, interrupt))?;
-    let ordered = outstanding(&*settled(lattice(), interrupt)?, interrupt)?;
+fn front(context: &Context) -> Result<Vec<Part>, RowError> {
+    let random = of_each(&usual(context)?, |bed| outstanding(bed, context))?;
+    let ordered = outstanding(&*settled(lattice(), context)?, context)?;
     Ok(vec![
         Part::words("greatest over mean, disordered", "isotropic", Mean::of(&random).mean, "", Below(2.0)),
         Part::words("greatest over mean, hexagonal", "rays", ordered, "", Above(2.0)),

@@ -1,12 +1,12 @@
 //! What resists the intruder: its acceleration against speed and depth, and how its depth scales.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use super::super::Wanted::Within;
 use super::super::kondic::{disk, rubbing, usual};
 use super::super::{Part, Row, RowError, Verdict};
 use super::watch_impact;
+use crate::Context;
 use crate::bed::{Bed, BedImpact, Grains, Moment, exponent, strike};
 
 pub(super) const ROWS: &[Row] = &[
@@ -40,19 +40,19 @@ const SPEEDS: [f64; 5] = [0.1, 0.2, 0.4, 0.7, 1.0];
 const MASS: f64 = 36.0;
 
 /// Moments of an impact, close to each other.
-fn moments(bed: &Bed, grains: Grains, speed: f64, interrupt: &AtomicBool) -> Result<Vec<Moment>, RowError> {
+fn moments(bed: &Bed, grains: Grains, speed: f64, context: &Context) -> Result<Vec<Moment>, RowError> {
     let mut moments = Vec::new();
     let impact = BedImpact { sample: 0.5, ..BedImpact::new(grains, disk(speed), 120.0) };
-    watch_impact(bed, &impact, interrupt, |moment, _| moments.push(*moment))?;
+    watch_impact(bed, &impact, context, |moment, _| moments.push(*moment))?;
     Ok(moments)
 }
 
 /// The exponent of acceleration over speed.
-fn of_friction(beds: &[Arc<Bed>], grains: Grains, interrupt: &AtomicBool) -> Result<f64, RowError> {
+fn of_friction(beds: &[Arc<Bed>], grains: Grains, context: &Context) -> Result<f64, RowError> {
     let mut points = Vec::new();
     for bed in beds {
         for speed in SPEEDS {
-            let moments = moments(bed, grains, speed, interrupt)?;
+            let moments = moments(bed, grains, speed, context)?;
             let stop = moments.iter().position(|m| m.depth > 0.0 && m.velocity[1] >= 0.0).unwrap_or(moments.len());
             let shallow = moments[..stop].iter().filter(|m| (0.6..1.8).contains(&m.depth) && m.force[1] > 0.0);
             points.extend(shallow.map(|m| [-m.velocity[1], m.force[1] / MASS]));
@@ -61,18 +61,18 @@ fn of_friction(beds: &[Arc<Bed>], grains: Grains, interrupt: &AtomicBool) -> Res
     Ok(exponent(&points).map_or(f64::NAN, |k| k.value))
 }
 
-fn acceleration(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let beds = usual(interrupt)?;
-    let smooth = of_friction(&beds, rubbing(0.0, 0.0), interrupt)?;
-    let kinetic = of_friction(&beds, rubbing(0.5, 0.0), interrupt)?;
+fn acceleration(context: &Context) -> Result<Vec<Part>, RowError> {
+    let beds = usual(context)?;
+    let smooth = of_friction(&beds, rubbing(0.0, 0.0), context)?;
+    let kinetic = of_friction(&beds, rubbing(0.5, 0.0), context)?;
     Ok(vec![
         Part::words("k without friction", "1.4", smooth, "", Within { value: 1.4, absolute: 0.3 }),
         Part::words("k with kinetic friction", "1", kinetic, "", Within { value: 1.0, absolute: 0.3 }),
     ])
 }
 
-fn dropped(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let beds = usual(interrupt)?;
+fn dropped(context: &Context) -> Result<Vec<Part>, RowError> {
+    let beds = usual(context)?;
     let fall = Grains::default().fall();
     let mut parts = Vec::new();
     for (name, grains) in [("μ = 0", rubbing(0.0, 0.0)), ("kinetic", rubbing(0.5, 0.0)), ("static", rubbing(0.5, 0.8))]
@@ -81,7 +81,7 @@ fn dropped(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
         for speed in SPEEDS {
             let mut depth = 0.0;
             for bed in &beds {
-                let course = strike(bed, &BedImpact::new(grains, disk(speed), 120.0), interrupt, |_| ())?;
+                let course = strike(bed, &BedImpact::new(grains, disk(speed), 120.0), context, |_| ())?;
                 if let Some(stop) = course.stop {
                     return Err(stop.into());
                 }

@@ -15,11 +15,11 @@ mod movement;
 mod network;
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use super::Wanted::Above;
 use super::kondic::{SPEED, disk};
 use super::{Part, Row, RowError};
+use crate::Context;
 use crate::bed::{Bed, BedImpact, Frame, Grains, Moment, Strike};
 use crate::chance::Mean;
 
@@ -38,23 +38,23 @@ fn watch(
     bed: &Bed,
     grains: Grains,
     window: f64,
-    interrupt: &AtomicBool,
+    context: &Context,
     show: impl FnMut(&Moment, &Frame),
 ) -> Result<(), RowError> {
     let impact = BedImpact { sample: EVERY, ..BedImpact::new(grains, disk(SPEED), window) };
-    watch_impact(bed, &impact, interrupt, show)
+    watch_impact(bed, &impact, context, show)
 }
 
 fn watch_impact(
     bed: &Bed,
     impact: &BedImpact,
-    interrupt: &AtomicBool,
+    context: &Context,
     mut show: impl FnMut(&Moment, &Frame),
 ) -> Result<(), RowError> {
     let mut strike = Strike::new(bed, impact)?;
     show(strike.moment(), &strike.frame());
     while strike.goes_on() {
-        strike.go_on(interrupt);
+        strike.go_on(context);
         if let Some(stop) = strike.stop() {
             return Err(stop.clone().into());
         }

@@ -1,12 +1,12 @@
 //! How grains move, and where the energy goes.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use super::super::Wanted::{Above, Below};
 use super::super::kondic::{lattice, rubbing, settled, usual};
 use super::super::{Part, Row, RowError, Verdict};
 use super::{EVERY, WINDOW, above, watch};
+use crate::Context;
 use crate::bed::{Bed, Grains};
 use crate::motion::{RADIUS, follow};
 
@@ -45,11 +45,11 @@ pub(super) const ROWS: &[Row] = &[
 ];
 
 /// Mean D²_min (d²) and mean size of A·u (d), u a grain's displacement over the interval, from the first touch on.
-fn moved(bed: &Bed, grains: Grains, window: f64, interrupt: &AtomicBool) -> Result<[f64; 2], RowError> {
+fn moved(bed: &Bed, grains: Grains, window: f64, context: &Context) -> Result<[f64; 2], RowError> {
     let (mut sums, mut count) = ([0.0; 2], 0.0);
     let mut before: Option<Vec<[f64; 2]>> = None;
     let period = bed.periodic.then_some(bed.width);
-    watch(bed, grains, window, interrupt, |moment, frame| {
+    watch(bed, grains, window, context, |moment, frame| {
         let after = frame.places();
         if let Some(before) = before.take().filter(|_| moment.depth > 0.0) {
             for (k, local) in follow(&before, &after, RADIUS, period).into_iter().flatten().enumerate() {
@@ -66,11 +66,11 @@ fn moved(bed: &Bed, grains: Grains, window: f64, interrupt: &AtomicBool) -> Resu
     Ok(sums.map(|sum| sum / count))
 }
 
-fn compared(beds: &[Arc<Bed>], window: f64, interrupt: &AtomicBool) -> Result<[Vec<f64>; 2], RowError> {
+fn compared(beds: &[Arc<Bed>], window: f64, context: &Context) -> Result<[Vec<f64>; 2], RowError> {
     let mut over: [Vec<f64>; 2] = Default::default();
     for bed in beds {
-        let kinetic = moved(bed, rubbing(0.5, 0.0), window, interrupt)?;
-        let fixed = moved(bed, rubbing(0.5, 0.8), window, interrupt)?;
+        let kinetic = moved(bed, rubbing(0.5, 0.0), window, context)?;
+        let fixed = moved(bed, rubbing(0.5, 0.8), window, context)?;
         for (k, over) in over.iter_mut().enumerate() {
             over.push(kinetic[k] / fixed[k]);
         }
@@ -81,23 +81,23 @@ fn compared(beds: &[Arc<Bed>], window: f64, interrupt: &AtomicBool) -> Result<[V
 const NON_AFFINE: &str = "D²_min, kinetic over static";
 const AFFINE: &str = "affine motion, kinetic over static";
 
-fn motion(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let [non_affine, affine] = compared(&usual(interrupt)?, WINDOW, interrupt)?;
+fn motion(context: &Context) -> Result<Vec<Part>, RowError> {
+    let [non_affine, affine] = compared(&usual(context)?, WINDOW, context)?;
     let parts = [above(NON_AFFINE, "stronger", &non_affine, 1.0), above(AFFINE, "stronger", &affine, 1.0)];
     Ok(parts.concat())
 }
 
-fn motion_hexagonal(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    let [non_affine, affine] = compared(&[settled(lattice(), interrupt)?], 60.0, interrupt)?;
+fn motion_hexagonal(context: &Context) -> Result<Vec<Part>, RowError> {
+    let [non_affine, affine] = compared(&[settled(lattice(), context)?], 60.0, context)?;
     Ok(vec![
         Part::words(NON_AFFINE, "much stronger", non_affine[0], "", Above(1.0)),
         Part::words(AFFINE, "stronger", affine[0], "", Above(1.0)),
     ])
 }
 
-fn energy(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn energy(context: &Context) -> Result<Vec<Part>, RowError> {
     const WHEN: f64 = 40.0;
-    let beds = usual(interrupt)?;
+    let beds = usual(context)?;
     let mut rise = 0.0_f64;
     // Of all energy, and of the kinetic one, what is left then of what was there at first.
     let mut left = [[0.0; 2]; 3];
@@ -108,7 +108,7 @@ fn energy(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
             let (mut last, mut first) = (f64::INFINITY, None);
             let (mut least, mut most, mut moving) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
             let part = 1.0 / beds.len() as f64;
-            watch(bed, grains, WINDOW, interrupt, |moment, _| {
+            watch(bed, grains, WINDOW, context, |moment, _| {
                 let e = &moment.energy;
                 let elastic = e.stored + e.tangential_stored;
                 let total = e.kinetic + elastic + e.potential;

@@ -1,11 +1,10 @@
 //! The network of forces: its components under either friction, and its loops against the intruder's deceleration.
 
-use std::sync::atomic::AtomicBool;
-
 use super::super::Wanted::Above;
 use super::super::kondic::{pile, rubbing, settled, usual};
 use super::super::{Part, Row, RowError, Verdict};
 use super::{WINDOW, above, lower_end, watch};
+use crate::Context;
 use crate::bed::{Bed, Frame, Grains};
 use crate::chance::Mean;
 use crate::network::{Carrier, Part as Force, Topology};
@@ -51,11 +50,11 @@ fn topology(frame: &Frame, carrier: Carrier, part: Force, thresholds: &[f64]) ->
 }
 
 /// Mean number of components per grain over thresholds, of one bed: before and after this time (τ_c), over frames.
-fn of_components(bed: &Bed, part: Force, grains: Grains, interrupt: &AtomicBool) -> Result<[f64; 2], RowError> {
+fn of_components(bed: &Bed, part: Force, grains: Grains, context: &Context) -> Result<[f64; 2], RowError> {
     const LATE: f64 = 60.0;
     let thresholds: Vec<f64> = (0..=25).map(|k| f64::from(k) / 5.0).collect();
     let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
-    watch(bed, grains, WINDOW, interrupt, |moment, frame| {
+    watch(bed, grains, WINDOW, context, |moment, frame| {
         if let Some(found) = topology(frame, Carrier::Particles, part, &thresholds).filter(|_| moment.depth > 0.0) {
             let late = usize::from(moment.time > LATE);
             let number = found.components.iter().sum::<usize>() as f64 / thresholds.len() as f64;
@@ -66,11 +65,11 @@ fn of_components(bed: &Bed, part: Force, grains: Grains, interrupt: &AtomicBool)
     Ok([sums[0] / counts[0], sums[1] / counts[1]])
 }
 
-fn more_components(part: Force, interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn more_components(part: Force, context: &Context) -> Result<Vec<Part>, RowError> {
     let mut over: [Vec<f64>; 2] = Default::default();
-    for bed in usual(interrupt)? {
-        let kinetic = of_components(&bed, part, rubbing(0.5, 0.0), interrupt)?;
-        let fixed = of_components(&bed, part, rubbing(0.5, 0.8), interrupt)?;
+    for bed in usual(context)? {
+        let kinetic = of_components(&bed, part, rubbing(0.5, 0.0), context)?;
+        let fixed = of_components(&bed, part, rubbing(0.5, 0.8), context)?;
         for (k, over) in over.iter_mut().enumerate() {
             over.push(fixed[k] / kinetic[k]);
         }
@@ -80,12 +79,12 @@ fn more_components(part: Force, interrupt: &AtomicBool) -> Result<Vec<Part>, Row
     Ok(of("up to 60 τ_c", &early).into_iter().chain(of("60 to 120 τ_c", &late)).collect())
 }
 
-fn components(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    more_components(Force::Normal, interrupt)
+fn components(context: &Context) -> Result<Vec<Part>, RowError> {
+    more_components(Force::Normal, context)
 }
 
-fn tangential(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
-    more_components(Force::Tangential, interrupt)
+fn tangential(context: &Context) -> Result<Vec<Part>, RowError> {
+    more_components(Force::Tangential, context)
 }
 
 /// Pearson's correlation of two columns.
@@ -96,14 +95,14 @@ pub(super) fn pearson(rows: &[[f64; 2]]) -> f64 {
     of(0, 1) / (of(0, 0) * of(1, 1)).sqrt()
 }
 
-fn persistence(interrupt: &AtomicBool) -> Result<Vec<Part>, RowError> {
+fn persistence(context: &Context) -> Result<Vec<Part>, RowError> {
     // In force, and in multiples of the mean.
     let mut found: [Vec<f64>; 2] = Default::default();
     for seed in 1..=10 {
-        let bed = settled(pile(0.2, 60.0, seed), interrupt)?;
+        let bed = settled(pile(0.2, 60.0, seed), context)?;
         let (mut absolute, mut relative) = (Vec::new(), Vec::new());
         let mut stopped = false;
-        watch(&bed, rubbing(0.5, 0.0), 60.0, interrupt, |moment, frame| {
+        watch(&bed, rubbing(0.5, 0.0), 60.0, context, |moment, frame| {
             stopped |= moment.depth > 0.0 && moment.velocity[1] >= 0.0;
             if moment.depth <= 0.0 || stopped {
                 return;

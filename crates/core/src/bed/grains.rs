@@ -163,9 +163,9 @@ fn placeholder(name: &str) -> Material {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
 
     use super::*;
+    use crate::Context;
     use crate::dem::rig::Simulation;
 
     /// With exact damping any two grains rebound with the restitution asked for to 0.1 % at the step that is chosen, wherever in a step they
@@ -186,7 +186,7 @@ mod tests {
             let mut rig = grains.rig(&bed, false);
             (rig.gravity, rig.velocity[0]) = ([0.0; 2], [0.2, 0.0]);
             let mut simulation = Simulation::new(rig, grains.step(0.6)).unwrap();
-            simulation.advance(1000, &AtomicBool::new(false)).unwrap();
+            simulation.advance(1000, &Context::default()).unwrap();
             let view = simulation.view();
             (view.velocity(1)[0] - view.velocity(0)[0]) / 0.2
         };

@@ -1,11 +1,10 @@
 //! What follows when an intruder strikes a bed.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::{Deserialize, Serialize};
 
 use super::measure::surface;
 use super::{Bed, Disk, Frame, Grains, Intruder, Outline};
+use crate::Context;
 use crate::dem::rig::{CheckpointError, EnergyLedger, Face, RigError, RigStop, Simulation};
 
 /// An impact on a bed.
@@ -104,12 +103,12 @@ pub fn stop_words(stop: &RigStop) -> String {
 pub fn strike(
     bed: &Bed,
     impact: &BedImpact,
-    interrupt: &AtomicBool,
+    context: &Context,
     mut progress: impl FnMut(&Moment),
 ) -> Result<Course, RigError> {
     let mut strike = Strike::new(bed, impact)?;
     while strike.goes_on() {
-        strike.go_on(interrupt);
+        strike.go_on(context);
         progress(strike.moment());
     }
     Ok(strike.course())
@@ -166,10 +165,10 @@ impl Strike {
     }
 
     /// Goes on to the next look, or until a guard or the caller stops it.
-    pub fn go_on(&mut self, interrupt: &AtomicBool) {
+    pub fn go_on(&mut self, context: &Context) {
         let every = ((self.impact.sample / self.impact.step).round() as u64).max(1);
         let left = self.steps() - self.simulation.steps();
-        self.stop = self.simulation.advance(every.min(left), interrupt).err();
+        self.stop = self.simulation.advance(every.min(left), context).err();
         let moment = self.look();
         let size = moment.force[0].hypot(moment.force[1]);
         let view = self.simulation.view();
@@ -320,7 +319,7 @@ mod tests {
         let outline = Outline::Disk { diameter: 3.0 };
         let intruder = Intruder { outline, mass: 9.0, body: Body::Solid, turns: true, speed: 0.7, height: 0.2 };
         let impact = BedImpact::new(grains, intruder, 12.0);
-        let never = AtomicBool::new(false);
+        let never = Context::default();
         let finish = |mut strike: Strike| {
             while strike.goes_on() {
                 strike.go_on(&never);

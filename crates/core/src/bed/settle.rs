@@ -3,11 +3,10 @@
 //! With kinetic friction a bed creeps for ever, so it settles without friction and with a little drag, which decides nothing
 //! about where the grains end: friction is restored for the impact.
 
-use std::sync::atomic::AtomicBool;
-
 use super::measure::surface;
 use super::{Bed, Disk, Grains, Pile};
 use crate::dem::rig::{RigError, RigStop, Simulation};
+use crate::{Context, Progress};
 
 /// A bed at rest, and how it came there.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,19 +53,14 @@ const DRAG: f64 = 0.02;
 /// Grains whose top stands out of the local surface by more than this (d) are taken away.
 const ROUGH: f64 = 0.5;
 
-/// Lets a pile settle, smooths its surface and lets it settle again. `progress` hears time (τ_c) and kinetic energy (m g d).
+/// Lets a pile settle, smooths its surface and lets it settle again. The context hears of it ([`Progress::Settling`]).
 ///
 /// # Errors
 /// See [`SettleError`].
-pub fn settle(
-    pile: &Pile,
-    grains: &Grains,
-    interrupt: &AtomicBool,
-    mut progress: impl FnMut(f64, f64),
-) -> Result<Settled, SettleError> {
+pub fn settle(pile: &Pile, grains: &Grains, context: &Context) -> Result<Settled, SettleError> {
     let (bed, velocities) = pile.lay();
     let mut time = 0.0;
-    let mut bed = rest(bed, &velocities, grains, interrupt, &mut time, &mut progress)?;
+    let mut bed = rest(bed, &velocities, grains, context, &mut time)?;
     let before = bed.grains.len();
     let width = bed.width;
     let local: Vec<f64> = (0..width.ceil() as usize).map(|k| surface(&bed, k as f64 + 0.5)).collect();
@@ -77,7 +71,7 @@ pub fn settle(
     let smoothed = before - bed.grains.len();
     if smoothed > 0 {
         let still = vec![[0.0; 2]; bed.grains.len()];
-        bed = rest(bed, &still, grains, interrupt, &mut time, &mut progress)?;
+        bed = rest(bed, &still, grains, context, &mut time)?;
     }
     Ok(Settled { bed, time, smoothed })
 }
@@ -87,9 +81,8 @@ fn rest(
     bed: Bed,
     velocities: &[[f64; 2]],
     grains: &Grains,
-    interrupt: &AtomicBool,
+    context: &Context,
     time: &mut f64,
-    progress: &mut impl FnMut(f64, f64),
 ) -> Result<Bed, SettleError> {
     let mut rig = grains.rig(&bed, false);
     rig.velocity[..velocities.len()].copy_from_slice(velocities);
@@ -98,10 +91,10 @@ fn rest(
     let begun = *time;
     let mut simulation = Simulation::new(rig, SETTLING)?;
     loop {
-        simulation.advance(LOOK, interrupt)?;
+        simulation.advance(LOOK, context)?;
         *time = begun + simulation.time();
         let kinetic = simulation.ledger().kinetic / unit;
-        progress(*time, kinetic);
+        context.tell(Progress::Settling { time: *time, kinetic });
         if kinetic < STILL {
             break;
         }
@@ -128,11 +121,11 @@ mod tests {
     /// fraction is that of a dense packing and nothing moves.
     #[test]
     fn a_small_bed_comes_to_rest() {
-        let go = AtomicBool::new(false);
+        let go = Context::default();
         let pile =
             Pile { packing: Packing::Random, width: 20.0, height: 15.0, spread: 0.2, seed: 5, sides: Sides::Periodic };
         let grains = Grains { stiffness: 400.0, ..Grains::default() };
-        let settled = settle(&pile, &grains, &go, |_, _| ()).unwrap();
+        let settled = settle(&pile, &grains, &go).unwrap();
         assert!(settled.bed.grains.len() + settled.smoothed == 300 && settled.smoothed < 30);
         let measures = measure(&settled.bed);
         assert!((0.8..0.92).contains(&measures.volume_fraction), "{measures:?}");

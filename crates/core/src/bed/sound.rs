@@ -1,10 +1,9 @@
 //! How fast a push travels through a bed (Kondic et al. 2012, section II).
 
-use std::sync::atomic::AtomicBool;
-
 use super::measure::surface;
 use super::settle::STEP;
 use super::{Bed, Grains};
+use crate::Context;
 use crate::dem::rig::{Body, Curve, Load, LoadKind, RigError, RigStop, Simulation};
 
 /// A bed in which no sound speed was found.
@@ -47,7 +46,7 @@ pub struct Sound {
 ///
 /// # Errors
 /// See [`SoundError`].
-pub fn listen(bed: &Bed, grains: &Grains, interrupt: &AtomicBool) -> Result<Sound, SoundError> {
+pub fn listen(bed: &Bed, grains: &Grains, context: &Context) -> Result<Sound, SoundError> {
     let middle = 0.5 * bed.width;
     let near = |x: f64| (x - middle).abs() < 1.0;
     let top = (0..bed.grains.len())
@@ -68,7 +67,7 @@ pub fn listen(bed: &Bed, grains: &Grains, interrupt: &AtomicBool) -> Result<Soun
         let mut forces = Vec::new();
         // Slow beds carry sound at about one diameter a unit of time.
         for _ in 0..(1.5 * height / (LOOK as f64 * STEP)) as usize {
-            simulation.advance(LOOK, interrupt)?;
+            simulation.advance(LOOK, context)?;
             forces.push(walls.clone().map(|i| simulation.view().net_force(i)[1]).sum());
         }
         Ok(forces)

@@ -6,7 +6,6 @@
 //! whichever designs stand together.
 
 use std::any::Any;
-use std::sync::atomic::AtomicBool;
 
 use super::Integrator;
 use super::clock::{Clock, Phase, Phases};
@@ -18,6 +17,7 @@ use super::load::ForcePulse;
 use super::neighbour::OverlapAtRest;
 use super::size::are_alike;
 use super::table::LaneTable;
+use crate::Context;
 use crate::contact::{Consistent, ElastoPlastic, LaneLaw, LawKind, WithLaw};
 use crate::real::{Kernel, Lanes, Width};
 use crate::sample::Sample;
@@ -65,7 +65,7 @@ pub enum BatchError {
 }
 
 /// Follows the same impact on samples with the same centres, which may differ in materials and radii; a radius of zero is an
-/// empty site. `interrupt` is looked at now and then; when it is set the runs end with what they have. What cannot run side by
+/// empty site. `context` is looked at now and then; when it is stopped the runs end with what they have. What cannot run side by
 /// side (designs with more than 16 kinds of pairs of materials together) is simulated one by one.
 ///
 /// # Errors
@@ -74,9 +74,9 @@ pub fn simulate_batch<const D: usize>(
     samples: &[Sample<D>],
     impact: &Impact,
     width: Width,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Brief>, BatchError> {
-    Ok(dispatch(samples, width, &terms(impact, interrupt))?.0)
+    Ok(dispatch(samples, width, &terms(impact, context))?.0)
 }
 
 /// As [`simulate_batch`], where a run ends with [`Stop::Beyond`] once it is above its limit; what it says up to then are lower
@@ -92,10 +92,10 @@ pub fn simulate_batch_within<const D: usize>(
     impact: &Impact,
     limit: &Limit,
     width: Width,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Brief>, BatchError> {
     Limit::assert_each(Some(limit), samples.len());
-    Ok(dispatch(samples, width, &Terms { limit: Some(limit), ..terms(impact, interrupt) })?.0)
+    Ok(dispatch(samples, width, &Terms { limit: Some(limit), ..terms(impact, context) })?.0)
 }
 
 /// As [`simulate_batch`], and what its parts took. Runge-Kutta's sweeps count as motion.
@@ -106,9 +106,9 @@ pub fn simulate_batch_timed<const D: usize>(
     samples: &[Sample<D>],
     impact: &Impact,
     width: Width,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<(Vec<Brief>, Phases), BatchError> {
-    dispatch(samples, width, &Terms { timed: true, ..terms(impact, interrupt) })
+    dispatch(samples, width, &Terms { timed: true, ..terms(impact, context) })
 }
 
 /// As [`simulate_batch`], with Coulomb's friction; see [`simulate_with_friction`](super::simulate_with_friction). A limit ends runs as in
@@ -125,10 +125,10 @@ pub fn simulate_batch_with_friction(
     coefficient: f64,
     limit: Option<&Limit>,
     width: Width,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Brief>, BatchError> {
     Limit::assert_each(limit, samples.len());
-    Ok(side_by_side(samples, width, &Terms { limit, friction: Some(coefficient), ..terms(impact, interrupt) })?.0)
+    Ok(side_by_side(samples, width, &Terms { limit, friction: Some(coefficient), ..terms(impact, context) })?.0)
 }
 
 /// As [`simulate_batch`], with a pulse for each sample in place of the impact's own, with limits where there are any and friction, which is written
@@ -146,17 +146,17 @@ pub fn simulate_batch_under<const D: usize>(
     friction: Option<f64>,
     limit: Option<&Limit>,
     width: Width,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Brief>, BatchError> {
     assert!(pulses.len() >= samples.len(), "a pulse for each of {} samples", samples.len());
     Limit::assert_each(limit, samples.len());
     assert!(friction.is_none() || D == 2, "friction is written for the plane");
-    Ok(dispatch(samples, width, &Terms { pulses, limit, friction, ..terms(impact, interrupt) })?.0)
+    Ok(dispatch(samples, width, &Terms { pulses, limit, friction, ..terms(impact, context) })?.0)
 }
 
-fn terms<'a>(impact: &'a Impact, interrupt: &'a AtomicBool) -> Terms<'a> {
+fn terms<'a>(impact: &'a Impact, context: &'a Context) -> Terms<'a> {
     let pulses = std::slice::from_ref(&impact.pulse);
-    Terms { impact, pulses, limit: None, friction: None, interrupt, timed: false, dimension: 2 }
+    Terms { impact, pulses, limit: None, friction: None, context, timed: false, dimension: 2 }
 }
 
 /// Compiled here for each dimension; see `dem::same`.
@@ -266,10 +266,10 @@ pub fn screen_batch(
     samples: &[Sample<2>],
     impact: &Impact,
     limit: Option<&Limit>,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Vec<Brief>, BatchError> {
     Limit::assert_each(limit, samples.len());
-    let whole = Terms { limit, ..terms(impact, interrupt) };
+    let whole = Terms { limit, ..terms(impact, context) };
     let mut briefs = Vec::with_capacity(samples.len());
     for (group, start) in samples.chunks(16).zip((0..).step_by(16)) {
         let limit = limit.map(|limit| limit.of(start..start + group.len()));

@@ -2,8 +2,6 @@
 //!
 //! What a contact's law costs is compiled for each law, in sweeps of their own ([`Laws`]); all else once for each width and dimension.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use super::batch::{Brief, Limit};
 use super::body::Grains;
 use super::boundary::{Mirror, Period};
@@ -16,6 +14,7 @@ use super::neighbour::{OverlapAtRest, Touching};
 use super::record::{Fastest, Observer};
 use super::step::{Drive, Stepper};
 use super::strangers::{Lapse, Strangers, VIGILANCE};
+use crate::Context;
 use crate::real::Lanes;
 use crate::sample::Sample;
 
@@ -31,7 +30,7 @@ pub(super) struct Terms<'a> {
     pub limit: Option<&'a Limit>,
     /// Coulomb's coefficient, where there is friction.
     pub friction: Option<f64>,
-    pub interrupt: &'a AtomicBool,
+    pub context: &'a Context,
     /// Whether it is measured what the parts of the run take.
     pub timed: bool,
     /// Dimensions for which the step's stability is judged.
@@ -103,7 +102,7 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
     accept: Sweep,
 ) -> Option<Run<'a, V, D, O>> {
     let (samples, impact) = (group.samples, group.terms.impact);
-    let &Terms { pulses, limit, friction, interrupt, timed, dimension, .. } = group.terms;
+    let &Terms { pulses, limit, friction, context, timed, dimension, .. } = group.terms;
     let spheres = samples[0].spheres.len();
     let steps = steps_in(impact.window, impact.step);
     let mut clock = Clock::new(timed);
@@ -158,7 +157,7 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
                 }
                 stepper.clock.lap(Phase::Watching);
             }
-            let interrupted = interrupt.load(Ordering::Relaxed);
+            let interrupted = context.stopped();
             let all_finite = watch.look(&grains, &contacts);
             for (lane, stop) in stops.iter_mut().enumerate().filter(|(_, stop)| stop.is_none()) {
                 *stop = watch.judge(&stepper, &grains, &contacts, &*laws, all_finite, lane).err();

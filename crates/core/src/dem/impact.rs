@@ -1,7 +1,6 @@
 //! One impact from start to end.
 
 use std::any::Any;
-use std::sync::atomic::AtomicBool;
 
 use super::batch::Brief;
 use super::body::Grains;
@@ -17,6 +16,7 @@ use super::neighbour::OverlapAtRest;
 use super::record::Felt;
 use super::table::LawTable;
 use super::{Integrator, same};
+use crate::Context;
 use crate::contact::{Constants, LawKind};
 use crate::sample::{Sample, Sphere};
 
@@ -107,13 +107,13 @@ pub fn simulate_with_friction(
     sample: &Sample<2>,
     impact: &Impact,
     coefficient: f64,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Record<2>, OverlapAtRest> {
-    recorded(sample, &Terms { friction: Some(coefficient), ..terms(impact, interrupt, 2) })
+    recorded(sample, &Terms { friction: Some(coefficient), ..terms(impact, context, 2) })
 }
 
 /// Follows an impact on `sample`. Contacts between spheres that do not touch at rest are found as these come near; that none is
-/// missed is proven as the run goes. `interrupt` is looked at now and then; when it is set the run ends with what it has.
+/// missed is proven as the run goes. `context` is looked at now and then; when it is stopped the run ends with what it has.
 ///
 /// # Errors
 /// Spheres that overlap before the impact. A run that a guard stops is no error: its record says why and keeps what was
@@ -121,33 +121,33 @@ pub fn simulate_with_friction(
 pub fn simulate<const D: usize>(
     sample: &Sample<D>,
     impact: &Impact,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Record<D>, OverlapAtRest> {
-    fn in_line(sample: &Sample<1>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<1>, OverlapAtRest> {
-        recorded(&laid_in_plane(sample), &terms(&impact.in_plane(), interrupt, 1)).map(Record::in_line)
+    fn in_line(sample: &Sample<1>, impact: &Impact, context: &Context) -> Result<Record<1>, OverlapAtRest> {
+        recorded(&laid_in_plane(sample), &terms(&impact.in_plane(), context, 1)).map(Record::in_line)
     }
-    fn in_plane(sample: &Sample<2>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<2>, OverlapAtRest> {
-        recorded(sample, &terms(impact, interrupt, 2))
+    fn in_plane(sample: &Sample<2>, impact: &Impact, context: &Context) -> Result<Record<2>, OverlapAtRest> {
+        recorded(sample, &terms(impact, context, 2))
     }
-    fn in_space(sample: &Sample<3>, impact: &Impact, interrupt: &AtomicBool) -> Result<Record<3>, OverlapAtRest> {
-        recorded(sample, &terms(impact, interrupt, 3))
+    fn in_space(sample: &Sample<3>, impact: &Impact, context: &Context) -> Result<Record<3>, OverlapAtRest> {
+        recorded(sample, &terms(impact, context, 3))
     }
     let dimension: &dyn Any = sample;
     if let Some(sample) = dimension.downcast_ref() {
-        same(in_line(sample, impact, interrupt))
+        same(in_line(sample, impact, context))
     } else if let Some(sample) = dimension.downcast_ref() {
-        same(in_plane(sample, impact, interrupt))
+        same(in_plane(sample, impact, context))
     } else if let Some(sample) = dimension.downcast_ref() {
-        same(in_space(sample, impact, interrupt))
+        same(in_space(sample, impact, context))
     } else {
         const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
         unreachable!("one of the three")
     }
 }
 
-fn terms<'a>(impact: &'a Impact, interrupt: &'a AtomicBool, dimension: usize) -> Terms<'a> {
+fn terms<'a>(impact: &'a Impact, context: &'a Context, dimension: usize) -> Terms<'a> {
     let pulses = std::slice::from_ref(&impact.pulse);
-    Terms { impact, pulses, limit: None, friction: None, interrupt, timed: false, dimension }
+    Terms { impact, pulses, limit: None, friction: None, context, timed: false, dimension }
 }
 
 /// A line of spheres along the second axis of the plane. Nothing ever acts across it, so that it moves as the line, to the bit, and need
@@ -246,10 +246,10 @@ fn followed<const D: usize>(
 pub(super) fn contacts_found(
     sample: &Sample<2>,
     impact: &Impact,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<(List<2>, Grains<f64, 2>, Option<Stop>), OverlapAtRest> {
     let mut found = None;
-    followed(sample, &terms(impact, interrupt, 2), false, &mut |run| {
+    followed(sample, &terms(impact, context, 2), false, &mut |run| {
         found = Some((run.contacts.list.clone(), run.grains.clone(), run.stops[0].clone()));
     })?;
     Ok(found.expect("a run that was followed has been looked at"))

@@ -1,7 +1,6 @@
 //! How far a wave's speed follows the bound at any amplitude, against simulations that the fit never saw.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens_core::Context;
 use granulens_core::contact::{Constants, LawKind, Pair};
 use granulens_core::dem::rig::{Arrival, Body, Curve, LawBook, Load, LoadKind, Rig, Simulation};
 use granulens_core::lattice::{Cell, Crystal, Outline, Width};
@@ -47,7 +46,7 @@ fn simulated<const D: usize>(
     // Unloading contacts are stiffer by far than the plastic ones; 1/300 of their time leaves 1e-3 of the speed.
     let step = 0.01 * (lightest / limit.stiffness).sqrt();
     let mut simulation = Simulation::new(rig, step).unwrap().watching(vec![Arrival::FirstSphere(0.1)]);
-    let go = AtomicBool::new(false);
+    let go = Context::default();
     let [from, to] =
         [8, 20].map(|layer| (0..crystal.sites().len()).find(|&k| crystal.sites()[k].layer == layer).unwrap());
     for _ in 0..400 {

@@ -80,7 +80,7 @@ fn a_load_at_an_angle_gives_its_impulse_in_both_directions() {
             step: 3e-7,
             window: 50e-6,
         };
-        let never = std::sync::atomic::AtomicBool::new(false);
+        let never = granulens_core::Context::default();
         let as_rig = granulens_core::dem::rig::simulate_as_rig(&sample, &impact, None, &never).unwrap();
         for record in [run(&sample, &impact), as_rig] {
             let wanted = 100.0 * 20e-6 / sample.mass(0);

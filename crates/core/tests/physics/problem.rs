@@ -1,7 +1,6 @@
 //! The lens problem and its relatives, set up from the library's parts.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens_core::Context;
 use granulens_core::contact::{Constants, LawKind};
 use granulens_core::dem::{ForcePulse, Impact, Integrator, Mirror, Record, simulate};
 use granulens_core::lattice::{HexagonalSheet, Site};
@@ -53,5 +52,5 @@ pub fn impact(lattice: &HexagonalSheet) -> Impact {
 }
 
 pub fn run<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Record<D> {
-    simulate(sample, impact, &AtomicBool::new(false)).unwrap()
+    simulate(sample, impact, &Context::default()).unwrap()
 }

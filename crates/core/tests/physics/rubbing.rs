@@ -8,7 +8,7 @@ use granulens_core::sample::{Sample, Sphere};
 use crate::problem::DIAMETER;
 use crate::reference::material;
 
-static GO: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+static GO: std::sync::LazyLock<granulens_core::Context> = std::sync::LazyLock::new(granulens_core::Context::default);
 
 fn impact(moving: Vec<(usize, f64)>, window: f64) -> Impact {
     Impact {

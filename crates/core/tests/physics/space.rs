@@ -1,7 +1,6 @@
 //! Crystals in space against independent solutions, and against themselves: half and whole, HCP and FCC, lanes and single.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens_core::Context;
 use granulens_core::contact::{Constants, LawKind};
 use granulens_core::dem::{ForcePulse, Impact, Integrator, Mirror, Period, simulate_batch};
 use granulens_core::lattice::{Block, BlockSide, Cell, Crystal, CrystalSite, Layered, Outline, Width};
@@ -151,7 +150,7 @@ fn a_lens_of_revolution_repeats_the_independent_solution_sphere_by_sphere() {
 #[test]
 fn a_lens_of_revolution_in_lanes_is_within_the_tolerances_of_another_integrator() {
     let lens = Lens::read();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let impact = Impact { integrator: Integrator::Adams, step: 1e-7, window: 150e-6, ..lens.impact() };
     let samples = [lens.sample(true), lens.sample(false)];
     let briefs = simulate_batch(&samples, &impact, Lanes::widest(), &never).unwrap();

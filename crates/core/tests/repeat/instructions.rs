@@ -5,8 +5,8 @@
 //! the counts kept here, nothing is compared, and the test says so.
 
 use std::process::Command;
-use std::sync::atomic::AtomicBool;
 
+use granulens_core::Context;
 use granulens_core::contact::LawKind;
 use granulens_core::dem::{Integrator, simulate_batch};
 use granulens_core::real::Width;
@@ -31,7 +31,7 @@ fn eight_designs_once() {
     let mut impact = impact(&layout(is_lens).lattice);
     (impact.law, impact.integrator, impact.step, impact.window) = (law, Integrator::Adams, 2e-7, 60e-6);
     impact.pulse.force = 8e3;
-    let done = simulate_batch(&designs()[..8], &impact, Width::widest(), &AtomicBool::new(false)).unwrap();
+    let done = simulate_batch(&designs()[..8], &impact, Width::widest(), &Context::default()).unwrap();
     assert!(done.iter().all(|record| record.stop.is_none()));
 }
 

@@ -9,8 +9,7 @@ mod problem;
 #[expect(dead_code, reason = "shared with the physics tests, which use all of it")]
 mod reference;
 
-use std::sync::atomic::AtomicBool;
-
+use granulens_core::Context;
 use granulens_core::contact::LawKind;
 use granulens_core::dem::{
     ForcePulse, Integrator, screen_batch, simulate, simulate_batch, simulate_batch_under, simulate_batch_with_friction,
@@ -39,7 +38,7 @@ fn designs() -> Vec<Sample<2>> {
 #[test]
 fn a_batch_has_the_bits_of_single_runs_at_every_width_and_in_every_order() {
     let samples = designs();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     for &law in LawKind::ALL {
         let mut impact = impact(&layout(is_lens).lattice);
         (impact.law, impact.step, impact.window) = (law, 2e-7, 60e-6);
@@ -69,7 +68,7 @@ fn a_batch_has_the_bits_of_single_runs_at_every_width_and_in_every_order() {
 #[test]
 fn a_pulse_for_each_sample_is_that_of_single_runs() {
     let samples = designs();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let mut impact = impact(&layout(is_lens).lattice);
     (impact.step, impact.window) = (2e-7, 60e-6);
     let pulse = |k: usize| ForcePulse { force: 6e3 + 250.0 * k as f64, duration: 20e-6 - 0.3e-6 * (k % 5) as f64 };
@@ -94,7 +93,7 @@ fn a_pulse_for_each_sample_is_that_of_single_runs() {
 #[test]
 fn screened_designs_are_those_of_double_precision_to_its_rounding() {
     let samples = designs();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     for law in [LawKind::Thesis, LawKind::Consistent, LawKind::Hertz] {
         let mut impact = impact(&layout(is_lens).lattice);
         (impact.law, impact.step, impact.window) = (law, 2e-7, 60e-6);
@@ -123,7 +122,7 @@ fn lie_apart(sample: &Sample<2>, [i, j]: [usize; 2]) -> bool {
 #[test]
 fn contacts_that_arise_later_are_the_same_in_every_company() {
     let samples = designs();
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     let mut impact = impact(&layout(is_lens).lattice);
     (impact.step, impact.window) = (2e-7, 350e-6);
     (impact.pulse.force, impact.pulse.duration) = (52e3, 20e-6);
@@ -156,7 +155,7 @@ fn imperfect_crystals_have_the_bits_of_single_runs() {
             }
         }
     }
-    let never = AtomicBool::new(false);
+    let never = Context::default();
     for &law in LawKind::ALL {
         let mut impact = impact(&layout(is_lens).lattice);
         (impact.law, impact.step, impact.window) = (law, 2e-7, 60e-6);

@@ -1,8 +1,8 @@
 //! Each guard, triggered once.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
+use granulens_core::Context;
 use granulens_core::contact::{Constants, LawKind, Tabulated};
 use granulens_core::dem::rig::{Bar, Body, Curve, Flat, Law, LawBook, Load, LoadKind, RigError, RigStop, Simulation};
 
@@ -94,7 +94,9 @@ fn a_request_to_stop_is_heard_and_nothing_is_lost() {
     let mut rig = rig(&[[0.0, 0.0]], LawKind::Hertz);
     rig.velocity[0] = [1.0, 0.0];
     let mut simulation = Simulation::new(rig, 1e-6).unwrap();
-    assert!(matches!(simulation.advance(1000, &AtomicBool::new(true)), Err(RigStop::Interrupted { .. })));
+    let stopped = Context::default();
+    stopped.stop();
+    assert!(matches!(simulation.advance(1000, &stopped), Err(RigStop::Interrupted { .. })));
     assert!((simulation.view().displacement(0)[0] - simulation.time()).abs() < 1e-15);
 }
 

@@ -1,7 +1,6 @@
 //! Small rigs, and how they are run.
 
-use std::sync::atomic::AtomicBool;
-
+use granulens_core::Context;
 use granulens_core::contact::LawKind;
 use granulens_core::dem::rig::{LawBook, Rig, Simulation};
 use granulens_core::sample::{Sample, Sphere};
@@ -10,7 +9,7 @@ use crate::reference::material;
 
 pub const DIAMETER: f64 = 6.35e-3;
 
-pub static GO: AtomicBool = AtomicBool::new(false);
+pub static GO: std::sync::LazyLock<Context> = std::sync::LazyLock::new(Context::default);
 
 /// Spheres of 440c of one diameter at centres given in diameters.
 pub fn spheres<const D: usize>(centres: &[[f64; D]]) -> Sample<D> {

@@ -20,8 +20,6 @@ mod schedule;
 #[cfg(test)]
 mod tests;
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use backward::{Adjoint, Back};
 use contact::sloped_by_quantities;
 use model::{Frame, Model, Scratch, State, inverse_masses, kinds};
@@ -31,6 +29,7 @@ use super::Integrator;
 use super::guard::Stop;
 use super::impact::{Impact, contacts_found, steps_in};
 use super::neighbour::OverlapAtRest;
+use crate::Context;
 use crate::real::Width;
 use crate::sample::Sample;
 
@@ -89,12 +88,12 @@ pub fn gradient(
     sample: &Sample<2>,
     impact: &Impact,
     sums: &[Vec<(usize, f64)>],
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Gradients, GradientError> {
     if impact.integrator == Integrator::Rk4 {
         return Err(GradientError::RungeKutta);
     }
-    let (list, grains, stop) = contacts_found(sample, impact, interrupt)?;
+    let (list, grains, stop) = contacts_found(sample, impact, context)?;
     if let Some(stop) = stop {
         return Err(GradientError::Stopped(stop));
     }
@@ -122,7 +121,7 @@ pub fn gradient(
             fastest.look(step + 1, &state);
         }
         kept.push(state.clone());
-        stop_if_asked(interrupt, block.end as f64 * impact.step)?;
+        stop_if_asked(context, block.end as f64 * impact.step)?;
     }
     kept.pop();
 
@@ -149,15 +148,15 @@ pub fn gradient(
             }
             back.step(&pair[0], &pair[1], load(step), &mut adjoints, &mut scratch);
         }
-        stop_if_asked(interrupt, block.start as f64 * impact.step)?;
+        stop_if_asked(context, block.start as f64 * impact.step)?;
     }
     let value = |sum: &Vec<(usize, f64)>| sum.iter().map(|&(i, weight)| weight * max_kinetic[i]).sum();
     let of = adjoints.into_iter().zip(sums).map(|(adjoint, sum)| adjoint.gradient(value(sum))).collect();
     Ok(Gradients { of, max_kinetic, bytes: bytes + frame.places.len() * size_of::<[f64; 64]>() })
 }
 
-fn stop_if_asked(interrupt: &AtomicBool, time_s: f64) -> Result<(), GradientError> {
-    match interrupt.load(Ordering::Relaxed) {
+fn stop_if_asked(context: &Context, time_s: f64) -> Result<(), GradientError> {
+    match context.stopped() {
         true => Err(GradientError::Stopped(Stop::Interrupted { time_s })),
         false => Ok(()),
     }

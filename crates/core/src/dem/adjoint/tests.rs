@@ -1,10 +1,9 @@
 //! The transposed run against the run itself: its bits, its forward mode, its differences.
 
-use std::sync::atomic::AtomicBool;
-
 use super::contact::QUANTITIES;
 use super::model::{Frame, Model, Scratch, State, inverse_masses, kinds};
 use super::{Fastest, Gradient, Gradients, gradient};
+use crate::Context;
 use crate::contact::{Constants, LawKind};
 use crate::dem::impact::contacts_found;
 use crate::dem::{ForcePulse, Impact, Integrator, Mirror, simulate, steps_in};
@@ -57,11 +56,11 @@ fn sum(sample: &Sample<2>) -> Vec<(usize, f64)> {
 }
 
 fn run(sample: &Sample<2>, impact: &Impact) -> Gradients {
-    gradient(sample, impact, &[sum(sample)], &AtomicBool::new(false)).expect("a run with derivatives")
+    gradient(sample, impact, &[sum(sample)], &Context::default()).expect("a run with derivatives")
 }
 
 fn value(sample: &Sample<2>, impact: &Impact) -> f64 {
-    let record = simulate(sample, impact, &AtomicBool::new(false)).expect("a sound packing");
+    let record = simulate(sample, impact, &Context::default()).expect("a sound packing");
     assert!(record.stop.is_none(), "{:?}", record.stop);
     sum(sample).iter().map(|&(i, weight)| weight * record.max_kinetic[i]).sum()
 }
@@ -95,7 +94,7 @@ fn dot(gradient: &Gradient, direction: &Direction) -> (f64, f64) {
 /// The derivative along a direction by forward mode: the whole run in dual numbers.
 fn forward(sample: &Sample<2>, impact: &Impact) -> (f64, Direction) {
     type One = Dual<f64, 1>;
-    let (list, grains, _) = contacts_found(sample, impact, &AtomicBool::new(false)).expect("a sound packing");
+    let (list, grains, _) = contacts_found(sample, impact, &Context::default()).expect("a sound packing");
     let mut frame = Frame::new(sample, impact, &list, &grains);
     let kinds = kinds(sample, impact, &mut frame);
     let direction = random_direction(&frame);
@@ -141,7 +140,7 @@ fn the_run_behind_a_gradient_is_the_run() {
         for law in [LawKind::Thesis, LawKind::Consistent, LawKind::Mdr] {
             let impact = impact(law, integrator);
             let gradients = run(&sample, &impact);
-            let record = simulate(&sample, &impact, &AtomicBool::new(false)).expect("a sound packing");
+            let record = simulate(&sample, &impact, &Context::default()).expect("a sound packing");
             assert_eq!(gradients.max_kinetic, record.max_kinetic, "{law}, {integrator}");
         }
     }

@@ -1,8 +1,7 @@
 //! An impact on a crystal as a rig: where friction acts, or where spheres meet that did not touch at rest.
 
-use std::sync::atomic::AtomicBool;
-
 use super::{Arrival, Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation};
+use crate::Context;
 use crate::dem::{Impact, Integrator, Ledger, Record, Stop, steps_in};
 use crate::sample::Sample;
 
@@ -15,7 +14,7 @@ pub fn simulate_as_rig<const D: usize>(
     sample: &Sample<D>,
     impact: &Impact,
     friction: Option<Friction>,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Record<D>, RigError> {
     let laws =
         LawBook::Materials { law: Law::Named(impact.law), constants: impact.constants, pairs: Vec::new(), friction };
@@ -42,7 +41,7 @@ pub fn simulate_as_rig<const D: usize>(
     let mut simulation = Simulation::new(rig, step)?.watching(vec![Arrival::OwnMaximum(0.01)]);
     let (mut exit_momentum, mut exit_force) = (0.0_f64, 0.0_f64);
     let stop = simulation
-        .follow(steps_in(impact.window, step), interrupt, |view| {
+        .follow(steps_in(impact.window, step), context, |view| {
             let momentum: f64 = impact.exit.iter().map(|&i| view.part(i) * mass[i] * view.velocity(i)[D - 1]).sum();
             let force: f64 = impact.exit.iter().map(|&i| view.net_force(i)[D - 1]).sum();
             exit_momentum = exit_momentum.max(momentum);

@@ -4,7 +4,7 @@
 //! forces on each balance. A force is had by the strain at which a section carries it. What is squeezed is new: its contacts have never
 //! been opened, so that a plastic law stands on its loading curve.
 
-use std::sync::atomic::AtomicBool;
+use crate::Context;
 
 use super::flat::Face;
 use super::simulation::Simulation;
@@ -89,7 +89,7 @@ pub fn squeeze<const D: usize>(
     rig: &Rig<D>,
     along: [Option<Squeeze>; D],
     tolerance: f64,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Squeezed<D>, PreloadError> {
     if !rig.clusters.is_empty() {
         return Err(PreloadError::Part("a rigid body of several spheres"));
@@ -102,7 +102,7 @@ pub fn squeeze<const D: usize>(
     // For each axis ln strain and ln force of the round before: the exponent of the force follows from two.
     let mut before: [Option<[f64; 2]>; D] = [None; D];
     for _ in 0..100 {
-        let squeezed = at_rest(rig, strain, tolerance, interrupt)?;
+        let squeezed = at_rest(rig, strain, tolerance, context)?;
         let mut met = true;
         for k in 0..D {
             let Some(Squeeze::Force(wanted)) = along[k] else { continue };
@@ -137,7 +137,7 @@ fn at_rest<const D: usize>(
     rig: &Rig<D>,
     strain: [f64; D],
     tolerance: f64,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Squeezed<D>, PreloadError> {
     let mut squeezed = shortened(rig, strain);
     let mut left = f64::INFINITY;
@@ -151,7 +151,7 @@ fn at_rest<const D: usize>(
             let force = section_forces(&fresh);
             return Ok(Squeezed { rig: squeezed, strain, force, unbalanced: left });
         }
-        let relaxed = relaxed(still, &state, 0.3 * tolerance, interrupt)?;
+        let relaxed = relaxed(still, &state, 0.3 * tolerance, context)?;
         let view = relaxed.view();
         for (i, sphere) in squeezed.sample.spheres.iter_mut().enumerate() {
             sphere.centre = view.position(i);
@@ -236,7 +236,7 @@ fn relaxed<const D: usize>(
     mut rig: Rig<D>,
     state: &State,
     tolerance: f64,
-    interrupt: &AtomicBool,
+    context: &Context,
 ) -> Result<Simulation<D>, PreloadError> {
     let fastest = (state.stiffness / state.mass).sqrt();
     let longest = (0..D)
@@ -252,7 +252,7 @@ fn relaxed<const D: usize>(
     rig.drag = 2.0 * fastest * std::f64::consts::PI / (2.0 * (1.0 + 0.5 * longest / radius));
     let mut simulation = Simulation::new(rig, 0.15 / fastest)?;
     while simulation.steps() < PATIENCE {
-        simulation.advance(LOOK, interrupt)?;
+        simulation.advance(LOOK, context)?;
         if State::of(&simulation).is_none_or(|state| state.unbalanced <= tolerance) {
             break;
         }

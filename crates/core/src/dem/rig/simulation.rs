@@ -1,7 +1,6 @@
 //! A rig from start to end.
 
 use std::any::Any;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::check::{RigError, check};
 use super::checkpoint::{CheckpointError, State, digest};
@@ -14,6 +13,7 @@ use super::machine::Machine;
 use super::pairs::TOUCHING;
 use super::view::View;
 use super::{Body, LawBook, Rig};
+use crate::Context;
 use crate::dem::share::MANY;
 use crate::dem::{ContactRecord, same, stable_step};
 
@@ -69,12 +69,12 @@ impl<const D: usize> Simulation<D> {
         self
     }
 
-    /// Goes on by so many steps, or until a guard stops the run. `interrupt` is looked at now and then.
+    /// Goes on by so many steps, or until a guard stops the run. `context` is looked at now and then.
     ///
     /// # Errors
     /// See [`RigStop`]; the state is then that of the step at which the guard looked.
-    pub fn advance(&mut self, steps: u64, interrupt: &AtomicBool) -> Result<(), RigStop> {
-        self.follow(steps, interrupt, |_| ())
+    pub fn advance(&mut self, steps: u64, context: &Context) -> Result<(), RigStop> {
+        self.follow(steps, context, |_| ())
     }
 
     /// As [`advance`](Self::advance), showing the state after every step; of large rigs on one of the threads that share their loops.
@@ -84,22 +84,17 @@ impl<const D: usize> Simulation<D> {
     pub fn follow(
         &mut self,
         steps: u64,
-        interrupt: &AtomicBool,
+        context: &Context,
         each: impl FnMut(&View<'_, D>) + Send,
     ) -> Result<(), RigStop> {
         if self.engine.bodies().velocity.len().max(self.engine.contacts()) < MANY {
-            return self.steps_on(steps, interrupt, each);
+            return self.steps_on(steps, context, each);
         }
         // Among the threads that share a step's loops, so that none has to be woken for each.
-        rayon::scope(|_| self.steps_on(steps, interrupt, each))
+        rayon::scope(|_| self.steps_on(steps, context, each))
     }
 
-    fn steps_on(
-        &mut self,
-        steps: u64,
-        interrupt: &AtomicBool,
-        mut each: impl FnMut(&View<'_, D>),
-    ) -> Result<(), RigStop> {
+    fn steps_on(&mut self, steps: u64, context: &Context, mut each: impl FnMut(&View<'_, D>)) -> Result<(), RigStop> {
         for _ in 0..steps {
             self.engine.advance(&self.rig);
             each(&View { rig: &self.rig, engine: &*self.engine, step: self.step });
@@ -112,7 +107,7 @@ impl<const D: usize> Simulation<D> {
                 let ledger = self.engine.look(&self.rig);
                 guard(&self.rig, &*self.engine, self.step, &ledger)?;
                 self.engine.forget_dropped();
-                if interrupt.load(Ordering::Relaxed) {
+                if context.stopped() {
                     return Err(RigStop::Interrupted { time: self.time() });
                 }
             }

@@ -1,8 +1,7 @@
 //! Sheets against the simulator with lists, closed forms and themselves.
 
-use std::sync::atomic::AtomicBool;
-
 use super::*;
+use crate::Context;
 use crate::contact::LawKind;
 use crate::dem::{Impact, Integrator, Mirror, simulate};
 use crate::lattice::HexagonalSheet;
@@ -74,7 +73,7 @@ fn a_sheet_between_mirrors_moves_as_the_simulator_with_lists_says() {
             step: 1e-7,
             window: 60e-6,
         };
-        let record = simulate(&layout.sample(), &impact, &AtomicBool::new(false)).unwrap();
+        let record = simulate(&layout.sample(), &impact, &Context::default()).unwrap();
         assert_eq!(record.stop, None);
         for width in Width::available() {
             let mut sheet = Sheet::new(grid, &layout.palette, &[&materials], impact.step, width).unwrap();
