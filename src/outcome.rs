@@ -5,8 +5,10 @@
 
 use serde::{Deserialize, Serialize};
 
+mod begun;
 mod traced;
 
+pub use begun::Begun;
 pub use traced::{Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
 
 use crate::dem::Stop;

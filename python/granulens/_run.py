@@ -364,7 +364,7 @@ def tolerance(layout: Layout, tolerances: str | PathLike[str] | None = None, **o
     Returns
     -------
     dict
-        yield, interval (Wilson, 95 %), yield_of, samples, passed, stopped, seed; pieces, a table with a row for each piece made; sensitivity, as_built,
+        yield, interval (Wilson, 95 %), yield_of, samples, passed, stopped, seed; pieces, a table with a row for each piece made; warnings; sensitivity, as_built,
         distribution, quantities, method. The numbers are those of the command line with the same seed, to the last bit.
     """
     return _granulens.tolerance(layout, tolerances, **options)

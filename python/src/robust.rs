@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use granulens::Context;
 use granulens::dem::{GradientError, Integrator, Stop};
-use granulens::evaluate::{self, EvaluatorError, MEASURES, Overrides, Plan, SensitivityError, Subject, sensitivities};
+use granulens::design::Design;
+use granulens::evaluate::{
+    self, EvaluatorError, MEASURES, Overrides, Plan, SensitivityError, Subject, refer, sensitivities,
+};
 use granulens::score::Measure;
 use granulens::tolerance::{
     Criterion, Samples, State, Tolerances, Workshop, WorkshopError, as_built, distributions, sensitivity as changes,
@@ -110,7 +113,11 @@ pub fn tolerance<'py>(
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let layout = layout.get();
-    let (inner, design) = (&layout.inner, &layout.design);
+    let subject = Subject::from(&layout.inner);
+    let mut design = Design::clone(&layout.design);
+    // As on the command line: what Q refers to where the design does not say it.
+    let warnings: Vec<String> = refer(&mut design, subject).into_iter().collect();
+    let (inner, design) = (&layout.inner, &design);
     let tolerances = match &tolerances {
         Some(path) => Tolerances::read(path, inner).map_err(|error| Failure::input(error.to_string()))?,
         None => Tolerances::usual(),
@@ -120,8 +127,8 @@ pub fn tolerance<'py>(
         // Rigs know Verlet only.
         overrides.integrator = Some(Integrator::Verlet);
     }
-    let plan = plan(layout, overrides)?;
-    let subject = Subject::from(inner);
+    let plan =
+        Plan::new(design, overrides, &inner.palette).map_err(|error| Failure::from(design.blame_plan(&error)))?;
     let (seed, count) = (seed.or(tolerances.seed).unwrap_or(1), samples.unwrap_or(tolerances.samples));
     let thresholds = tolerances.thresholds.as_ref().unwrap_or(&design.thresholds);
     let asked: Vec<Measure> = thresholds.iter().map(|threshold| threshold.measure).collect();
@@ -164,5 +171,6 @@ pub fn tolerance<'py>(
         .with("distribution", nested(py, &distributions(&samples, count as usize, &measures))?)?
         .with("quantities", nested(py, &workshop.quantities().to_vec())?)?
         .with("method", nested(py, &evaluate::method(design, &plan))?)?
+        .with("warnings", plan.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>())?
         .0)
 }

@@ -1,7 +1,6 @@
 //! `granulens build`: what a workshop needs to build a layout.
 
 use std::path::{Path, PathBuf};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use granulens::build::{
     self, BatchError, Frame, Inspected, Paper, Part, Piece, Spares, WallEffect, Yield, inspection, read_batch,
@@ -12,7 +11,7 @@ use granulens::design::Design;
 use granulens::evaluate::{HeldError, Overrides, Plan, Subject, impact, method};
 use granulens::input;
 use granulens::layout::{Layout, write_piece};
-use granulens::outcome::{FORMAT, Manifest};
+use granulens::outcome::{Begun, FORMAT};
 use granulens::units::Dimension;
 use granulens::units::Dimension::{Energy, Length, Mass};
 use serde_json::json;
@@ -103,7 +102,7 @@ impl Build {
             None => None,
         };
 
-        let (begun, started) = (Instant::now(), SystemTime::now());
+        let begun = Begun::now();
         let evaluation = subject.evaluate(&design, &plan, context())?;
         if let Some(stop) = &evaluation.record.stop {
             return Err(match stop {
@@ -137,7 +136,9 @@ impl Build {
             "inspection": RANKED,
         });
         files.push(("build.json".to_owned(), pretty(&told).into_bytes()));
-        let manifest = manifest(&design, &plan, started, begun);
+        let seeds = [plan.first_seed, 0];
+        let mut manifest = begun.manifest(design.file(), method(&design, &plan), design.impact_in_words(), seeds);
+        manifest.command = Some(command_line());
         files.push(("manifest.json".to_owned(), pretty(&manifest).into_bytes()));
         for (name, bytes) in &files {
             folder.write(name, bytes)?;
@@ -200,22 +201,6 @@ fn files(
     ];
     files.extend(others.map(|(name, bytes)| (name.to_owned(), bytes)));
     Ok(files)
-}
-
-fn manifest(design: &Design, plan: &Plan, started: SystemTime, begun: Instant) -> Manifest {
-    Manifest {
-        format: FORMAT,
-        name: design.name.clone(),
-        method: method(design, plan),
-        design_file: design.path.display().to_string(),
-        design: design.text.clone(),
-        command: Some(command_line()),
-        impact: design.impact_in_words(),
-        seeds: [plan.first_seed, 0],
-        threads: rayon::current_num_threads(),
-        started_unix_s: started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
-        seconds: begun.elapsed().as_secs_f64(),
-    }
 }
 
 fn words(piece: &Piece, parts: &[Part], frame: &Frame, walls: &[WallEffect]) -> String {

@@ -194,25 +194,7 @@ impl Check {
             checked.gate.iter().for_each(|gate| emit(&gate.words()));
             checked.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         }
-        let missed: Vec<String> = checked.thresholds.iter().filter(|asked| !asked.met).map(told).collect();
-        match &checked.stop {
-            Some(stop @ Stop::Interrupted { .. }) => {
-                Err(Failure::Interrupted(format!("{stop}; shown is what was computed")))
-            }
-            Some(stop) => Err(Failure::Guard(vec![stop.to_string()])),
-            None if !self.strict => Ok(()),
-            None => {
-                if design.thresholds.is_empty() {
-                    let file = self.design.display();
-                    note(common, &format!("{file} sets no [thresholds]; --strict asks for the gate alone"));
-                }
-                match checked.gate.filter(|gate| gate.word == Word::Fail) {
-                    Some(gate) => Err(failed(missed, &gate)),
-                    None if !missed.is_empty() => Err(Failure::Threshold(missed)),
-                    None => Ok(()),
-                }
-            }
-        }
+        self.ended(common, checked)
     }
 }
 
@@ -237,14 +219,29 @@ impl Check {
             emit(&words(&checked));
             checked.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         }
+        self.ended(common, checked)
+    }
+
+    /// How the command ends.
+    fn ended(&self, common: &Common, checked: Checked) -> Result<(), Failure> {
         let missed: Vec<String> = checked.thresholds.iter().filter(|asked| !asked.met).map(told).collect();
         match &checked.stop {
             Some(stop @ Stop::Interrupted { .. }) => {
                 Err(Failure::Interrupted(format!("{stop}; shown is what was computed")))
             }
             Some(stop) => Err(Failure::Guard(vec![stop.to_string()])),
-            None if self.strict && !missed.is_empty() => Err(Failure::Threshold(missed)),
-            None => Ok(()),
+            None if !self.strict => Ok(()),
+            None => {
+                if checked.thresholds.is_empty() && checked.gate.is_some() {
+                    let file = self.design.display();
+                    note(common, &format!("{file} sets no [thresholds]; --strict asks for the gate alone"));
+                }
+                match checked.gate.filter(|gate| gate.word == Word::Fail) {
+                    Some(gate) => Err(failed(missed, &gate)),
+                    None if !missed.is_empty() => Err(Failure::Threshold(missed)),
+                    None => Ok(()),
+                }
+            }
         }
     }
 }

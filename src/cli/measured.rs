@@ -1,14 +1,13 @@
 //! `granulens measured`: measured histories drawn on the prediction.
 
 use std::path::{Path, PathBuf};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use granulens::dem::rig::{RigStop, Simulation};
 use granulens::design::Design;
 use granulens::measured::{
     Channel, Comparison, Data, DataError, Fit, Input, InputError, PredictError, compare, curves_csv, fit, page, predict,
 };
-use granulens::outcome::{FORMAT, Manifest};
+use granulens::outcome::{Begun, FORMAT};
 use granulens::report::Provenance;
 use granulens::setup::{Bench, Setup};
 use granulens::units::Dimension::Time;
@@ -107,7 +106,7 @@ impl Measured {
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("measured").join(&bench.name));
         let folder = begin(common, &place)?;
-        let (begun, started) = (Instant::now(), SystemTime::now());
+        let begun = Begun::now();
         let before = predict(bench, &channels, &[], context())?;
         let apart = || {
             Failure::input_with_help(
@@ -137,11 +136,15 @@ impl Measured {
         let title = format!("{}: measured and predicted", bench.name);
         let of_fit = fitted.as_ref().map(|(fit, after)| (fit, after));
         let (best, at) = fitted.as_ref().map_or((&before, compared.offset_s), |(fit, _)| (&fit.prediction, fit.offset));
+        let seeds = [bench.seeds.first().copied().unwrap_or_default(), bench.seeds.len() as u64];
+        let file = (&bench.name[..], bench.path.as_path(), &bench.text[..]);
+        let mut manifest = begun.manifest(file, bench.method(), "as the file says".to_owned(), seeds);
+        manifest.command = Some(command_line());
         for (name, text) in [
             ("report.html", page(&title, provenance(bench), data, (&before, &compared), of_fit)),
             ("curves.csv", curves_csv(data, best, at)),
             ("measured.json", pretty(&told)),
-            ("manifest.json", pretty(&manifest(bench, started, begun))),
+            ("manifest.json", pretty(&manifest)),
         ] {
             folder.write(name, text.as_bytes())?;
         }
@@ -193,22 +196,6 @@ fn table(text: &mut String, compared: &Comparison) {
 
 fn provenance<const D: usize>(bench: &Bench<D>) -> Provenance {
     Provenance::new(command_line(), bench.path.display().to_string(), bench.text.clone()).by(&bench.method())
-}
-
-fn manifest<const D: usize>(bench: &Bench<D>, started: SystemTime, begun: Instant) -> Manifest {
-    Manifest {
-        format: FORMAT,
-        name: bench.name.clone(),
-        method: bench.method(),
-        design_file: bench.path.display().to_string(),
-        design: bench.text.clone(),
-        command: Some(command_line()),
-        impact: "as the file says".to_owned(),
-        seeds: [bench.seeds.first().copied().unwrap_or_default(), bench.seeds.len() as u64],
-        threads: rayon::current_num_threads(),
-        started_unix_s: started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
-        seconds: begun.elapsed().as_secs_f64(),
-    }
 }
 
 impl From<DataError> for Failure {

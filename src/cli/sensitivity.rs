@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use granulens::design::Design;
 use granulens::evaluate::{
-    MEASURES, Plan, Sensitivities, Sensitivity, SensitivityError, impact, method, sensitivities,
+    Derivatives, MEASURES, Plan, Sensitivities, SensitivityError, impact, method, sensitivities,
 };
 use granulens::layout::Layout;
 use granulens::outcome::{FORMAT, Method};
@@ -141,7 +141,7 @@ fn failure(error: &SensitivityError) -> Failure {
 }
 
 /// A line for each sphere and measure.
-fn table(layout: &Layout, of: &[Sensitivity]) -> String {
+fn table(layout: &Layout, of: &[Derivatives]) -> String {
     let sites = layout.lattice.sites();
     let mut text = format!("{HEADER}\n");
     for one in of {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use granulens::dem::Integrator;
 use granulens::design::Design;
-use granulens::evaluate::{OverLawsError, Overrides, Plan, Subject, method, over_laws, unnamed};
+use granulens::evaluate::{OverLawsError, Overrides, Plan, Subject, method, over_laws, refer};
 use granulens::outcome::FORMAT;
 use granulens::output;
 use granulens::report::Provenance;
@@ -72,15 +72,8 @@ impl Tolerance {
         let mut design = Design::read(&self.design)?;
         let read = read_piece(common, &design, &self.layout)?;
         let (layout, subject) = (&read.layout, Subject::from(&read));
-        let mut warnings = Vec::new();
         // As in check and compare: what Q refers to where the design does not say it.
-        if design.reference().is_none()
-            && let Some(&material) = subject.drawn().iter().find(|&&material| material != 0)
-        {
-            let material = layout.palette[usize::from(material)].clone();
-            warnings.push(unnamed(&material.name));
-            design.compared_with = Some(material);
-        }
+        let warnings: Vec<String> = refer(&mut design, subject).into_iter().collect();
         let tolerances = match &self.tolerances {
             Some(path) => Tolerances::read(path, layout)?,
             None => Tolerances::usual(),

@@ -137,8 +137,7 @@ impl SpaceDesign {
 
     /// What strikes the crystal: `37.5 kN for 20 us on every sphere of layer 1`.
     pub fn impact_in_words(&self) -> String {
-        let [force, duration] = [Force.show(self.impact.force), Time.show(self.impact.duration)];
-        format!("{force} for {duration} on every sphere of layer 1")
+        self.struck("layer")
     }
 }
 
@@ -194,12 +193,22 @@ impl Design {
 
     /// What strikes the crystal: `26 kN for 20 us on every sphere of row 1`.
     pub fn impact_in_words(&self) -> String {
-        let [force, duration] = [Force.show(self.impact.force), Time.show(self.impact.duration)];
-        format!("{force} for {duration} on every sphere of row 1")
+        self.struck("row")
     }
 }
 
 impl<L, R> Design<L, R> {
+    /// Its name, where its file stands, and the file's text.
+    pub fn file(&self) -> (&str, &Path, &str) {
+        (&self.name, &self.path, &self.text)
+    }
+
+    /// What strikes the crystal: `26 kN for 20 us on every sphere of row 1`; `row` is the crystal's word for what is struck.
+    fn struck(&self, row: &str) -> String {
+        let [force, duration] = [Force.show(self.impact.force), Time.show(self.impact.duration)];
+        format!("{force} for {duration} on every sphere of {row} 1")
+    }
+
     /// The contact law, with friction where there is some.
     pub fn law_name(&self) -> String {
         match self.friction {

@@ -8,6 +8,7 @@ use crate::Context;
 use crate::dem::Stop;
 use crate::design::Design;
 use crate::layout::{Baseline, Layout};
+use crate::material::Material;
 use crate::score::{Scores, Spreads, over_forces};
 
 /// A layout with G and Q.
@@ -25,17 +26,32 @@ pub struct Beside {
     pub over_forces: Option<(Scores, Spreads)>,
 }
 
-/// Where in a layout's palette stands what Q refers to: what the design says, which joins the palette where it is not there. Where the
-/// design says nothing, the layout's first that is not the host.
-pub(super) fn reference(design: &Design, layout: &mut Layout, left: Option<&[u8]>) -> Option<u8> {
-    let Some(reference) = design.reference() else {
-        return layout.materials.iter().chain(left.unwrap_or_default()).copied().find(|&material| material != 0);
-    };
-    let place = layout.palette.iter().position(|material| material == reference).unwrap_or_else(|| {
-        layout.palette.push(reference.clone());
-        layout.palette.len() - 1
+/// Where in a palette stands what Q refers to: what the design says, which joins the palette where it is not there. Where the
+/// design says nothing, the first of those that the layout `holds` that is not the host.
+pub(super) fn reference<L, R>(
+    design: &Design<L, R>,
+    palette: &mut Vec<Material>,
+    mut holds: impl Iterator<Item = u8>,
+) -> Option<u8> {
+    let Some(reference) = design.reference() else { return holds.find(|&material| material != 0) };
+    let place = palette.iter().position(|material| material == reference).unwrap_or_else(|| {
+        palette.push(reference.clone());
+        palette.len() - 1
     });
     u8::try_from(place).ok()
+}
+
+/// Has a design name what Q refers to, as [`beside_uniform`] and [`compare`](super::compare()) take it of this piece, and says so where it named nothing.
+pub fn refer(design: &mut Design, piece: Subject<'_>) -> Option<String> {
+    if design.reference().is_some() {
+        return None;
+    }
+    let held = piece.layout.materials.iter().chain(piece.left.unwrap_or_default()).copied();
+    let place = reference(design, &mut piece.layout.palette.clone(), held)?;
+    let material = piece.layout.palette[usize::from(place)].clone();
+    let words = unnamed(&material.name);
+    design.compared_with = Some(material);
+    Some(words)
 }
 
 /// What is said where the design does not say what Q refers to.
@@ -61,7 +77,8 @@ pub fn beside_uniform<'a>(
 ) -> Result<Beside, EvaluatorError> {
     let given: Subject<'_> = given.into();
     let mut subject = given.layout.clone();
-    let reference = reference(design, &mut subject, given.left);
+    let held = given.layout.materials.iter().chain(given.left.unwrap_or_default()).copied();
+    let reference = reference(design, &mut subject.palette, held);
     let kinds = std::iter::once((Baseline::AllHost, 0)).chain(reference.map(|material| (Baseline::AllLens, material)));
     let (names, baselines): (Vec<String>, Vec<Layout>) =
         kinds.map(|(kind, material)| (kind.name(), kind.layout(&subject, [1, 1], material))).unzip();

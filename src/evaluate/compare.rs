@@ -1,6 +1,5 @@
 //! The lens and its baselines, simulated alike and in parallel.
 
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use rayon::prelude::*;
 
@@ -16,7 +15,7 @@ use crate::design::Design;
 use crate::layout::{Baseline, Layout};
 use crate::lens::{FocusRays, Lens, Part};
 use crate::outcome::{
-    ArrangementOutcome, FORMAT, FocusProposal, Manifest, Outcome, PartProposal, Proposal, SphereRecord, Verdict,
+    ArrangementOutcome, Begun, FORMAT, FocusProposal, Outcome, PartProposal, Proposal, SphereRecord, Verdict,
 };
 use crate::score::{Scores, over_forces};
 use crate::target::Focus;
@@ -77,7 +76,8 @@ impl<'a> Comparison<'a> {
         proposal: Option<Proposal>,
         overrides: Overrides,
     ) -> Result<Self, PlanError> {
-        let reference = reference(design, &mut subject, left.as_deref());
+        let held = subject.materials.iter().chain(left.iter().flatten()).copied();
+        let reference = reference(design, &mut subject.palette, held);
         let plan = Plan::new(design, overrides, &subject.palette)?;
         Ok(Self { design, plan, forces: Forces::USUAL, name, subject, left, reference, rows, proposal })
     }
@@ -157,19 +157,12 @@ impl<'a> Comparison<'a> {
         }
         Outcome {
             format: FORMAT,
-            manifest: Manifest {
-                format: FORMAT,
-                name: design.name.clone(),
-                method: method(design, plan),
-                design_file: design.path.display().to_string(),
-                design: design.text.clone(),
-                command: None,
-                impact: design.impact_in_words(),
-                seeds: [plan.first_seed, design.seeds],
-                threads: rayon::current_num_threads(),
-                started_unix_s: begun.unix_s,
-                seconds: begun.clock.elapsed().as_secs_f64(),
-            },
+            manifest: begun.manifest(
+                design.file(),
+                method(design, plan),
+                design.impact_in_words(),
+                [plan.first_seed, design.seeds],
+            ),
             sites: lattice.sites(),
             diameter: lattice.diameter(),
             half_width: lattice.half_width(),
@@ -215,19 +208,6 @@ impl Job {
             record,
             stop,
         }
-    }
-}
-
-/// When a comparison began.
-pub(super) struct Begun {
-    pub clock: Instant,
-    pub unix_s: u64,
-}
-
-impl Begun {
-    pub fn now() -> Self {
-        let unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-        Self { clock: Instant::now(), unix_s }
     }
 }
 

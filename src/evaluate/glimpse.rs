@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::compare::{Begun, judge, relate, stops};
+use super::compare::{judge, relate, stops};
 use super::{Comparison, EvaluatorError, Forces, impact};
 use crate::Context;
 use crate::dem::{Brief, Stop, simulate_batch, simulate_batch_with_friction};
-use crate::outcome::{Outcome, SphereRecord};
+use crate::outcome::{Begun, Outcome, SphereRecord};
 use crate::real::Width;
 use crate::score::Scores;
 

@@ -38,7 +38,7 @@ mod verdict;
 mod whole;
 
 pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError, common_plan};
-pub use beside::{Beside, beside_uniform, unnamed};
+pub use beside::{Beside, beside_uniform, refer, unnamed};
 pub use blow::{Blow, Case, Flaw};
 pub use compare::{Comparison, compare, judged, proposal, stops};
 pub use decay::{calibrate, decay};
@@ -49,7 +49,7 @@ pub use held::{Frame, HeldError, HeldSphere, Projectile, held_energies, held_sph
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use plan::{Overrides, Plan, PlanError};
 pub use rank::{Ranked, rank};
-pub use sensitivity::{MEASURES, SECANT, Sensitivities, Sensitivity, SensitivityError, sensitivities};
+pub use sensitivity::{Derivatives, MEASURES, SECANT, Sensitivities, SensitivityError, sensitivities};
 pub use settle::SettleError;
 pub use space::{
     SpaceBeside, SpaceComparison, beside_in_space, compare_in_space, evaluate_in_space, impact_in_space, strips,

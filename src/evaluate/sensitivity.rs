@@ -26,7 +26,7 @@ const NEGLIGIBLE: f64 = 1e-4;
 
 /// One measure and how it changes: derivatives of its logarithm by the logarithms of each sphere's quantities, in order of the sites.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sensitivity {
+pub struct Derivatives {
     /// Which.
     pub measure: Measure,
     /// By ln ρ of each sphere.
@@ -43,7 +43,7 @@ pub struct Sensitivity {
     pub secant_density: Vec<f64>,
 }
 
-impl Sensitivity {
+impl Derivatives {
     /// Whether a sphere's derivative says what a change of a hundredth does.
     pub fn is_linear(&self, site: usize) -> bool {
         let (derivative, secant) = (self.density[site], self.secant_density[site]);
@@ -62,7 +62,7 @@ impl Sensitivity {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivities {
     /// One for each measure asked for.
-    pub of: Vec<Sensitivity>,
+    pub of: Vec<Derivatives>,
     /// F and P (J), those of `check` at the same step.
     pub means: [f64; 2],
     /// Memory of the derivatives (bytes).
@@ -131,7 +131,7 @@ pub fn sensitivities(
             let each = |part: fn(&Gradient) -> &[f64]| {
                 (0..sample.spheres.len()).map(|site| log(&|gradient| part(gradient)[site])).collect()
             };
-            Sensitivity {
+            Derivatives {
                 measure,
                 density: each(|gradient| &gradient.density),
                 youngs_modulus: each(|gradient| &gradient.youngs_modulus),

@@ -4,7 +4,8 @@
 
 use rayon::prelude::*;
 
-use super::compare::{Begun, of_first, relate};
+use super::beside::reference;
+use super::compare::{of_first, relate};
 use super::{Doubts, EvaluateError, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError};
 use super::{method, stops, unnamed};
 use crate::Context;
@@ -13,9 +14,8 @@ use crate::design::SpaceDesign;
 use crate::lattice::{Block, BlockSide, Layered};
 use crate::layout::{Baseline, Layout};
 use crate::lens::{Body, LensRequest};
-use crate::material::Material;
 use crate::outcome::{
-    ArrangementOutcome, FORMAT, Manifest, SpaceOutcome, SpaceProposal, SpaceSite, SphereRecord, Verdict,
+    ArrangementOutcome, Begun, FORMAT, SpaceOutcome, SpaceProposal, SpaceSite, SphereRecord, Verdict,
 };
 use crate::real::Width;
 use crate::sample::Sample;
@@ -148,7 +148,7 @@ pub fn beside_in_space(
     context: &Context,
 ) -> Result<SpaceBeside, EvaluatorError> {
     let mut subject = layout.clone();
-    let reference = reference(design, &mut subject.palette, &subject.materials);
+    let reference = reference(design, &mut subject.palette, subject.materials.iter().copied());
     let kinds = std::iter::once((Baseline::AllHost, 0)).chain(reference.map(|material| (Baseline::AllLens, material)));
     let (names, uniform): (Vec<String>, Vec<Layout<Block>>) =
         kinds.map(|(kind, material)| (kind.name(), kind.layout(&subject, [1, 1], material))).unzip();
@@ -237,7 +237,7 @@ impl<'a> SpaceComparison<'a> {
         let held = (1..=block.layers()).filter(|&layer| subject.materials[block.layer(layer)].iter().any(|&m| m != 0));
         let layers =
             held.fold(None, |range, layer| Some(range.map_or([layer; 2], |[first, _]: [u32; 2]| [first, layer])));
-        let reference = reference(design, &mut subject.palette, &subject.materials);
+        let reference = reference(design, &mut subject.palette, subject.materials.iter().copied());
         let plan = Plan::in_space(design, overrides, &subject.palette)?;
         let layers = layers.unwrap_or([1, 1]);
         Ok(Self { design, plan, forces: Forces::USUAL, name, subject, reference, layers, proposal: None })
@@ -281,18 +281,6 @@ impl<'a> SpaceComparison<'a> {
 /// Strips of one layer up to one less than all layers that a lens spans, which is its strip of the same height.
 pub fn strips(layers: [u32; 2]) -> impl Iterator<Item = Baseline> {
     (1..=layers[1] - layers[0]).map(Baseline::Strip)
-}
-
-/// Where in a palette stands what Q refers to; see [`Design::reference`](crate::design::Design::reference).
-fn reference(design: &SpaceDesign, palette: &mut Vec<Material>, materials: &[u8]) -> Option<u8> {
-    let Some(reference) = design.reference() else {
-        return materials.iter().copied().find(|&material| material != 0);
-    };
-    let place = palette.iter().position(|material| material == reference).unwrap_or_else(|| {
-        palette.push(reference.clone());
-        palette.len() - 1
-    });
-    u8::try_from(place).ok()
 }
 
 /// What ray tracing proposed, as it is stored.
@@ -430,19 +418,12 @@ fn outcome(
     SpaceOutcome {
         swaps: None,
         format: FORMAT,
-        manifest: Manifest {
-            format: FORMAT,
-            name: design.name.clone(),
-            method: method(design, plan),
-            design_file: design.path.display().to_string(),
-            design: design.text.clone(),
-            command: None,
-            impact: design.impact_in_words(),
-            seeds: [plan.first_seed, design.seeds],
-            threads: rayon::current_num_threads(),
-            started_unix_s: begun.unix_s,
-            seconds: begun.clock.elapsed().as_secs_f64(),
-        },
+        manifest: begun.manifest(
+            design.file(),
+            method(design, plan),
+            design.impact_in_words(),
+            [plan.first_seed, design.seeds],
+        ),
         sites: block.sites().iter().zip(block.copies()).map(site).collect(),
         diameter: block.diameter(),
         half_width: block.half_widths()[0],
