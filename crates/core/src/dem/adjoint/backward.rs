@@ -2,7 +2,7 @@
 
 use super::Gradient;
 use super::contact::{Make, Place, QUANTITIES, Sloped, slopes};
-use super::model::{Frame, Model, Scratch, State, motion};
+use super::model::{Frame, Model, State, motion};
 use crate::dem::contacts::CLOSED;
 use crate::real::{Kernel, Lanes, Width};
 
@@ -65,6 +65,15 @@ impl Adjoint {
     }
 }
 
+/// What the run did in one step.
+pub(super) struct Step<'a> {
+    pub before: &'a State<f64>,
+    /// The corrector leaves displacements as they were predicted.
+    pub after: &'a State<f64>,
+    /// The velocities in the force.
+    pub predicted: &'a [[f64; 2]],
+}
+
 /// A run that can be walked through backwards.
 pub(super) struct Back<'a> {
     pub frame: &'a Frame,
@@ -78,8 +87,7 @@ pub(super) struct Back<'a> {
 /// The part of a step at contacts, compiled for a register's instructions, though what stands side by side are not designs but slopes.
 struct AtContacts<'a, 'b> {
     back: &'a Back<'a>,
-    /// The state before the step, displacements after it and the velocities in the force.
-    at: (&'a State<f64>, &'a [[f64; 2]], &'a [[f64; 2]]),
+    step: &'a Step<'a>,
     adjoints: &'b mut [Adjoint],
 }
 
@@ -88,10 +96,10 @@ impl Kernel for AtContacts<'_, '_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Self { back: &Back { frame, sloped, .. }, at: (before, displacement, predicted), adjoints } = self;
+        let Self { back: &Back { frame, sloped, .. }, step: &Step { before, after, predicted }, adjoints } = self;
         for c in frame.contacts_of(before.reached) {
             let (place, [a, b]) = (&frame.places[c], frame.ends[c]);
-            let motion = motion(place, [a, b], displacement, predicted);
+            let motion = motion(place, [a, b], &after.displacement, predicted);
             let Some(slopes) = slopes(place, &sloped[frame.kind[c]], &motion, &before.history[c], CLOSED) else {
                 continue;
             };
@@ -126,25 +134,14 @@ impl Kernel for AtContacts<'_, '_> {
 }
 
 impl Back<'_> {
-    /// Turns what objectives gain by the state `after` a step into what they gain by that `before` it.
-    pub fn step(
-        &self,
-        before: &State<f64>,
-        after: &State<f64>,
-        load: f64,
-        adjoints: &mut [Adjoint],
-        scratch: &mut Scratch<f64>,
-    ) {
-        let frame = self.frame;
-        let mut glided = before.clone();
-        frame.glide(self.plain, &mut glided, load, scratch);
+    /// Turns what objectives gain by the state after a step into what they gain by that before it.
+    pub fn step(&self, step: &Step<'_>, load: f64, adjoints: &mut [Adjoint]) {
         for adjoint in &mut *adjoints {
-            self.correct(after, adjoint);
+            self.correct(step.after, adjoint);
         }
-        let at = (before, &glided.displacement[..], &scratch.predicted[..]);
-        self.width.run(AtContacts { back: self, at, adjoints: &mut *adjoints });
+        self.width.run(AtContacts { back: self, step, adjoints: &mut *adjoints });
         for adjoint in &mut *adjoints {
-            self.predict(before.reached, load, adjoint);
+            self.predict(step.before.reached, load, adjoint);
         }
     }
 

@@ -20,7 +20,7 @@ mod schedule;
 #[cfg(test)]
 mod tests;
 
-use backward::{Adjoint, Back};
+use backward::{Adjoint, Back, Step};
 use contact::sloped_by_quantities;
 use model::{Frame, Model, Scratch, State, inverse_masses, kinds};
 use schedule::blocks;
@@ -132,12 +132,15 @@ pub fn gradient(
     let mut bytes = 0;
     for block in &blocks {
         let mut states = kept.pop().into_iter().collect::<Vec<State<f64>>>();
+        let mut predicted = Vec::new();
         for step in block.clone() {
             let mut next = states[states.len() - 1].clone();
             frame.advance(&plain, &mut next, load(step), &mut scratch);
             states.push(next);
+            predicted.push(scratch.predicted.clone());
         }
-        bytes = bytes.max((kept.len() + states.len()) * states[0].bytes());
+        let velocities = predicted.len() * spheres * size_of::<[f64; 2]>();
+        bytes = bytes.max((kept.len() + states.len()) * states[0].bytes() + velocities);
         for (k, pair) in states.windows(2).enumerate().rev() {
             let step = block.start + k as u64;
             for (adjoint, sum) in adjoints.iter_mut().zip(sums) {
@@ -146,7 +149,8 @@ pub fn gradient(
                     adjoint.gain_energy(i, weight * sample.mass(i), pair[1].velocity[i]);
                 }
             }
-            back.step(&pair[0], &pair[1], load(step), &mut adjoints, &mut scratch);
+            let run = Step { before: &pair[0], after: &pair[1], predicted: &predicted[k] };
+            back.step(&run, load(step), &mut adjoints);
         }
         stop_if_asked(context, block.start as f64 * impact.step)?;
     }
