@@ -13,6 +13,7 @@
 //! - `figures`: figures for papers, and pages
 //! - `space`: designs in space
 //! - `shards`: studies evaluated apart and folded, by hand and as job arrays
+//! - `results`: every key and column that is written is listed
 //! - `refusals`: usage and input errors, as text and as JSON
 //! - `folders`: where output may go, and interruption; `kept`: nothing of a user's is lost
 
@@ -31,6 +32,7 @@ mod measured;
 mod modes;
 mod network;
 mod refusals;
+mod results;
 mod sensitivity;
 mod shards;
 mod simulate;
