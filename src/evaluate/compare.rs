@@ -1,6 +1,5 @@
 //! The lens and its baselines, simulated alike and in parallel.
 
-
 use rayon::prelude::*;
 
 use super::beside::{reference, unnamed};
