@@ -68,6 +68,17 @@ pub enum Stop {
         /// Time (s).
         time_s: f64,
     },
+    /// Spheres that are no neighbours in a crystal whose contacts are fixed have come near each other.
+    #[error(
+        "spheres {} and {} are no neighbours and have come near each other at {time_s:.3e} s; this is no crystal any more, and is \
+         to be followed as one whose contacts are looked for", .spheres[0], .spheres[1]
+    )]
+    Met {
+        /// Spheres, from 1; the same twice for a sphere and its mirror image.
+        spheres: [usize; 2],
+        /// Time (s).
+        time_s: f64,
+    },
     /// Spheres so fast that they might pass through each other between two steps.
     #[error("a sphere moves by more than its diameter in a step of {step_s:.3e} s; try a smaller step")]
     Leap {

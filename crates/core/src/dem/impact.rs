@@ -15,7 +15,7 @@ use super::load::ForcePulse;
 use super::neighbour::OverlapAtRest;
 use super::record::Felt;
 use super::table::LawTable;
-use super::{Integrator, same};
+use super::{Integrator, bulk, same};
 use crate::Context;
 use crate::contact::{Constants, LawKind};
 use crate::sample::{Sample, Sphere};
@@ -112,7 +112,8 @@ pub fn simulate_with_friction(
     recorded(sample, &Terms { friction: Some(coefficient), ..terms(impact, context, 2) })
 }
 
-/// Follows an impact on `sample`. Contacts between spheres that do not touch at rest are found as these come near; that none is
+/// Follows an impact on `sample`; a large crystal in space (of [`MANY`](bulk::MANY) spheres) by its rows, on the threads of the current pool and
+/// to the same bits for any number of them. Contacts between spheres that do not touch at rest are found as these come near; that none is
 /// missed is proven as the run goes. `context` is looked at now and then; when it is stopped the run ends with what it has.
 ///
 /// # Errors
@@ -130,7 +131,8 @@ pub fn simulate<const D: usize>(
         recorded(sample, &terms(impact, context, 2))
     }
     fn in_space(sample: &Sample<3>, impact: &Impact, context: &Context) -> Result<Record<3>, OverlapAtRest> {
-        recorded(sample, &terms(impact, context, 3))
+        let by_rows = if sample.spheres.len() < bulk::MANY { None } else { bulk::recorded(sample, impact, context) };
+        by_rows.map_or_else(|| recorded(sample, &terms(impact, context, 3)), Ok)
     }
     let dimension: &dyn Any = sample;
     if let Some(sample) = dimension.downcast_ref() {

@@ -23,6 +23,7 @@ mod adjoint;
 mod batch;
 mod body;
 mod boundary;
+pub mod bulk;
 mod clock;
 mod contacts;
 mod follow;

@@ -81,7 +81,7 @@ pub struct OverlapAtRest {
 }
 
 /// Spheres nearer than this part of their reach are followed from the start; others when they come near.
-const NEAR: f64 = 0.05;
+pub(super) const NEAR: f64 = 0.05;
 
 impl<const D: usize> Touching<D> {
     /// Finds the contacts of packings at rest that have the same centres: what is near in any of them. `visit` hears of all other

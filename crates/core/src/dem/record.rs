@@ -40,7 +40,7 @@ pub(super) struct Point {
 }
 
 /// A sphere has been reached when its speed is this part of its own maximum.
-const ARRIVAL: f64 = 0.01;
+pub(super) const ARRIVAL: f64 = 0.01;
 
 impl Rise {
     /// The speed (m/s) at an accepted step, and whether it is the greatest so far. Speeds below `floor` will not be asked for.

@@ -18,7 +18,7 @@ pub(super) struct Kinds {
 }
 
 /// Place of the pair of two of five materials in the table of kinds; 0 is no bond.
-pub(super) fn kind(a: u8, b: u8) -> u8 {
+pub(in crate::dem) fn kind(a: u8, b: u8) -> u8 {
     let (low, high) = (a.min(b), a.max(b));
     1 + high * (high + 1) / 2 + low
 }

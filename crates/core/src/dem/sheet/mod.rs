@@ -30,9 +30,9 @@
 //! ```
 
 mod grid;
-mod kinds;
+pub(super) mod kinds;
 mod look;
-mod numbers;
+pub(super) mod numbers;
 mod stop;
 mod sweep;
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 /// Numbers from the beginning of a cache line on, so that no register straddles two.
 #[derive(Debug)]
-pub(super) struct Numbers {
+pub(in crate::dem) struct Numbers {
     room: Vec<f64>,
     start: usize,
     pub length: usize,

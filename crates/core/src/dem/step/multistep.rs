@@ -27,7 +27,7 @@ use crate::dem::contacts::{Contacts, Laws};
 use crate::real::Lanes;
 
 /// The table of a scheme, each entry times the step.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(in crate::dem) struct Coefficients {
     /// s₁ h, s₂ h
     pub displacement: [f64; 2],
