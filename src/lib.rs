@@ -29,6 +29,7 @@ pub mod trial;
 pub mod study;
 pub mod reference;
 pub mod export;
+pub mod inside;
 pub mod page;
 pub mod report;
 pub mod tolerance;

@@ -6,9 +6,11 @@
 use serde::{Deserialize, Serialize};
 
 mod begun;
+mod inside;
 mod traced;
 
 pub use begun::Begun;
+pub use inside::{Inside, PartOfNetwork, Touch};
 pub use traced::{Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
 
 use crate::dem::Stop;
@@ -118,6 +120,9 @@ pub struct Outcome<S = Site, R = Region, P = Proposal> {
     /// What exchanging single spheres of the first does, where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub swaps: Option<crate::evaluate::Swaps>,
+    /// What goes on inside the first, where that was looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inside: Option<Inside>,
     /// What a reader should know before trusting the numbers.
     pub warnings: Vec<String>,
 }

@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
+use granulens::dem::rig::Simulation;
+use granulens::dem::steps_in;
 use granulens::design::{AnyDesign, Design};
 use granulens::evaluate::{Comparison, Forces, compare, impact, stops};
+use granulens::inside;
 use granulens::layout::{self, Layout, ReadLayout};
 use granulens::outcome::Outcome;
 use granulens::report;
@@ -55,7 +58,7 @@ impl Compare {
         .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
         .over(self.forces.or(Forces::USUAL)?);
         if common.dry_run {
-            return cost(common, &design, &comparison);
+            return cost(common, &design, &comparison, false);
         }
         self.under.chosen(&design)?;
         probe(common, common.out.as_ref())?;
@@ -97,8 +100,8 @@ pub fn unfinished(comparison: &Comparison, outcome: &Outcome) -> Result<(), Fail
     }
 }
 
-/// What the arrangements of a comparison will cost.
-pub fn cost(common: &Common, design: &Design, comparison: &Comparison) -> Result<(), Failure> {
+/// What the arrangements of a comparison will cost, and a look inside the first where one is taken.
+pub fn cost(common: &Common, design: &Design, comparison: &Comparison, looks_inside: bool) -> Result<(), Failure> {
     let alone = super::cost::arrangement(&comparison.subject.sample(), &impact(design, &comparison.plan))?;
     let count = comparison.len() as u64;
     let forces = comparison.forces.count() as u64;
@@ -108,6 +111,14 @@ pub fn cost(common: &Common, design: &Design, comparison: &Comparison) -> Result
         let each = alone / 5.0;
         let runs = count * forces;
         parts.push(Part::new(format!("runs for the verdict, {forces} forces"), runs, Some(each * runs as f64)));
+    }
+    if looks_inside && comparison.left.is_none() {
+        let failed = |error: &dyn std::fmt::Display| Failure::input(error.to_string());
+        let (rig, step) = inside::rig(design, &comparison.subject).map_err(|error| failed(&error))?;
+        let steps = steps_in(comparison.plan.window, step);
+        let mut simulation = Simulation::new(rig, step).map_err(|error| failed(&error))?;
+        let seconds = super::cost::rig(&mut simulation, steps);
+        parts.push(Part::new("look inside the first, both halves", 1, Some(seconds)));
     }
     tell(common, &parts)
 }

@@ -87,7 +87,7 @@ impl Report {
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
             .over(self.forces.or(Forces::USUAL)?);
         if common.dry_run {
-            return super::compare::cost(common, &design, &comparison);
+            return super::compare::cost(common, &design, &comparison, true);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(name));
         deliver(common, &comparison, &place, Delivery { words: None, kinds: &self.kinds(), swaps: self.swaps })

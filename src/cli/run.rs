@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use granulens::design::AnyDesign;
 use granulens::evaluate::{Comparison, Forces, Subject, compare, swaps};
-use granulens::layout;
 use granulens::outcome::Outcome;
 use granulens::output::Folder;
 use granulens::report;
+use granulens::{inside, layout};
 
 use super::console::{Count, context, emit, emit_json, note};
 use super::failure::Failure;
@@ -43,7 +43,7 @@ impl Run {
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
             .over(self.forces.or(Forces::USUAL)?);
         if common.dry_run {
-            return super::compare::cost(common, &design, &comparison);
+            return super::compare::cost(common, &design, &comparison, true);
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
         let words = super::design::words(&design, &lens);
@@ -74,7 +74,25 @@ pub fn deliver(
     }
     note(common, &format!("step: {}", comparison.plan.step_reason));
     let bar = Count::new(common, comparison.len(), "arrangements");
-    let mut outcome = compare(comparison, &bar.context())?;
+    let counted = bar.context();
+    let (outcome, inside) = rayon::join(
+        || compare(comparison, &counted),
+        || {
+            let Comparison { design, subject, rows, plan, .. } = comparison;
+            // Of halves that differ there is no sheet that repeats itself.
+            let is_whole = comparison.left.is_none();
+            is_whole.then(|| inside::look(design, subject, *rows, plan.window, context()))
+        },
+    );
+    let mut outcome = outcome?;
+    outcome.inside = match inside {
+        None => None,
+        Some(Ok(inside)) => Some(inside),
+        Some(Err(error)) => {
+            note(common, &format!("not looked inside: {error}"));
+            None
+        }
+    };
     outcome.manifest.command = Some(command_line());
     bar.done();
 

@@ -173,6 +173,7 @@ impl<'a> Comparison<'a> {
             verdict,
             proposal: self.proposal.clone(),
             swaps: None,
+            inside: None,
             arrangements,
             warnings,
         }

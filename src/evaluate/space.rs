@@ -417,6 +417,7 @@ fn outcome(
     };
     SpaceOutcome {
         swaps: None,
+        inside: None,
         format: FORMAT,
         manifest: begun.manifest(
             design.file(),

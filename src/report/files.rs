@@ -6,8 +6,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::summary::{Spread, lines};
-use super::{drawing, maps, page, profiles, spots};
-use crate::outcome::{FORMAT, Method, Outcome, Scores, Verdict};
+use super::{drawing, inside, maps, page, profiles, spots};
+use crate::outcome::{FORMAT, Inside, Method, Outcome, PartOfNetwork, Scores, Touch, Verdict};
 use crate::score::{Measure, Spreads};
 use crate::target::Target;
 
@@ -54,6 +54,8 @@ pub fn pictures(outcome: &Outcome) -> Result<Vec<(&'static str, String)>, Report
         ("dissipation.svg", maps::dissipation(outcome, lens)),
         ("forces.svg", maps::forces(outcome, lens)),
     ]);
+    let within = outcome.inside.as_ref().and_then(|within| inside::draw_lens(outcome, within));
+    pictures.extend(within.map(|svg| ("inside.svg", svg)));
     pictures.extend(outcome.swaps.as_ref().map(|swaps| ("swaps.svg", maps::swaps(outcome, lens, swaps))));
     Ok(pictures)
 }
@@ -68,7 +70,32 @@ pub fn files(outcome: &Outcome) -> Result<Vec<(String, String)>, ReportError> {
     let mut files: Vec<(String, String)> = pictures.into_iter().map(|(name, svg)| (name.to_owned(), svg)).collect();
     files.push(("report.html".to_owned(), page));
     files.extend(number_files(outcome)?);
+    if let Some(within) = &outcome.inside {
+        files.push(("contacts.csv".to_owned(), contacts_csv(within)));
+        files.push(("damage.csv".to_owned(), damage_csv(outcome, within)));
+    }
     Ok(files)
+}
+
+/// The contacts of the whole sheet at the moment of focus, as `granulens network` reads them; SI.
+fn contacts_csv(inside: &Inside) -> String {
+    let mut text = format!("# time = {:?} s; period_x = {:?}\n", inside.moment, inside.period);
+    text += "i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N\n";
+    for Touch(i, k, normal, tangential) in &inside.contacts {
+        let [[xi, zi], [xk, zk]] = [i, k].map(|&i| inside.places[i as usize]);
+        text += &format!("{},{},{xi},{zi},{xk},{zk},{normal},{tangential}\n", i + 1, k + 1);
+    }
+    text
+}
+
+/// D²_min of every site of the half, empty where there is none; SI.
+fn damage_csv(outcome: &Outcome, inside: &Inside) -> String {
+    let mut text = "row,column,x,z,d2min\n".to_owned();
+    for (site, d2min) in outcome.sites.iter().zip(&inside.d2min) {
+        let shown = d2min.map_or(String::new(), |d2min| d2min.to_string());
+        text += &format!("{},{},{},{},{shown}\n", site.row, site.column, site.x, site.z);
+    }
+    text
 }
 
 /// The files that hold numbers only: they need no lens and no complete set of arrangements.
@@ -217,6 +244,9 @@ struct Numbers<'a, R> {
     arrangements: Vec<Numbered<'a>>,
     /// Means and deviations of random kinds over their seeds.
     over_seeds: Vec<OverSeeds<'a>>,
+    /// The force network of the first at the moment of focus, part by part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inside: Option<Within<'a>>,
     warnings: &'a [String],
 }
 
@@ -239,6 +269,12 @@ struct OverSeeds<'a> {
     /// Below the column of each measure.
     #[serde(flatten)]
     measures: BTreeMap<&'static str, Spread>,
+}
+
+#[derive(Serialize)]
+struct Within<'a> {
+    moment_s: f64,
+    parts: &'a [PartOfNetwork],
 }
 
 /// A proposal in numbers, without what is only drawn.
@@ -291,6 +327,7 @@ impl<'a, R> Numbers<'a, R> {
             target: &outcome.target,
             arrangements,
             over_seeds,
+            inside: outcome.inside.as_ref().map(|inside| Within { moment_s: inside.moment, parts: &inside.parts }),
             warnings: &outcome.warnings,
         }
     }

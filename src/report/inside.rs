@@ -1,10 +1,16 @@
 //! What goes on inside a packing as pictures: the force network with its chains, and non-affine motion.
 
+use std::collections::BTreeSet;
+
 use super::chart::ticks;
-use super::colour::{Scale, level};
+use super::colour::{LEVELS, Scale, level};
+use super::crystal::{Crystal, Extent};
+use super::digits::significant;
+use super::maps::{BAR, ROWS, SITES};
 use super::svg::{Anchor, Shapes, Svg};
 use crate::motion::Local;
-use crate::network::{Branch, Chains, Network};
+use crate::network::{ANGLE, Branch, Carrier, Chains, Network};
+use crate::outcome::{Inside, Outcome};
 
 /// Longer side of what is drawn (px).
 const SIDE: f64 = 860.0;
@@ -98,37 +104,122 @@ pub fn draw_network(title: &str, network: &Network, mean: f64, chains: &Chains, 
     let title = format!("{title}: normal forces in multiples of the mean; chains of three or more in blue");
     let mut svg = sheet.begin(&title);
     let of = |c: usize| network.contacts()[c].normal.abs() / mean;
-    // By strength, so that the strongest lie on top.
-    let mut order: Vec<usize> = (0..branches.len()).collect();
-    order.sort_by(|&a, &b| of(a).total_cmp(&of(b)));
-    let most = order.last().map_or(1.0, |&c| of(c));
-    let scale = Scale::linear(most);
-    let mut linked = std::collections::BTreeSet::new();
-    for chain in &chains.chains {
-        linked.extend(chain.windows(2).map(|two| (two[0].min(two[1]), two[0].max(two[1]))));
-    }
+    let scale = Scale::linear((0..branches.len()).map(of).fold(0.0, f64::max));
+    let linked = linked(chains);
     let [width, height] = sheet.extent();
     svg.clipped([ROOM[0], ROOM[1]], [width, height], |svg| {
         let mut under = Shapes::default();
         for (contact, branch) in network.contacts().iter().zip(branches) {
-            let [a, b] = contact.grains;
-            if linked.contains(&(a.min(b), a.max(b))) {
+            if linked.contains(&pair(contact.grains)) {
                 let [from, to] = ends(branch);
                 under.segment(sheet.at(from), sheet.at(to));
             }
         }
-        let broad = 0.7 * length * sheet.size;
-        let attributes = format!(r##"stroke="#bcd9ee" stroke-width="{broad:.2}" stroke-linecap="round" fill="none""##);
-        svg.path(under.data(), &attributes);
-        for &c in &order {
-            let [from, to] = ends(&branches[c]);
-            let stroke = level(scale.level(of(c)));
-            // The strongest as broad as half a grain.
-            let broad = 0.5 * length * sheet.size * (of(c) / most).sqrt();
-            svg.line(sheet.at(from), sheet.at(to), &format!(r#"stroke="{stroke}" stroke-width="{broad:.2}""#));
-        }
+        below_chains(svg, &under, length * sheet.size);
+        let lines = (0..branches.len()).map(|c| (of(c), ends(&branches[c]).map(|end| sheet.at(end))));
+        by_force(svg, &scale, 0.5 * length * sheet.size, lines);
     });
     Some(sheet.finish(svg, &scale, "normal force over mean", [false, false]))
+}
+
+/// Two grains, the lower number first.
+fn pair([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Pairs of grains that are next to each other in a chain.
+fn linked(chains: &Chains) -> BTreeSet<[u32; 2]> {
+    chains.chains.iter().flat_map(|chain| chain.windows(2).map(|two| pair([two[0], two[1]]))).collect()
+}
+
+/// Paints what lies below chains; `length` is that of a contact (px).
+fn below_chains(svg: &mut Svg, under: &Shapes, length: f64) {
+    let broad = 0.7 * length;
+    let attributes = format!(r##"stroke="#bcd9ee" stroke-width="{broad:.2}" stroke-linecap="round" fill="none""##);
+    svg.path(under.data(), &attributes);
+}
+
+/// Lines whose forces are on a scale from zero, those of one colour together, the strongest on top and as broad as `broad` (px).
+fn by_force(svg: &mut Svg, scale: &Scale, broad: f64, lines: impl Iterator<Item = (f64, [[f64; 2]; 2])>) {
+    let mut levels = vec![Shapes::default(); LEVELS];
+    for (force, [from, to]) in lines {
+        levels[scale.level(force)].segment(from, to);
+    }
+    for (k, shapes) in levels.iter().enumerate() {
+        let width = broad * ((k as f64 + 0.5) / LEVELS as f64).sqrt();
+        let colour = level(k);
+        svg.path(shapes.data(), &format!(r#"fill="none" stroke="{colour}" stroke-width="{width:.2}""#));
+    }
+}
+
+/// A lens from inside, both halves: its contacts when the focal region has most kinetic energy, and D²_min once all is over.
+pub(super) fn draw_lens(outcome: &Outcome, inside: &Inside) -> Option<String> {
+    const TOP: f64 = 36.0;
+    let lens = outcome.arrangements.first()?;
+    let rows: Vec<u32> = outcome.sites.iter().map(|site| site.row).collect();
+    let network = inside.network(&rows, [1, u32::MAX])?;
+    let (mean, branches) = (network.mean(Carrier::Contacts), network.branches()?);
+    if mean == 0.0 {
+        return None;
+    }
+    let room = [392.0, 620.0];
+    let [width, height] = Crystal::new(outcome, Extent::Both, [0.0, 0.0], room).size();
+    let column = ROWS + width + BAR;
+    let panels = if inside.d2min.is_empty() { 1.0 } else { 2.0 };
+    let title = format!("{}: force network at the moment of focus, and damage", outcome.manifest.name);
+    let mut svg = Svg::new(column * panels, TOP + height + 20.0, &title);
+    let begin = |svg: &mut Svg, k: usize, heading: &str| {
+        let left = column * k as f64;
+        let crystal = Crystal::new(outcome, Extent::Both, [left + ROWS, TOP], room);
+        svg.text([left + ROWS + width / 2.0, 20.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, heading);
+        svg.text_upwards([left + 14.0, TOP + height / 2.0], 12.0, "", "row");
+        crystal.row_numbers(svg, 11.0);
+        crystal
+    };
+    let finish = |svg: &mut Svg, k: usize, crystal: &Crystal, scale: &Scale, (label, unit): (&str, f64), beyond| {
+        let right = column * k as f64 + ROWS + width + 14.0;
+        crystal.regions(svg, 2.0);
+        scale.bar(svg, [right, TOP + 12.0], height - 24.0, label, unit, beyond);
+    };
+
+    let crystal = begin(&mut svg, 0, &format!("contacts at {} us", significant(1e6 * inside.moment, 3)));
+    let of = |c: usize| network.contacts()[c].normal.abs() / mean;
+    let scale = Scale::linear((0..branches.len()).map(of).fold(0.0, f64::max));
+    let linked = linked(&Chains::new(&network, ANGLE)?);
+    // A contact over the seam is drawn at both sides, and cut off there.
+    let lines = |c: usize| {
+        let [x, z] = branches[c].vector;
+        let [from, to] = network.contacts()[c].grains.map(|i| inside.places[i as usize]);
+        let seam = (to[0] - from[0] - x).abs() > 0.5 * inside.period;
+        let own = [from, [from[0] + x, from[1] + z]];
+        let other = [[to[0] - x, to[1] - z], to];
+        [Some(own), seam.then_some(other)].into_iter().flatten().map(|line| line.map(|end| crystal.place(end)))
+    };
+    svg.clipped(crystal.corner(), crystal.size(), |svg| {
+        let mut under = Shapes::default();
+        for c in (0..branches.len()).filter(|&c| linked.contains(&pair(network.contacts()[c].grains))) {
+            lines(c).for_each(|[from, to]| under.segment(from, to));
+        }
+        below_chains(svg, &under, crystal.diameter());
+        let all = (0..branches.len()).flat_map(|c| lines(c).map(move |line| (of(c), line)));
+        by_force(svg, &scale, 0.5 * crystal.diameter(), all);
+    });
+    crystal.boundaries(&mut svg, &lens.layout, r##"stroke="#c2410c" stroke-width="0.9""##);
+    let label = format!("normal force over the mean, {} N", significant(mean, 3));
+    finish(&mut svg, 0, &crystal, &scale, (&label, 1.0), [false, false]);
+
+    if !inside.d2min.is_empty() {
+        let values = || inside.d2min.iter().copied().flatten();
+        let scale = Scale::logarithmic(values());
+        let crystal = begin(&mut svg, 1, &format!("damage after {} us", significant(1e6 * inside.until, 3)));
+        crystal.map(&mut svg, &scale, inside.d2min.len(), |site| inside.d2min[site]);
+        for line in SITES {
+            crystal.boundaries(&mut svg, &lens.layout, line);
+        }
+        let below = values().any(|value| value < scale.low());
+        finish(&mut svg, 1, &crystal, &scale, ("D²_min (mm²)", 1e-6), [false, below]);
+    }
+    Some(svg.finish())
 }
 
 /// Non-affine motion: grains where they were, coloured by D²_min on a logarithmic scale; those without it are hollow. `diameter` is that

@@ -8,7 +8,7 @@ use crate::evaluate::Swaps;
 use crate::outcome::{ArrangementOutcome, Outcome};
 
 /// Lines between materials in a map, and rays: white within dark, to be seen on either end of the colours.
-const SITES: [&str; 2] = [
+pub const SITES: [&str; 2] = [
     r##"stroke="#000" stroke-width="1.5" stroke-opacity="0.25""##,
     r##"stroke="#fff" stroke-width="0.7" stroke-opacity="0.75""##,
 ];
@@ -17,9 +17,9 @@ const RAYS: [&str; 2] = [
     r##"stroke="#fff" stroke-width="1" stroke-opacity="0.9""##,
 ];
 /// Room for a colour bar with ticks and label (px).
-const BAR: f64 = 96.0;
+pub const BAR: f64 = 96.0;
 /// Room for row numbers and their label (px).
-const ROWS: f64 = 46.0;
+pub const ROWS: f64 = 46.0;
 
 /// The finite value of a site in a list that may be short.
 pub fn at(list: &[f64], index: usize) -> Option<f64> {
@@ -261,7 +261,7 @@ fn above<'a>(scale: &Scale, lists: impl IntoIterator<Item = &'a [f64]>) -> bool 
     lists.into_iter().flatten().any(|&v| v > scale.high())
 }
 
-fn below(scale: &Scale, list: &[f64]) -> bool {
+pub fn below(scale: &Scale, list: &[f64]) -> bool {
     list.iter().any(|&v| v < scale.low())
 }
 

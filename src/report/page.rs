@@ -14,7 +14,7 @@ use super::summary::{
 };
 use super::{maps, profiles, verdict};
 use crate::layout::Bill;
-use crate::outcome::{Manifest, Outcome, Proposal, Verdict};
+use crate::outcome::{Manifest, Outcome, PartOfNetwork, Proposal, Verdict};
 use crate::score::Measure;
 use crate::target::{Focus, Region};
 use crate::units::Dimension;
@@ -51,16 +51,18 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
     let single = random.map(|a| Line { name: &a.name, members: vec![a] });
     let manifest = &outcome.manifest;
     // The telling ones first, then the others.
-    let (mut lead, mut further) = (Vec::new(), Vec::new());
+    let (mut lead, mut further, mut within) = (Vec::new(), Vec::new(), Vec::new());
     for (file, svg) in pictures {
         let numbers = match *file {
             "layout.svg" | "spots.svg" => None,
             "swaps.svg" => Some("outcome.json"),
+            "inside.svg" => Some("contacts.csv"),
             _ => Some("spheres.csv"),
         };
         let figure = context! { file => *file, svg, caption => caption(outcome, file), numbers };
         match LEAD.iter().position(|name| name == file) {
             Some(place) => lead.push((place, figure)),
+            None if *file == "inside.svg" => within.push(figure),
             None => further.push(figure),
         }
     }
@@ -92,6 +94,8 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
         look => crate::page::look(),
         lead => lead.into_iter().map(|(_, figure)| figure).collect::<Vec<_>>(),
         further,
+        within,
+        parts => outcome.inside.as_ref().map(|inside| inside.parts.iter().map(part).collect::<Vec<_>>()),
         ledger => all.iter().map(ledger).collect::<Vec<_>>(),
         worst_residual => worst_residual(outcome).map_or(NONE.to_owned(), |r| significant(r, 2)),
         warnings => outcome.warnings.clone(),
@@ -174,6 +178,22 @@ fn ledger(line: &Line) -> Vec<String> {
         shared(mean(Measure::Kinetic)),
         shared(mean(Measure::Stored)),
         line.show(&RESIDUAL),
+    ]
+}
+
+/// Measures of a part of the force network.
+fn part(part: &PartOfNetwork) -> Vec<String> {
+    vec![
+        format!("{}, rows {} to {}", part.name, part.rows[0], part.rows[1]),
+        part.touching.to_string(),
+        format!("{:.2}", part.coordination),
+        significant(part.mean_force, 3),
+        significant(part.greatest, 3),
+        part.components.to_string(),
+        part.loops.to_string(),
+        significant(part.persistence_of_loops, 3),
+        format!("{:.0} %", 100.0 * part.in_chains),
+        part.along_over_across.map_or(NONE.to_owned(), |ratio| significant(ratio, 3)),
     ]
 }
 
@@ -364,6 +384,10 @@ fn caption(outcome: &Outcome, file: &str) -> String {
                  gains, blue where it loses. Changes below {noise:.1} % are within what a change of the force by 1 % does."
             )
         }
+        "inside.svg" => "Left: contacts between spheres when the focal region has most kinetic energy, as broad as the root of their force and coloured by it, force chains pale blue \
+             below; red lines part the materials. Right: D²_min from rest to the end, what no affine map of a neighbourhood of 2.5 D explains: how far spheres have slid past each other, \
+             logarithmic; its numbers are in damage.csv."
+            .to_owned(),
         "dissipation.svg" => "Energy dissipated at each sphere: half of the loss of each of its contacts. The scale is logarithmic; spheres below it, among them those that lost nothing, take the bottom colour.".to_owned(),
         "forces.svg" => format!("Greatest net contact force on each sphere of {first}. Left: as it is, logarithmic. Right: over the greatest of its row, which takes the decay with depth away. Rows that the wave did not reach in the window are white on the right and take the bottom colour on the left."),
         _ => String::new(),

@@ -263,58 +263,93 @@ fn through(points: &[[f64; 2]]) -> String {
     d
 }
 
-/// Path data of many small shapes, gathered so that a thousand cells of one colour are one element.
+/// Path data of many small shapes, gathered so that a thousand cells of one colour are one element, in as few letters as can be: they are most of
+/// a page's weight.
 #[derive(Clone, Debug, Default)]
 pub struct Shapes {
     d: String,
+    /// Where the pen stands (hundredths of a pixel).
+    pen: [i64; 2],
+    /// The last letter; it holds until the next.
+    letter: Option<char>,
+}
+
+/// In hundredths of a pixel.
+fn hundredths(point: [f64; 2]) -> [i64; 2] {
+    point.map(|c| (100.0 * c).round() as i64)
 }
 
 impl Shapes {
     /// A closed shape: where it starts, then steps from corner to corner.
     pub fn closed(&mut self, start: [f64; 2], steps: &[[f64; 2]]) {
-        onto(&mut self.d, 'M', start);
-        let mut before = 'M';
-        for &[x, y] in steps {
-            // A letter for steps along an axis, and no blank before a sign.
-            let (mut across, mut down) = (String::new(), String::new());
-            Px(x).onto(&mut across);
-            Px(y).onto(&mut down);
-            let letter = match (across.as_str(), down.as_str()) {
-                ("0", _) => 'v',
-                (_, "0") => 'h',
-                _ => 'l',
-            };
-            // A letter holds until the next; a sign parts numbers as a blank does.
-            let goes_on = letter == 'l' && before == 'l';
-            if !goes_on {
-                self.d.push(letter);
-            } else if !across.starts_with('-') {
-                self.d.push(' ');
-            }
-            before = letter;
-            if across != "0" {
-                self.d.push_str(&across);
-            }
-            if across != "0" && down != "0" && !down.starts_with('-') {
-                self.d.push(' ');
-            }
-            if down != "0" || across == "0" {
-                self.d.push_str(&down);
-            }
+        self.begin(hundredths(start), false);
+        let first = self.pen;
+        for &step in steps {
+            self.step(hundredths(step));
         }
         self.d.push('z');
+        (self.pen, self.letter) = (first, Some('z'));
     }
 
-    /// A straight segment.
+    /// A straight segment, to a tenth of a pixel.
     pub fn segment(&mut self, from: [f64; 2], to: [f64; 2]) {
-        onto(&mut self.d, 'M', from);
-        onto(&mut self.d, 'L', to);
+        let [from, to] = [from, to].map(|end| end.map(|c| (10.0 * c).round() as i64 * 10));
+        self.begin(from, true);
+        self.step([to[0] - from[0], to[1] - from[1]]);
+    }
+
+    /// Moves the pen to a place: by how much, where that takes fewer letters. A line that `joins` goes on where the last one ended.
+    fn begin(&mut self, place: [i64; 2], joins: bool) {
+        let by = [place[0] - self.pen[0], place[1] - self.pen[1]];
+        if joins && by == [0, 0] && self.letter.is_some_and(|letter| letter != 'z') {
+            return;
+        }
+        let (mut moved, mut placed) = (String::new(), String::new());
+        numbers(&mut moved, by);
+        numbers(&mut placed, place);
+        let is_shorter = self.letter.is_some() && moved.len() < placed.len();
+        let (letter, text) = if is_shorter { ('m', moved) } else { ('M', placed) };
+        self.d.push(letter);
+        self.d.push_str(&text);
+        (self.pen, self.letter) = (place, Some(letter));
+    }
+
+    /// A line by so much, with a letter of its own along an axis.
+    fn step(&mut self, by: [i64; 2]) {
+        let letter = match by {
+            [0, _] => 'v',
+            [_, 0] => 'h',
+            _ => 'l',
+        };
+        let mut text = String::new();
+        match letter {
+            'v' => Px(by[1] as f64 / 100.0).onto(&mut text),
+            'h' => Px(by[0] as f64 / 100.0).onto(&mut text),
+            _ => numbers(&mut text, by),
+        }
+        if self.letter != Some(letter) {
+            self.d.push(letter);
+        } else if !text.starts_with('-') {
+            self.d.push(' ');
+        }
+        self.d.push_str(&text);
+        self.pen = [self.pen[0] + by[0], self.pen[1] + by[1]];
+        self.letter = Some(letter);
     }
 
     /// The path data.
     pub fn data(&self) -> &str {
         &self.d
     }
+}
+
+/// Appends two numbers; a sign parts them as a blank does.
+fn numbers(text: &mut String, [x, y]: [i64; 2]) {
+    Px(x as f64 / 100.0).onto(text);
+    if y >= 0 {
+        text.push(' ');
+    }
+    Px(y as f64 / 100.0).onto(text);
 }
 
 #[cfg(test)]
@@ -332,6 +367,17 @@ mod tests {
             ["-12.5", "-0.05", "3.1", "8", "100000000000000000"]
         );
         assert_eq!(shown(f64::NAN), "0");
+    }
+
+    #[test]
+    fn shapes_are_where_they_were_put() {
+        let mut shapes = Shapes::default();
+        let square = [[2.0, 0.0], [0.0, 2.0], [-2.0, 0.0]];
+        shapes.closed([100.0, 50.25], &square);
+        shapes.closed([102.5, 50.25], &square);
+        shapes.segment([3.0, 4.04], [5.0, 3.0]);
+        shapes.segment([5.0, 3.0], [5.0, 7.0]);
+        assert_eq!(shapes.data(), "M100 50.25h2v2h-2zm2.5 0h2v2h-2zM3 4l2-1v4");
     }
 
     #[test]

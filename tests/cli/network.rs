@@ -1,6 +1,6 @@
 //! `network` and `motion`: instruments that read files of any program.
 
-use super::{Desk, shipped};
+use super::{Desk, names, shipped};
 
 /// Two squares side by side; the diagonal 1-5 cuts the right one. Forces 8 to 1, mean 4.5.
 pub const SQUARES: &str = "i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N
@@ -180,4 +180,78 @@ fn frames_of_a_lens_are_kept_and_drawn() {
         let svg = desk.read(&format!("lens/{name}.svg"));
         assert!(svg.contains(words) && page.contains(words), "{name}");
     }
+}
+
+/// What a report says of the inside of its lens: the network of its contacts at the moment of focus, the same as `network` finds in them, alike on
+/// both sides of the axis; that moment, and how spheres have moved, as a run of the half sheet between mirrors has them.
+#[test]
+fn a_report_looks_inside_its_lens() {
+    let desk = Desk::new();
+    desk.design_with("small.toml", "half_width = 4.5", "half_width = 8.5");
+    desk.run(&["run", "small.toml", "--out", "run", "--quiet"]).ok();
+    let outcome = desk.json("run/outcome.json");
+    let (inside, page) = (&outcome["inside"], desk.read("run/report.html"));
+    for words in ["id=\"inside\"", "contacts at", "damage after", "in it, rows 2 to 5", "behind it, rows 6 to 10"] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert_eq!(desk.json("run/numbers.json")["inside"]["parts"], inside["parts"]);
+
+    // Its contacts are those that are written, and measured alike: rows are told apart by depths half a row away.
+    let row = 6.35e-3 * 0.75_f64.sqrt();
+    for part in inside["parts"].as_array().unwrap() {
+        let [first, last] = [0, 1].map(|k| part["rows"][k].as_f64().unwrap());
+        let layer = format!("{},{}", (first - 1.5) * row, (last - 0.5) * row);
+        let call = ["network", "run/contacts.csv", "--json", "--thresholds", "1", &format!("--z={layer}")];
+        let found = desk.run(&call).ok().json();
+        assert_eq!((&found["components"][0], &found["loops"][0]), (&part["components"], &part["loops"]), "{part}");
+        assert_eq!(found["mean_force"], part["mean_force_N"], "{part}");
+        let (xx, zz) = (found["virial"][0][0].as_f64().unwrap(), found["virial"][1][1].as_f64().unwrap());
+        let said = part["along_over_across"].as_f64().unwrap();
+        assert!((zz / xx - said).abs() < 1e-9 * said.abs(), "{part}");
+    }
+
+    // Both sides are alike: each contact has an image with the same force. Spheres come behind their images.
+    let spheres: Vec<(u64, bool)> = serde_json::from_value(inside["spheres"].clone()).unwrap();
+    let image = |i: u64| {
+        let (site, other) = spheres[i as usize];
+        spheres.iter().position(|&(k, side)| k == site && side != other).map_or(i, |k| k as u64)
+    };
+    let contacts: Vec<(u64, u64, f64, f64)> = serde_json::from_value(inside["contacts"].clone()).unwrap();
+    let most = contacts.iter().map(|contact| contact.2).fold(0.0, f64::max);
+    let forces: std::collections::BTreeMap<(u64, u64), f64> =
+        contacts.iter().map(|&(i, k, force, _)| ((i.min(k), i.max(k)), force)).collect();
+    assert!(contacts.len() > 100, "{}", contacts.len());
+    for (&(i, k), force) in &forces {
+        let (i, k) = (image(i), image(k));
+        let other = forces.get(&(i.min(k), i.max(k))).copied().unwrap_or(0.0);
+        assert!((force - other).abs() < 1e-6 * most, "{i} {k}: {force} {other}");
+    }
+
+    // The half between its mirrors, sampled by itself.
+    desk.run(&["simulate", "small.toml", "--frames", "--out", "half", "--quiet"]).ok();
+    let regions = desk.read("half/regions.csv");
+    let column = regions.lines().next().unwrap().split(',').position(|name| name == "focus_kinetic_J").unwrap();
+    let rows: Vec<Vec<f64>> =
+        regions.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    let focus = rows.iter().max_by(|a, b| a[column].total_cmp(&b[column])).unwrap()[0];
+    let between = rows[1][0] - rows[0][0] + 100e-6 / 200.0;
+    let moment = inside["moment_s"].as_f64().unwrap();
+    assert!((moment - focus).abs() <= between, "{moment} {focus}");
+
+    // Where a neighbourhood lies within the half it has moved as there.
+    let frames = names(&desk.path("half/frames"));
+    let grains: Vec<String> =
+        frames.iter().filter(|name| name.ends_with("grains.csv")).map(|name| format!("half/frames/{name}")).collect();
+    let moved = desk.run(&["motion", &grains[0], &grains[grains.len() - 1], "--json"]).ok().json();
+    let (mut compared, d2min) = (0, inside["d2min_m2"].as_array().unwrap());
+    let most = d2min.iter().filter_map(serde_json::Value::as_f64).fold(0.0, f64::max);
+    for (site, grain) in moved["grains"].as_array().unwrap().iter().enumerate() {
+        let x = grain["x"].as_f64().unwrap() / 6.35e-3;
+        if (2.6..5.9).contains(&x) {
+            let (whole, half) = (d2min[site].as_f64().unwrap(), grain["d2min"].as_f64().unwrap());
+            assert!((whole - half).abs() < 1e-6 * most, "{site}: {whole} {half}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 30 && most > 0.0, "{compared} {most}");
 }

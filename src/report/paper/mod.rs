@@ -274,7 +274,7 @@ fn closed(points: &[[f64; 2]]) -> Vec<Step> {
     steps
 }
 
-/// The steps of path data: M, L, l, h, v and z, as our pictures write them.
+/// The steps of path data: M, m, L, l, h, v and z, as our pictures write them.
 fn steps(data: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     let (mut at, mut begun) = ([0.0; 2], [0.0; 2]);
@@ -297,7 +297,7 @@ fn steps(data: &str) -> Vec<Step> {
         };
         for pair in pairs {
             at = if letter.is_ascii_lowercase() { [at[0] + pair[0], at[1] + pair[1]] } else { pair };
-            if letter == b'M' {
+            if letter.eq_ignore_ascii_case(&b'm') {
                 begun = at;
                 steps.push(Step::Move(at));
             } else {
@@ -327,7 +327,7 @@ mod tests {
 
     #[test]
     fn paths_are_read_as_they_are_written() {
-        let shown: Vec<String> = steps("M1 2l3-4.5 1,1v2h-1zM0 0L5 6")
+        let shown: Vec<String> = steps("M1 2l3-4.5 1,1v2h-1zm-1-2L5 6")
             .iter()
             .map(|step| match step {
                 Step::Move([x, y]) => format!("M{x} {y}"),
