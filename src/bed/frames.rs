@@ -22,6 +22,14 @@ pub struct FramePlan {
     pub contacts: bool,
 }
 
+impl FramePlan {
+    /// Looks between two frames of an impact that is looked at every `sample` (τ_c); none where no whole number of them fits.
+    pub fn looks(&self, sample: f64) -> Option<u64> {
+        let looks = self.every / sample;
+        (looks > 0.5 && (looks - looks.round()).abs() <= 1e-9 * looks).then(|| looks.round() as u64)
+    }
+}
+
 /// Names of the two files of a frame.
 pub fn names(number: u64) -> [String; 2] {
     ["grains", "contacts"].map(|what| format!("{number:06}-{what}.csv"))
@@ -32,7 +40,7 @@ pub const UNITS: &str = "tau_c; lengths in d, velocities in d/tau_c, forces in m
 /// What those of a rig's frames are in.
 pub const SI: &str = "s; SI units";
 /// The name of an image in a mirror.
-const MIRROR: &str = "mirror";
+pub const MIRROR: &str = "mirror";
 
 /// The texts of the two files of a frame, whose numbers are in `units` ([`UNITS`] or [`SI`]); `flats` are called so.
 pub fn texts(number: u64, frame: &Frame, units: &str, flats: &[&str]) -> [String; 2] {
@@ -80,7 +88,15 @@ pub fn texts(number: u64, frame: &Frame, units: &str, flats: &[&str]) -> [String
 ///
 /// # Errors
 /// See [`TableError`].
-pub fn read([grains, contacts]: &[PathBuf; 2]) -> Result<Frame, TableError> {
+pub fn read(files: &[PathBuf; 2]) -> Result<Frame, TableError> {
+    read_named(files).map(|(frame, _)| frame)
+}
+
+/// A frame from its two files, and the names of its flats.
+///
+/// # Errors
+/// See [`TableError`].
+pub fn read_named([grains, contacts]: &[PathBuf; 2]) -> Result<(Frame, Vec<String>), TableError> {
     let table = Table::read(grains)?.swap_remove(0);
     let [x, z, diameter, vx, vz, spin, fx, fz] =
         ["x", "z", "diameter", "vx", "vz", "spin", "fx", "fz"].map(|name| table.numbers(name));
@@ -128,7 +144,8 @@ pub fn read([grains, contacts]: &[PathBuf; 2]) -> Result<Frame, TableError> {
         tangential: tangential[k],
     };
     let contacts = (0..pairs.len()).map(&mut contact).collect();
-    Ok(Frame { time: table.time.unwrap_or(0.0), period: table.period, bodies, contacts })
+    let flats = flats.into_iter().map(str::to_owned).collect();
+    Ok((Frame { time: table.time.unwrap_or(0.0), period: table.period, bodies, contacts }, flats))
 }
 
 #[cfg(test)]

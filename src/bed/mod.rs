@@ -11,7 +11,8 @@ mod store;
 pub(crate) use file::EXAMPLES;
 pub use file::{BedFile, Origin};
 pub use frames::{
-    FramePlan, SI as FRAME_SI, UNITS as FRAME_UNITS, names as frame_names, read as read_frame, texts as frame_texts,
+    FramePlan, MIRROR, SI as FRAME_SI, UNITS as FRAME_UNITS, names as frame_names, read as read_frame,
+    read_named as read_frame_named, texts as frame_texts,
 };
 pub use granulens_core::bed::*;
 pub use store::{StoreError, read, write};

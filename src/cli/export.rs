@@ -1,4 +1,6 @@
-//! `granulens export`: a crystal and its motion as files for LAMMPS, OVITO and ParaView.
+//! `granulens export`: a crystal and its motion as files for LAMMPS, OVITO and ParaView; frames that were kept also for pandas.
+
+mod parquet;
 
 use std::path::PathBuf;
 
@@ -23,13 +25,13 @@ use super::{Common, Motion, cost, propose, time};
 
 const VERLET_ALONE: &str = "what is exported moves by Verlet";
 
-/// Write a crystal and its motion for LAMMPS, OVITO or ParaView
+/// Write a crystal and its motion for LAMMPS, OVITO, ParaView or pandas
 ///
 /// Of a lens the whole crystal is written, both halves, repeating itself across the wave. For LAMMPS it has Hertz contacts, whatever
 /// the design says: an input deck, and the same run by this program to compare with. The other two show a run under the design's
 /// law. A rig file is written as it is; LAMMPS takes those of spheres with Hertz contacts under square pulses.
 #[derive(clap::Args)]
-#[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["lammps", "xyz", "vtp"]))]
+#[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["lammps", "xyz", "vtp", "parquet"]))]
 pub struct Export {
     /// Design file, whose lens is proposed, a rig file, a layout (then with --design), or a folder of frames that impact kept
     source: PathBuf,
@@ -45,6 +47,10 @@ pub struct Export {
     /// New folder for spheres and contacts as VTP, with spheres.pvd and contacts.pvd (ParaView)
     #[arg(long, value_name = "DIR")]
     vtp: Option<PathBuf>,
+    /// New folder for grains.parquet and contacts.parquet, with all moments of frames that were kept (pandas); where granulens is
+    /// built with the feature parquet
+    #[arg(long, value_name = "DIR")]
+    parquet: Option<PathBuf>,
     /// Time between frames, such as "5 us"; without, fifty frames
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     every: Option<f64>,
@@ -56,6 +62,12 @@ impl Export {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         if self.source.is_dir() {
             return self.bed(common);
+        }
+        if self.parquet.is_some() {
+            return Err(Failure::input_with_help(
+                format!("--parquet is for frames that were kept, and {} is none", self.source.display()),
+                "Keep them with impact (record.every in the bed file) or simulate --frames, and name their folder.",
+            ));
         }
         let is_file = self.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         let (design, layout) = match (&self.design, is_file) {
@@ -111,18 +123,22 @@ impl Export {
         if self.lammps.is_some() || self.design.is_some() || self.every.is_some() {
             return Err(Failure::input_with_help(
                 format!("{} holds frames of a bed, which are exported as they are", self.source.display()),
-                "Leave --lammps, --design and --every out; --xyz and --vtp take them.",
+                "Leave --lammps, --design and --every out; --xyz, --vtp and --parquet take them.",
             ));
         }
         if common.dry_run {
             return Err(Failure::input_with_help("frames are exported at once: nothing runs", "Leave --dry-run out."));
         }
         let frames = granulens::network::frames(&self.source)?;
-        if let Some(taken) = self.vtp.as_ref().filter(|folder| !common.force && folder.exists()) {
+        let places = || self.vtp.iter().chain(&self.parquet);
+        if let Some(taken) = places().find(|folder| !common.force && folder.exists()) {
             return Err(left_alone(taken));
         }
         probe_all(common, &[self.xyz.as_ref(), common.out.as_ref()])?;
         let folder = self.vtp.as_ref().map(|place| folder::begin(common, place)).transpose()?;
+        if let Some(place) = &self.parquet {
+            parquet::write(common, place, &frames)?;
+        }
         let mut collections = [Vec::new(), Vec::new()];
         let mut xyz = String::new();
         for (k, files) in frames.iter().enumerate() {
@@ -272,7 +288,7 @@ impl Export {
     fn tell(&self, common: &Common, methods: Vec<(&str, Method)>) -> Result<(), Failure> {
         let mut written = json!({
             "format": FORMAT, "source": self.source, "lammps": self.lammps, "xyz": self.xyz,
-            "vtp": self.vtp, "version": VERSION, "commit": COMMIT,
+            "vtp": self.vtp, "parquet": self.parquet, "version": VERSION, "commit": COMMIT,
         });
         for (name, method) in methods {
             written[name] = json!(method);

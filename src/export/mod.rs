@@ -4,12 +4,19 @@
 //!
 //! - here: the whole crystal of a layout, as a rig that repeats itself
 //! - `lammps`: data file, input deck and trajectory of a rig of Hertz contacts
+//! - `columns`: tables as CSV and Parquet; `frames`: frames of beds and rigs as such
 //! - `xyz`: frames in extended XYZ; `vtp`: spheres and contacts as VTK PolyData, and their collection over time
 
+mod columns;
+mod frames;
 mod lammps;
 mod vtp;
 mod xyz;
 
+#[cfg(feature = "parquet")]
+pub use columns::ParquetFile;
+pub use columns::{Column, Columns};
+pub use frames::{frame_bodies, frame_contacts};
 pub use lammps::{Deck, DeckError, deck, dump_frame};
 pub use vtp::{bed_bodies, bed_contacts, collection, contacts, spheres};
 pub use xyz::{bed_frame, frame};
@@ -17,6 +24,7 @@ pub use xyz::{bed_frame, frame};
 use crate::contact::{Constants, LawKind};
 use crate::dem::ForcePulse;
 use crate::dem::rig::{Body, Curve, Law, LawBook, Load, LoadKind, Rig};
+use crate::lattice::{HexagonalSheet, Site};
 use crate::layout::Layout;
 use crate::sample::{Sample, Sphere};
 
@@ -27,17 +35,16 @@ use crate::sample::{Sample, Sphere};
 pub fn whole_crystal(layout: &Layout, pulse: ForcePulse, law: LawKind, constants: Constants) -> Rig<2> {
     let sheet = layout.lattice;
     let (radius, half_width) = (0.5 * sheet.diameter(), sheet.half_width());
+    let sites = sheet.sites();
     let mut spheres = Vec::new();
     let mut struck = Vec::new();
-    for (site, &material) in sheet.sites().iter().zip(&layout.materials) {
-        // A site on a mirror line is its own image; on the far one the image lies a period away.
-        let on_mirror = site.x == 0.0 || (half_width - site.x).abs() < 1e-9 * radius;
-        for x in [site.x, -site.x].into_iter().take(if on_mirror { 1 } else { 2 }) {
-            if site.row == 1 {
-                struck.push(Body::Sphere(spheres.len()));
-            }
-            spheres.push(Sphere { centre: [x, site.z], radius, material: usize::from(material) });
+    for (site, is_image) in whole_places(&sheet) {
+        let (material, site) = (layout.materials[site], &sites[site]);
+        if site.row == 1 {
+            struck.push(Body::Sphere(spheres.len()));
         }
+        let x = if is_image { -site.x } else { site.x };
+        spheres.push(Sphere { centre: [x, site.z], radius, material: usize::from(material) });
     }
     let sample = Sample { materials: layout.palette.clone(), spheres };
     let laws = LawBook::Materials { law: Law::Named(law), constants, pairs: Vec::new(), friction: None };
@@ -46,6 +53,17 @@ pub fn whole_crystal(layout: &Layout, pulse: ForcePulse, law: LawKind, constants
     let curve = Curve::Square { peak: pulse.force, start: 0.0, duration: pulse.duration };
     rig.loads.push(Load { bodies: struck, direction: [0.0, 1.0], kind: LoadKind::Force, curve });
     rig
+}
+
+/// The spheres of a whole sheet that repeats itself after twice the half width: the site of each, and whether it is the site's image.
+pub fn whole_places(sheet: &HexagonalSheet) -> Vec<(usize, bool)> {
+    let half_width = sheet.half_width();
+    let images = |(site, place): (usize, Site)| {
+        // A site on a mirror line is its own image; on the far one the image lies a period away.
+        let on_mirror = place.x == 0.0 || (half_width - place.x).abs() < 0.5e-9 * sheet.diameter();
+        [(site, false), (site, true)].into_iter().take(if on_mirror { 1 } else { 2 })
+    };
+    sheet.sites().into_iter().enumerate().flat_map(images).collect()
 }
 
 /// Coordinates in space: a chain lies along y, a sheet in the x-y plane with its depth along y.

@@ -1,11 +1,13 @@
-"""Runs a small impact and a small crystal, and reads their frames back with libraries that are not ours: pandas, VTK, ASE and OVITO.
+"""Runs a small impact and a small crystal, and reads their frames back with libraries that are not ours: pandas, pyarrow, VTK, ASE and OVITO,
+whose atomic strain is also held against ours.
 
     python3 tests/python/read_frames.py PROGRAM
 
-PROGRAM is granulens. Exit 0: what was read is what was written; 1: it is not; 77: the libraries are not to be had
-(pip install pandas vtk ase ovito).
+PROGRAM is granulens; Parquet files are read back where it is built with the feature parquet. Exit 0: what was read is what was written; 1: it is not;
+77: the libraries are not to be had (pip install pandas pyarrow vtk ase ovito).
 """
 
+import io
 import json
 import pathlib
 import subprocess
@@ -17,11 +19,15 @@ try:
     import ase.io
     import numpy as np
     import pandas
+    import pyarrow.parquet
     import vtk
+    from ovito.data import DataCollection, SimulationCell
     from ovito.io import import_file
+    from ovito.modifiers import AtomicStrainModifier
+    from ovito.pipeline import Pipeline, StaticSource
     from vtk.util.numpy_support import vtk_to_numpy
 except ImportError as error:
-    print(f"not to be had: {error}; pip install pandas vtk ase ovito", file=sys.stderr)
+    print(f"not to be had: {error}; pip install pandas pyarrow vtk ase ovito", file=sys.stderr)
     sys.exit(77)
 
 PROGRAM = str(pathlib.Path(sys.argv[1]).resolve())
@@ -89,7 +95,7 @@ def frames(place):
     """(grains, contacts) of each frame, with pandas."""
     names = sorted(place.glob("*-grains.csv"))
     return [
-        [pandas.read_csv(str(name).replace("grains", what), comment="#") for what in ("grains", "contacts")]
+        [pandas.read_csv(str(name).replace("grains", what), comment="#", float_precision="round_trip") for what in ("grains", "contacts")]
         for name in names
     ]
 
@@ -124,6 +130,66 @@ def vtk_of(path):
     return data, arrays
 
 
+def flat(places, width, periodic):
+    """Places in the plane as OVITO has them: in a cell of two dimensions, in which the map along the third is one."""
+    data = DataCollection()
+    cell = SimulationCell(pbc=(periodic, False, False), is2D=True)
+    low, height = places[:, 1].min() - 1.0, np.ptp(places[:, 1]) + 2.0
+    cell[:] = [[width, 0, 0, 0], [0, height, 0, low], [0, 0, 1, -0.5]]
+    data.objects.append(cell)
+    data.create_particles(count=len(places)).create_property("Position", data=np.column_stack([places, np.zeros(len(places))]))
+    return data
+
+
+def strained(before, after, width, periodic, radius):
+    """D2_min and the deformation gradient by OVITO's atomic strain; it lays its gradient down column by column."""
+    pipeline = Pipeline(source=StaticSource(data=flat(after, width, periodic)))
+    modifier = AtomicStrainModifier(
+        cutoff=radius,
+        output_nonaffine_squared_displacements=True,
+        output_deformation_gradients=True,
+        minimum_image_convention=periodic,
+    )
+    modifier.reference = StaticSource(data=flat(before, width, periodic))
+    pipeline.modifiers.append(modifier)
+    done = pipeline.compute().particles
+    gradient = np.asarray(done["Deformation Gradient"]).reshape(-1, 3, 3).transpose(0, 2, 1)[:, :2, :2]
+    return np.asarray(done["Nonaffine Squared Displacement"]), gradient.reshape(-1, 4)
+
+
+def same_motion(what, first, last, period, most):
+    """D2_min of a run's grains, from its first frame to its last, is OVITO's to 1e-10, of what is `most` at the least somewhere."""
+    grains = [pandas.read_csv(folder / name, comment="#", float_precision="round_trip").query("kind == 'grain'") for name in (first, last)]
+    before, after = (table[["x", "z"]].to_numpy() for table in grains)
+    radius = 2.5 * grains[0].diameter.mean()
+    ours = pandas.read_csv(io.StringIO(granulens("motion", first, last, "--radius", repr(radius), "--quiet")), float_precision="round_trip")
+    d2min, gradient = strained(before, after, period or np.ptp(before[:, 0]) + 2.0 * radius, period is not None, radius)
+    expect(f"{what}: some grains move", ours.d2min.max() > most, True)
+    # Places of a sheet are in metres: what is small is told by the greatest.
+    scale = max(ours.d2min.max(), 1e-300)
+    expect(f"{what}: D2_min by OVITO", ours.d2min.to_numpy() / scale, d2min / scale, 1e-10)
+    expect(f"{what}: the map by OVITO", ours[["a11", "a12", "a21", "a22"]].to_numpy(), gradient, 1e-10)
+
+
+def same_tables(place, kept, period):
+    """Parquet files hold what the frames hold, and say their period."""
+    tables = [pandas.read_parquet(folder / place / f"{name}.parquet") for name in ("grains", "contacts")]
+    for name, table in zip(("grains", "contacts"), tables):
+        notes = pyarrow.parquet.read_schema(folder / place / f"{name}.parquet").metadata
+        expect("period in Parquet", float(notes[b"period_x"]), period)
+    for number, (grains, contacts) in enumerate(kept):
+        bodies, touching = (table[table.frame == number].reset_index(drop=True) for table in tables)
+        expect("bodies in Parquet", len(bodies), len(grains))
+        for column in grains:
+            expect(f"{column} in Parquet", bodies[column].to_numpy(), grains[column].to_numpy())
+        expect("contacts in Parquet", len(touching), len(contacts))
+        for column in contacts.columns.drop(["i", "j"]):
+            expect(f"{column} in Parquet", touching[column].to_numpy(), contacts[column].to_numpy())
+        for end in ("i", "j"):
+            named = touching[end].astype(str).where(touching[end] > 0, touching["flat"].fillna(""))
+            expect(f"{end} in Parquet", list(named), list(contacts[end].astype(str)))
+
+
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
     (folder / "bed.toml").write_text(BED)
@@ -144,6 +210,22 @@ with tempfile.TemporaryDirectory() as name:
     for grains, contacts in rig:
         if len(contacts):
             balanced(grains, contacts, 0.03, 1e-9)
+
+    # OVITO's atomic strain.
+    same_motion("bed", "bed/frames/000000-grains.csv", "bed/frames/000004-grains.csv", 24.0, 1e-2)
+    same_motion("rig", "rig/frames/000000-grains.csv", "rig/frames/000004-grains.csv", 0.03, 1e-12)
+
+    # Parquet.
+    made = subprocess.run(
+        [PROGRAM, "export", "bed/frames", "--parquet", "bed-tables", "--quiet"], cwd=folder, capture_output=True, text=True
+    )
+    if "built without the feature parquet" in made.stderr:
+        print("Parquet files are left out: this granulens has not the feature parquet")
+    else:
+        expect("export --parquet", made.returncode, 0)
+        granulens("export", "rig/frames", "--parquet", "rig-tables", "--quiet")
+        same_tables("bed-tables", bed, 24.0)
+        same_tables("rig-tables", rig, 0.03)
 
     # VTK.
     times = [float(file.get("timestep")) for file in xml.etree.ElementTree.parse(folder / "vtk/bodies.pvd").iter("DataSet")]
@@ -178,4 +260,4 @@ with tempfile.TemporaryDirectory() as name:
         expect("bodies in OVITO", data.particles.count, len(grains))
         order = np.argsort(data.particles["Particle Identifier"][...])
         expect("radii in OVITO", data.particles["Radius"][...][order], 0.5 * grains.diameter.to_numpy(), 1e-6)
-print("read back: pandas, VTK, ASE, OVITO")
+print("read back: pandas, Parquet, VTK, ASE, OVITO")

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use granulens::export::Columns;
 use granulens::score::Measure;
 use granulens::study::{Found, Front, front_of};
 use serde_json::{Map, Value, json};
 
 use super::best_layout;
 use super::show::{Known, find};
-use super::table::{Table, journal};
+use super::table::journal;
 use super::words::of;
 use crate::cli::console::{emit_json, note};
 use crate::cli::failure::Failure;
@@ -93,13 +94,13 @@ fn at(front: Option<&Front>, place: usize) -> Result<Found, Failure> {
 }
 
 /// As the file's name says: CSV unless it ends with .parquet.
-fn write(common: &Common, path: &Path, table: &Table) -> Result<(), Failure> {
+fn write(common: &Common, path: &Path, table: &Columns) -> Result<(), Failure> {
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("parquet")) {
         return write_file(common, path, &table.csv());
     }
     #[cfg(feature = "parquet")]
     {
-        let bytes = table.parquet().map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
+        let bytes = table.parquet("journal").map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
         crate::cli::folder::write_bytes(common, path, &bytes)
     }
     #[cfg(not(feature = "parquet"))]
