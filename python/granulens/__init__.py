@@ -7,7 +7,7 @@ as those of the command line, for any number of threads.
 - `Design`, `design`, `Lens`, `Layout`: what is asked for and what is proposed
 - `evaluate`, `Evaluator`, `simulate`, `Record`: layouts under an impact
 - `sensitivity`, `tolerance`: how scores change with every sphere, and what pieces as made are worth
-- `Rig`, `Bed`, `Packing`: anything a lab can build, and granular beds; `network`, `motion`: what goes on inside
+- `Rig`, `Bed`, `Packing`: anything a lab can build, and granular beds; `Frames`, `read_frames`, `network`, `motion`: what goes on inside
 - `arrow`: tables as pyarrow has them
 - `Study`, `Result`: searches, here or through an executor; `granulens.engines`: Dask, HyperQueue
 """
@@ -34,11 +34,13 @@ from ._granulens import (
     find_material,
     materials,
     motion,
+    read_frames,
     wave_speed,
 )
 
 if TYPE_CHECKING:
     from ._run import (
+        Frames,
         Network,
         Record,
         Sensitivity,
@@ -59,6 +61,7 @@ __all__ = [
     "Design",
     "Error",
     "Evaluator",
+    "Frames",
     "GuardError",
     "InputError",
     "Layout",
@@ -85,6 +88,7 @@ __all__ = [
     "materials",
     "motion",
     "network",
+    "read_frames",
     "sensitivity",
     "simulate",
     "surface",
@@ -96,6 +100,7 @@ __all__ = [
 _LATER = {
     **dict.fromkeys(
         (
+            "Frames",
             "Network",
             "Record",
             "Sensitivity",

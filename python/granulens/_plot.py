@@ -63,3 +63,34 @@ def surface(surface: Any, ax: Any) -> Any:
     ax.set_xlim(surface.x[0], surface.x[-1])
     ax.set_ylim(surface.y[0], surface.y[-1])
     return ax
+
+
+def frames(frames: Any, frame: int, values: Any, label: str, ax: Any) -> Any:
+    """The bodies of a frame: grains plain or by a value, walls and intruder dark."""
+    from matplotlib.collections import EllipseCollection
+
+    ax = _axis(ax)
+    places, sizes = frames.places[frame], frames.diameters
+    is_bed = "lengths in d" in frames.units
+    x = places[:, 0] % frames.period if frames.period else places[:, 0]
+    ends = ((0, frames.grains), (frames.grains, len(sizes)))
+    for (first, last), colour in zip(ends, (COLOURS[0], "#555555")):
+        size = sizes[first:last]
+        offsets = list(zip(x[first:last], places[first:last, 1]))
+        options: dict[str, Any] = {"units": "xy", "offsets": offsets, "offset_transform": ax.transData, "edgecolors": "none"}
+        disks = EllipseCollection(size, size, [0] * len(size), **options)
+        if values is not None and first == 0:
+            disks.set_array(values)
+            ax.figure.colorbar(disks, ax=ax, label=label)
+        else:
+            disks.set_facecolor(colour)
+        ax.add_collection(disks)
+    half = 0.5 * max(sizes)
+    ax.set_xlim(min(x) - half, max(x) + half)
+    low, high = min(places[:, 1]) - half, max(places[:, 1]) + half
+    # Depth grows downwards in a crystal, height upwards in a bed.
+    ax.set_ylim((low, high) if is_bed else (high, low))
+    ax.set_aspect("equal")
+    ax.set_xlabel("x (d)" if is_bed else "x (m)")
+    ax.set_ylabel("z (d)" if is_bed else "z (m)")
+    return ax

@@ -292,6 +292,67 @@ def network(contacts: Mapping[str, Any], **options: Any) -> Network:
     return Network(topology={name: found.pop(name) for name in names}, **found)
 
 
+@dataclass(frozen=True)
+class Frames:
+    """Every body and closed contact in the plane at moments; of a bed, or of a rig.
+
+    Attributes
+    ----------
+    units : str
+        What the numbers are in.
+    period : float or None
+        Of the sides, along x; places are not taken back.
+    grains : int
+        Bodies are the grains, then the disks of walls, then those of an intruder; a flat has none.
+    kinds : list of str
+        Of each body: grain, wall or intruder.
+    diameters : array, shape (bodies,)
+    times : array, shape (T,)
+    places, velocities, forces : arrays, shape (T, bodies, 2)
+        Along x and z, which points up in a bed and down in a crystal; forces are the net forces of contacts.
+    spins : array, shape (T, bodies)
+        From x towards z.
+    contacts : list of tables, one for each moment
+        i, j : int64, numbers of bodies from 0 (files count from 1), -1 of a flat, -2 of an image in a mirror; x_i, z_i, x_j, z_j : places; normal : force,
+        positive where it presses; tangential : force on j, along the normal from i to j turned from x to z.
+    """
+
+    units: str
+    period: float | None
+    grains: int
+    kinds: list[str]
+    diameters: Any
+    times: Any
+    places: Any
+    velocities: Any
+    spins: Any
+    forces: Any
+    contacts: list[dict[str, Any]]
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def network(self, frame: int = -1, **options: Any) -> Network:
+        """The force network of the grains among themselves at a moment, as `granulens network` finds it; options as of `network`."""
+        contacts = self.contacts[frame]
+        among = (contacts["i"] >= 0) & (contacts["j"] >= 0) & (contacts["i"] < self.grains) & (contacts["j"] < self.grains)
+        options = {"grains": self.grains, "period": self.period, "title": f"at {self.times[frame]:.6g}"} | options
+        return network({name: column[among] for name, column in contacts.items()}, **options)
+
+    def motion(self, before: int = 0, after: int = -1, *, radius: float | None = None) -> dict[str, Any]:
+        """How the grains moved between two moments, each with its neighbours; see `motion`. Within 2.5 mean diameters where radius is left out."""
+        if radius is None:
+            radius = 2.5 * float(self.diameters[: self.grains].mean())
+        places = self.places[:, : self.grains]
+        return _granulens.motion(places[before], places[after], radius=radius, period=self.period)
+
+    def plot(self, ax: Any = None, frame: int = -1, values: Any = None, label: str = "") -> Any:
+        """Draws the bodies at a moment on a matplotlib axis, the grains coloured by an array of shape (grains,); gives the axis."""
+        from . import _plot
+
+        return _plot.frames(self, frame, values, label, ax)
+
+
 def table_html(values: Mapping[str, Any], head: str) -> str:
     """Names and values as a table of HTML."""
 

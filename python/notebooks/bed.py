@@ -69,14 +69,44 @@ axis.legend()
 assert topology["components"].max() > topology["components"][0] and (np.diff(topology["loops"]) <= 0).all()
 
 # %% [markdown]
-# Then a disk of four diameters falls on it.
+# Then a disk of four diameters falls on it, and every 5 collision times all places, velocities and contacts are kept.
 
 # %%
-course = bed.strike(packing)
-moments = course["moments"]
+course = bed.strike(packing, every=5)
+moments, frames = course["moments"], course["frames"]
 figure, axes = plt.subplots(2, 1, sharex=True)
 axes[0].plot(moments["time_tau_c"], moments["depth_d"])
 axes[0].set_ylabel("depth (d)")
 axes[1].plot(moments["time_tau_c"], moments["fy"])
 axes[1].set(xlabel="time (tau_c)", ylabel="force")
 assert 0 < course["final_depth_d"] <= course["max_depth_d"]
+frames.places.shape, frames.times[-1]
+
+# %% [markdown]
+# What carries it, when the force on it is greatest of all frames: the network of that moment.
+
+# %%
+hardest = int(np.argmax(np.abs(frames.forces[:, -1, 1])))
+struck = frames.network(hardest)
+assert struck.mean_force > network.mean_force
+struck
+
+# %% [markdown]
+# Loops of the network as it is struck and comes to rest, by their total persistence: births less deaths, in mean forces.
+
+# %%
+persistence = []
+for k in range(len(frames)):
+    bars = frames.network(k).persistence1
+    persistence.append(np.nansum(bars[:, 0] - bars[:, 1]))
+figure, axis = plt.subplots()
+axis.plot(frames.times, persistence)
+axis.set(xlabel="time (tau_c)", ylabel="total persistence of loops (mean force)")
+
+# %% [markdown]
+# And how the grains moved: what no affine map of a neighbourhood explains, from rest to the end.
+
+# %%
+moved = frames.motion(0, -1)
+axis = frames.plot(frame=0, values=np.log10(moved["d2min"]), label="log10 of D2_min (d^2)")
+assert np.nanmax(moved["d2min"]) > 100 * np.nanmedian(moved["d2min"])

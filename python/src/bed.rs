@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use granulens::bed::{self, BedFile, Origin, Settled, measure, settle, strike};
-use granulens::dem::rig::{Body, EnergyLedger, RigStop, Simulation};
+use granulens::bed::{self, BedFile, FRAME_UNITS, FramePlan, Origin, Settled, Strike, measure, settle};
+use granulens::dem::rig::{Body, EnergyLedger, RigError, RigStop, Simulation};
 use granulens::input;
 use granulens::report::{BedRecord, Provenance, draw_bed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::failure::{Failure, Result};
+use crate::frames;
 use crate::running::run;
 use crate::values::{Table, points, vector};
 
@@ -73,22 +74,44 @@ impl Bed {
 
     /// Lets the intruder fall on a bed at rest.
     ///
+    /// Parameters
+    /// ----------
+    /// every : float, optional
+    ///     Time between frames that are kept (tau_c), a multiple of run.sample of the file; where left out what [record] of the file says, and none
+    ///     without it. Frames change nothing else, to the last bit.
+    /// threads : int, optional
+    ///     All cores where left out; results do not depend on it.
+    ///
     /// Returns
     /// -------
     /// dict
     ///     moments : dict of arrays of shape (T,): time_tau_c, depth_d, vx, vy, fx, fy, turn and energies (m d^2/tau_c^2);
     ///     grains : dict of arrays of shape (grains,): x_d, y_d at the end, greatest_force (m d/tau_c^2);
-    ///     final_depth_d, max_depth_d, peak_force, peak_force_time_tau_c : float; svg : dict of pictures; stop : str or None
-    #[pyo3(signature = (packing, *, threads = None))]
+    ///     final_depth_d, max_depth_d, peak_force, peak_force_time_tau_c : float; svg : dict of pictures; stop : str or None;
+    ///     frames : Frames or None, with lengths in d, times in tau_c, masses in m
+    #[pyo3(signature = (packing, *, every = None, threads = None))]
     fn strike<'py>(
         &self,
         py: Python<'py>,
         packing: &Bound<'py, Packing>,
+        every: Option<f64>,
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let bed = &packing.get().inner;
         let impact = &self.inner.impact;
-        let course = run(py, threads, |context| strike(bed, impact, context, |_| ()))?.map_err(Failure::from)?;
+        let looks = self.looks(every, bed.grains.len() + bed.walls.len())?;
+        let (course, kept) = run(py, threads, |context| {
+            let mut strike = Strike::new(bed, impact)?;
+            let mut kept = Vec::from_iter(looks.map(|_| strike.frame()));
+            while strike.goes_on() {
+                strike.go_on(context);
+                if looks.is_some_and(|looks| strike.looks().is_multiple_of(looks)) {
+                    kept.push(strike.frame());
+                }
+            }
+            Ok((strike.course(), kept))
+        })?
+        .map_err(|error: RigError| Failure::from(error))?;
         let of = |value: fn(&bed::Moment) -> f64| vector(py, course.moments.iter().map(value).collect());
         let energy = |value: fn(&EnergyLedger) -> f64| {
             vector(py, course.moments.iter().map(|moment| value(&moment.energy)).collect())
@@ -126,6 +149,7 @@ impl Bed {
             .with("peak_force", course.peak_force[0])?
             .with("peak_force_time_tau_c", course.peak_force[1])?
             .with("svg", pictures)?
+            .with("frames", looks.map(|_| frames::frames(py, kept, FRAME_UNITS)).transpose()?)?
             .with("stop", course.stop.as_ref().map(bed::stop_words))
             .map(|table| table.0)
     }
@@ -191,6 +215,21 @@ impl Bed {
 
     fn __repr__(&self) -> String {
         format!("<Bed {}: intruder at {} d/tau_c>", self.inner.name, self.inner.impact.intruder.speed)
+    }
+}
+
+impl Bed {
+    /// Looks between two frames, where frames are kept.
+    fn looks(&self, every: Option<f64>, bodies: usize) -> Result<Option<u64>> {
+        let impact = &self.inner.impact;
+        let Some(every) = every.or(self.inner.record.map(|plan| plan.every)) else { return Ok(None) };
+        let (sample, window) = (impact.sample, impact.window);
+        let looks = FramePlan { every, contacts: true }.looks(sample).filter(|_| every <= window);
+        let looks = looks.ok_or_else(|| {
+            Failure::input(format!("every = {every} must be a multiple of run.sample, {sample}, up to {window} tau_c"))
+        })?;
+        frames::check_room((window / every) as u64 + 1, bodies)?;
+        Ok(Some(looks))
     }
 }
 

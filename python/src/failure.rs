@@ -1,5 +1,6 @@
 //! Errors: what is wrong, where, and what to try, in the words of the command line.
 
+use granulens::columns::TableError;
 use granulens::design::DesignError;
 use granulens::evaluate::{EvaluateError, EvaluatorError};
 use granulens::layout::LayoutFileError;
@@ -124,6 +125,18 @@ impl From<LayoutFileError> for Failure {
             line: error.line,
             key: error.key.map(str::to_owned),
             kind: Kind::Input,
+        }
+    }
+}
+
+impl From<TableError> for Failure {
+    fn from(error: TableError) -> Self {
+        Self {
+            message: error.to_string(),
+            help: Some(error.help.clone()),
+            file: Some(error.path.display().to_string()),
+            line: error.line,
+            ..Self::default()
         }
     }
 }

@@ -5,7 +5,7 @@
 //! - `values`: arrays, tables and nested results
 //! - `material`: materials, contacts and wave speeds; `surface`: design surfaces
 //! - `design`: designs, lenses, layouts; `evaluate`: layouts to scores; `simulate`: one impact with its records
-//! - `rig`, `bed`: anything a lab can build, and granular beds; `inside`: force networks and motion
+//! - `rig`, `bed`: anything a lab can build, and granular beds; `frames`: all of it at moments; `inside`: force networks and motion
 //! - `robust`: how scores change with every sphere, and what pieces as made are worth
 //! - `study`: searches, here or on an engine
 
@@ -13,6 +13,7 @@ mod bed;
 mod design;
 mod evaluate;
 mod failure;
+mod frames;
 mod inside;
 mod material;
 mod rig;
@@ -33,6 +34,8 @@ mod _granulens {
     use super::design::{Design, Layout, Lens, merge_text};
     #[pymodule_export]
     use super::evaluate::Evaluator;
+    #[pymodule_export]
+    use super::frames::read_frames;
     #[pymodule_export]
     use super::inside::{motion, network};
     #[pymodule_export]

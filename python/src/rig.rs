@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use granulens::Context;
+use granulens::bed::{FRAME_SI, Frame};
 use granulens::dem::rig::{EnergyLedger, RigStop, Simulation};
 use granulens::setup::{Bench, Setup};
 use granulens::trial::{self, Ending, Keeping};
@@ -13,6 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::design::Layout;
 use crate::failure::{Failure, Result};
+use crate::frames;
 use crate::running::run;
 use crate::values::{Table, Time, nested, points, shaped, vector};
 
@@ -123,6 +125,25 @@ impl Rig {
         with_bench!(&self.setup, bench => histories(py, bench, every, threads))
     }
 
+    /// Runs it in memory and keeps every body and closed contact at moments; of rigs in the plane and chains.
+    ///
+    /// Parameters
+    /// ----------
+    /// every : float or str, optional
+    ///     Time between frames (s, or text with a unit); a hundredth of the window where left out.
+    /// threads : int, optional
+    ///     All cores where left out; results do not depend on it.
+    ///
+    /// Returns
+    /// -------
+    /// Frames
+    ///     In SI; a chain lies along z. What granulens simulate --frames writes, to the last bit.
+    #[pyo3(signature = (*, every = None, threads = None))]
+    fn frames<'py>(&self, py: Python<'py>, every: Option<Time>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
+        let every = every.map(|time| time.seconds("every")).transpose()?;
+        with_bench!(&self.setup, bench => frames_of(py, bench, every, threads))
+    }
+
     /// Runs it into a folder of records, as granulens simulate does; gives what trial.json holds.
     ///
     /// A run that was left is taken up with resume; a folder that holds something else is left alone without force.
@@ -161,6 +182,7 @@ fn table<'py, const D: usize>(py: Python<'py>, bench: &Bench<D>) -> PyResult<Bou
 }
 
 /// What is kept of a run.
+#[derive(Default)]
 struct Kept {
     times: Vec<f64>,
     displacement: Vec<f64>,
@@ -172,24 +194,38 @@ struct Kept {
     stop: Option<RigStop>,
 }
 
-fn follow<const D: usize>(bench: &Bench<D>, every: u64, context: &Context) -> Result<Kept> {
+/// Follows a rig and looks at it at the start, every so many steps, and at the end.
+fn follow<const D: usize>(
+    bench: &Bench<D>,
+    every: u64,
+    context: &Context,
+    mut look: impl FnMut(&Simulation<D>),
+) -> Result<(Simulation<D>, Option<RigStop>)> {
     let words = |error: &granulens::dem::rig::RigError| {
         Failure::input(format!("{}: {}", bench.path.display(), error.words(&|body| bench.name_of(body))))
     };
     let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step).map_err(|error| words(&error))?;
-    let count = bench.rig.sample.spheres.len();
-    let mut kept = Kept {
-        times: Vec::new(),
-        displacement: Vec::new(),
-        velocity: Vec::new(),
-        force: Vec::new(),
-        energies: Vec::new(),
-        speed: Vec::new(),
-        greatest: Vec::new(),
-        stop: None,
-    };
     let mut left = bench.plan.steps();
     loop {
+        look(&simulation);
+        if left == 0 {
+            return Ok((simulation, None));
+        }
+        let some = every.min(left);
+        left -= some;
+        if let Err(stop) = simulation.advance(some, context) {
+            return Ok((simulation, Some(stop)));
+        }
+        if context.stopped() {
+            return Ok((simulation, None));
+        }
+    }
+}
+
+fn keep<const D: usize>(bench: &Bench<D>, every: u64, context: &Context) -> Result<Kept> {
+    let count = bench.rig.sample.spheres.len();
+    let mut kept = Kept::default();
+    let (simulation, stop) = follow(bench, every, context, |simulation| {
         let view = simulation.view();
         kept.times.push(view.time());
         for sphere in 0..count {
@@ -198,21 +234,41 @@ fn follow<const D: usize>(bench: &Bench<D>, every: u64, context: &Context) -> Re
             kept.force.extend(view.whole_force(sphere));
         }
         kept.energies.push(simulation.ledger());
-        if left == 0 {
-            break;
-        }
-        let some = every.min(left);
-        left -= some;
-        if let Err(stop) = simulation.advance(some, context) {
-            kept.stop = Some(stop);
-            break;
-        }
-        if context.stopped() {
-            break;
-        }
-    }
-    (kept.speed, kept.greatest) = (simulation.greatest_speed(), simulation.greatest_force());
+    })?;
+    (kept.speed, kept.greatest, kept.stop) = (simulation.greatest_speed(), simulation.greatest_force(), stop);
     Ok(kept)
+}
+
+/// Steps between two moments, and how many moments that makes.
+fn moments<const D: usize>(bench: &Bench<D>, every: Option<f64>) -> (u64, u64) {
+    let every = every.unwrap_or(bench.plan.window / 100.0);
+    let steps = ((every / bench.plan.step).round() as u64).max(1);
+    (steps, bench.plan.steps() / steps + 2)
+}
+
+fn frames_of<'py, const D: usize>(
+    py: Python<'py>,
+    bench: &Bench<D>,
+    every: Option<f64>,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if D > 2 {
+        let message = "frames are of what lies in the plane, and this rig has three dimensions";
+        return Err(Failure::with_help(message, "Take histories().").into());
+    }
+    let (steps, count) = moments(bench, every);
+    frames::check_room(count, bench.rig.sample.spheres.len())?;
+    let (kept, stop) = run(py, threads, |context| {
+        let mut kept = Vec::new();
+        let ended = follow(bench, steps, context, |simulation| {
+            kept.extend(Frame::of(simulation, [bench.sites.len(), 0]));
+        });
+        ended.map(|(_, stop)| (kept, stop))
+    })??;
+    if let Some(stop) = stop {
+        return Err(Failure::guard(stop.words("s", &|body| bench.name_of(body))).into());
+    }
+    frames::frames(py, kept, FRAME_SI)
 }
 
 fn histories<'py, const D: usize>(
@@ -221,16 +277,14 @@ fn histories<'py, const D: usize>(
     every: Option<f64>,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let every = every.unwrap_or(bench.plan.window / 100.0);
-    let steps = ((every / bench.plan.step).round() as u64).max(1);
-    let frames = bench.plan.steps() / steps + 2;
+    let (steps, frames) = moments(bench, every);
     let count = bench.rig.sample.spheres.len();
     let bytes = frames as f64 * (count * D * 3 * 8) as f64;
     if bytes > 4e9 {
         let message = format!("{frames} frames of {count} spheres take {:.1} GB", 1e-9 * bytes);
         return Err(Failure::with_help(message, "Take them less often, or write them with run(folder).").into());
     }
-    let kept = run(py, threads, |context| follow(bench, steps, context))??;
+    let kept = run(py, threads, |context| keep(bench, steps, context))??;
     let shape = [kept.times.len(), count, D];
     let energy = |of: fn(&EnergyLedger) -> f64| vector(py, kept.energies.iter().map(of).collect());
     let energies = Table::new(py)

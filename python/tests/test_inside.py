@@ -5,7 +5,7 @@ import pytest
 
 import granulens as gl
 
-from conftest import REPOSITORY, told
+from conftest import REPOSITORY, call, told
 
 CHAIN = """format = 1
 kind = "rig"
@@ -59,10 +59,15 @@ def test_a_layout_has_histories(small):
 
 
 @pytest.fixture(scope="module")
-def bed():
+def bed_text():
     text = (REPOSITORY / "designs/bed.toml").read_text()
-    return gl.Bed.parse(text.replace("width = 100", "width = 14").replace("height = 60", "height = 10").replace(
-        "diameter = 10", "diameter = 3").replace("mass = 100", "mass = 40").replace("window = 400", "window = 60"))
+    return text.replace("width = 100", "width = 14").replace("height = 60", "height = 10").replace(
+        "diameter = 10", "diameter = 3").replace("mass = 100", "mass = 40").replace("window = 400", "window = 60")
+
+
+@pytest.fixture(scope="module")
+def bed(bed_text):
+    return gl.Bed.parse(bed_text)
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +101,77 @@ def test_the_network_of_a_bed_obeys_euler(bed, packing):
     assert net.fabric.shape == (2, 2) and net.chains and net._repr_svg_().startswith("<svg")
     with pytest.raises(gl.InputError, match="columns i, j and normal"):
         gl.network({"i": [0]})
+
+
+def same(ours, theirs):
+    """Two sets of frames, to the last bit."""
+    assert (ours.units, ours.period, ours.grains, ours.kinds) == (theirs.units, theirs.period, theirs.grains, theirs.kinds)
+    for name in ("times", "diameters", "places", "velocities", "spins", "forces"):
+        assert (getattr(ours, name) == getattr(theirs, name)).all(), name
+    assert len(ours.contacts) == len(theirs.contacts) == len(ours)
+    for one, other in zip(ours.contacts, theirs.contacts):
+        assert list(one) == list(other) and all((one[name] == other[name]).all() for name in one)
+
+
+def test_frames_of_a_bed_are_those_of_the_command_line(bed, bed_text, packing, desk):
+    """Places, velocities and forces at contacts to the last bit; a frame less or more changes nothing of the impact."""
+    course = bed.strike(packing, every=5)
+    plain = bed.strike(packing)
+    assert plain["frames"] is None and all((plain["moments"][name] == course["moments"][name]).all() for name in plain["moments"])
+    frames = course["frames"]
+    bodies = len(frames.kinds)
+    assert frames.times.tolist() == [5.0 * k for k in range(13)] and frames.grains == len(packing) == frames.kinds.count("grain")
+    assert frames.places.shape == frames.velocities.shape == frames.forces.shape == (13, bodies, 2) and frames.spins.shape == (13, bodies)
+    packing.write("bed.csv")
+    head, rest = bed_text.split("[bed]", 1)
+    others = rest[rest.index("\n[") :]
+    (desk / "bed.toml").write_text(f'{head}[bed]\nfile = "bed.csv"\n{others}\n[record]\nevery = 5\n')
+    call("impact", "bed.toml", "--out", "struck", "--quiet")
+    same(frames, gl.read_frames("struck/frames"))
+    # A file that asks for frames is heard.
+    same(frames, gl.Bed("bed.toml").strike(packing)["frames"])
+    with pytest.raises(gl.InputError, match="multiple of run.sample, 0.5"):
+        bed.strike(packing, every=0.7)
+    with pytest.raises(gl.InputError, match="no-such-folder"):
+        gl.read_frames("no-such-folder")
+
+
+def test_frames_go_into_network_and_motion(bed, packing, desk):
+    """As the command line finds them of the same frames; and the forces at the contacts of a grain are the force on it."""
+    frames = bed.strike(packing, every=5)["frames"]
+    net = frames.network(4, thresholds=[0, 1, 2])
+    contacts = frames.contacts[4]
+    sums = np.zeros((len(frames.kinds), 2))
+    across = contacts["x_j"] - contacts["x_i"]
+    branch = np.stack([across - frames.period * np.round(across / frames.period), contacts["z_j"] - contacts["z_i"]], axis=1)
+    along = branch / np.linalg.norm(branch, axis=1)[:, None]
+    force = contacts["normal"][:, None] * along + contacts["tangential"][:, None] * np.stack([-along[:, 1], along[:, 0]], axis=1)
+    np.add.at(sums, contacts["j"], force)
+    np.add.at(sums, contacts["i"], -force)
+    # Friction is of the velocities at the end of a step, forces of those predicted for it.
+    assert np.abs(sums - frames.forces[4])[: frames.grains].max() < 0.02 * contacts["normal"].max()
+    among = (contacts["i"] < frames.grains) & (contacts["j"] < frames.grains)
+    assert net.coordination == pytest.approx(2 * among.sum() / frames.grains)
+    moved = frames.motion(0, 12)
+    header = "id,x,z,diameter"
+    for name, k in (("before", 0), ("after", 12)):
+        rows = np.column_stack([np.arange(1, frames.grains + 1), frames.places[k, : frames.grains], frames.diameters[: frames.grains]])
+        np.savetxt(f"{name}.csv", rows, delimiter=",", header=header, comments="", fmt=["%d", "%.17g", "%.17g", "%.17g"])
+    said = told("motion", "before.csv", "after.csv", "--period-x", str(frames.period))
+    theirs = np.array([grain["d2min"] if grain["d2min"] is not None else np.nan for grain in said["grains"]])
+    assert np.array_equal(moved["d2min"], theirs, equal_nan=True) or np.allclose(moved["d2min"], theirs, rtol=1e-12, equal_nan=True)
+    assert np.nanmax(moved["d2min"]) > 1e-3
+
+
+def test_frames_of_a_rig_are_those_of_simulate(desk):
+    sheet = CHAIN.replace('"chain"', '"hexagonal"').replace("layers = 6", "layers = 4\ncells = [3]", 1).replace('name = "hexagonal"', 'name = "sheet"')
+    (desk / "sheet.toml").write_text(sheet + '[record]\nevery = "20 us"\nframes = true\n')
+    told("simulate", "sheet.toml", "--out", "records")
+    frames = gl.Rig("sheet.toml").frames(every="20 us")
+    same(frames, gl.read_frames("records/frames"))
+    assert frames.units.startswith("s;") and len(frames) == 16 and len(frames.contacts[-1]["i"]) >= 0
+    histories = gl.Rig("sheet.toml").histories(every="20 us")
+    assert (histories["velocity_m_s"] == frames.velocities).all() and (histories["time_s"] == frames.times).all()
 
 
 def test_affine_motion_leaves_nothing():

@@ -210,12 +210,13 @@ impl BedFile {
 fn read_record((scope, file): &(Scope, &RecordSection), impact: &BedImpact) -> Result<FramePlan, DocumentError> {
     let entry = scope.required("every", &file.every)?;
     let every = within(&entry, impact.sample..=impact.window)?;
-    let looks = every / impact.sample;
-    if (looks - looks.round()).abs() > 1e-9 * looks {
+    let plan = FramePlan { every, contacts: truth(scope, "contacts", &file.contacts, true)? };
+    if plan.looks(impact.sample).is_none() {
         let rule = format!("must be a multiple of run.sample, {}", impact.sample);
-        return Err(entry.fail(&rule, &format!("Write record.every = {}.", looks.round() * impact.sample)));
+        let near = (every / impact.sample).round() * impact.sample;
+        return Err(entry.fail(&rule, &format!("Write record.every = {near}.")));
     }
-    Ok(FramePlan { every, contacts: truth(scope, "contacts", &file.contacts, true)? })
+    Ok(plan)
 }
 
 fn read_ensemble((scope, file): &(Scope, &EnsembleSection), speed: f64) -> Result<Ensemble, DocumentError> {

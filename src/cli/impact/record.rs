@@ -91,7 +91,7 @@ impl Recording {
             })?;
             note(common, &format!("taken up at {} tau_c", strike.moment().time));
         }
-        let looks = (plan.every / file.impact.sample).round() as u64;
+        let looks = plan.looks(file.impact.sample).unwrap_or(1);
         let (send, receive) = sync_channel(WAITING);
         let written = std::thread::scope(|scope| {
             let writer = scope.spawn(|| self.write(plan, receive));
