@@ -5,8 +5,6 @@
 //! the names says time and period. Numbers are as short as they read back exactly. Grains come first, then the disks of walls, then those
 //! of the intruder. Flats have no number but a name: `intruder` on a bed; what touches its own image in a mirror touches `mirror`.
 
-use std::fmt::Write as _;
-
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -42,46 +40,66 @@ pub const SI: &str = "s; SI units";
 /// The name of an image in a mirror.
 pub const MIRROR: &str = "mirror";
 
-/// The texts of the two files of a frame, whose numbers are in `units` ([`UNITS`] or [`SI`]); `flats` are called so.
-pub fn texts(number: u64, frame: &Frame, units: &str, flats: &[&str]) -> [String; 2] {
+/// Writes the texts of the two files of a frame into `to`, in place of what it held: many frames are written into the room of one. Numbers are in
+/// `units` ([`UNITS`] or [`SI`]); `flats` are called so.
+pub fn texts_into(to: &mut [String; 2], number: u64, frame: &Frame, units: &str, flats: &[&str]) {
+    let [grains, contacts] = to;
     let period = frame.period.map_or(String::new(), |period| format!("; period_x = {period:?}"));
     let comment = format!("# granulens frame {number}, time = {:?} {units}{period}\n", frame.time);
-    let mut grains = comment.clone() + "id,x,z,diameter,vx,vz,spin,fx,fz,kind\n";
-    let mut contacts = comment + "i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N\n";
-    let number = |text: &mut String, value: f64| {
-        let _ = write!(text, ",{value:?}");
+    for (text, names) in [
+        (&mut *grains, "id,x,z,diameter,vx,vz,spin,fx,fz,kind\n"),
+        (&mut *contacts, "i,j,x_i,z_i,x_j,z_j,normal_N,tangential_N\n"),
+    ] {
+        text.clear();
+        text.push_str(&comment);
+        text.push_str(names);
+    }
+    // Millions of numbers are written: by their shortest digits, without the machinery of formats.
+    let mut digits = zmij::Buffer::new();
+    let mut number = |text: &mut String, value: f64| {
+        text.push(',');
+        text.push_str(digits.format(value));
     };
-    // Places are written many times and made once.
+    let mut id = itoa::Buffer::new();
+    // Places are written many times and made once: where in the text of the grains each stands, its comma before it.
     let mut places = Vec::with_capacity(frame.bodies.len());
     for (k, body) in frame.bodies.iter().enumerate() {
         let FrameBody { role, place: [x, z], diameter, velocity, spin, force } = body;
-        let place = format!("{x:?},{z:?}");
-        let _ = write!(grains, "{},{place}", k + 1);
+        grains.push_str(id.format(k + 1));
+        let from = grains.len();
+        number(grains, *x);
+        number(grains, *z);
+        places.push(from..grains.len());
         let values = [*diameter, velocity[0], velocity[1], *spin, force[0], force[1]];
-        values.into_iter().for_each(|value| number(&mut grains, value));
-        let _ = writeln!(grains, ",{}", role.name());
-        places.push(place);
+        values.into_iter().for_each(|value| number(grains, value));
+        grains.push(',');
+        grains.push_str(role.name());
+        grains.push('\n');
     }
     for contact in &frame.contacts {
         for (k, end) in contact.ends.iter().enumerate() {
-            let comma = if k == 0 { "" } else { "," };
-            let _ = match end {
-                End::Body(i) => write!(contacts, "{comma}{}", i + 1),
-                End::Flat(k) => write!(contacts, "{comma}{}", flats.get(*k as usize).unwrap_or(&"flat")),
-                End::Mirror => write!(contacts, "{comma}{MIRROR}"),
-            };
+            if k > 0 {
+                contacts.push(',');
+            }
+            contacts.push_str(match end {
+                End::Body(i) => id.format(i + 1),
+                End::Flat(k) => flats.get(*k as usize).unwrap_or(&"flat"),
+                End::Mirror => MIRROR,
+            });
         }
         for (end, [x, z]) in contact.ends.iter().zip(contact.places) {
-            let _ = match end.body() {
-                Some(i) => write!(contacts, ",{}", places[i]),
-                None => write!(contacts, ",{x:?},{z:?}"),
-            };
+            match end.body() {
+                Some(i) => contacts.push_str(&grains[places[i].clone()]),
+                None => {
+                    number(contacts, x);
+                    number(contacts, z);
+                }
+            }
         }
-        number(&mut contacts, contact.normal);
-        number(&mut contacts, contact.tangential);
+        number(contacts, contact.normal);
+        number(contacts, contact.tangential);
         contacts.push('\n');
     }
-    [grains, contacts]
 }
 
 /// A frame from its two files.
@@ -183,7 +201,10 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let files = names(3).map(|name| folder.path().join(name));
-        for (file, text) in files.iter().zip(texts(3, &frame, UNITS, &["intruder", "wall"])) {
+        // What another frame left behind is gone.
+        let mut texts = ["of another frame".to_owned(), String::new()];
+        texts_into(&mut texts, 3, &frame, UNITS, &["intruder", "wall"]);
+        for (file, text) in files.iter().zip(texts) {
             std::fs::write(file, text).unwrap();
         }
         assert_eq!(read(&files).unwrap(), frame);

@@ -12,7 +12,7 @@ pub(crate) use file::EXAMPLES;
 pub use file::{BedFile, Origin};
 pub use frames::{
     FramePlan, MIRROR, SI as FRAME_SI, UNITS as FRAME_UNITS, names as frame_names, read as read_frame,
-    read_named as read_frame_named, texts as frame_texts,
+    read_named as read_frame_named, texts_into as frame_texts_into,
 };
 pub use granulens_core::bed::*;
 pub use store::{StoreError, read, write};

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::TrialError;
-use crate::bed::{FRAME_SI, Frame, frame_names, frame_texts};
+use crate::bed::{FRAME_SI, Frame, frame_names, frame_texts_into};
 use crate::dem::rig::Simulation;
 use crate::setup::Bench;
 
@@ -20,6 +20,8 @@ pub(super) struct Frames {
     /// Spheres of the crystal; those of intruders stand behind them.
     grains: usize,
     flats: Vec<String>,
+    /// Room for the texts of a frame.
+    texts: [String; 2],
     /// Written since the last flush.
     written: Vec<PathBuf>,
 }
@@ -30,7 +32,8 @@ impl Frames {
         let folder = folder.join(FOLDER);
         fs::create_dir_all(&folder).map_err(|error| TrialError::File { path: folder.clone(), error })?;
         let flats = bench.rig.flats.iter().map(|flat| flat.name.clone()).collect();
-        Ok(Self { folder, every: bench.record.every, grains: bench.sites.len(), flats, written: Vec::new() })
+        let (every, grains, texts) = (bench.record.every, bench.sites.len(), Default::default());
+        Ok(Self { folder, every, grains, flats, texts, written: Vec::new() })
     }
 
     /// Writes the present state; that of a sample which a run that is taken up writes again has the same bytes.
@@ -39,7 +42,8 @@ impl Frames {
         // The last sample may come before its time.
         let number = simulation.steps().div_ceil(self.every);
         let flats: Vec<&str> = self.flats.iter().map(String::as_str).collect();
-        for (name, text) in frame_names(number).iter().zip(frame_texts(number, &frame, FRAME_SI, &flats)) {
+        frame_texts_into(&mut self.texts, number, &frame, FRAME_SI, &flats);
+        for (name, text) in frame_names(number).iter().zip(&self.texts) {
             let path = self.folder.join(name);
             fs::write(&path, text).map_err(|error| TrialError::File { path: path.clone(), error })?;
             self.written.push(path);

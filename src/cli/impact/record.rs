@@ -6,7 +6,9 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
 use granulens::Context;
-use granulens::bed::{Bed, BedFile, Course, FRAME_UNITS, Frame, FramePlan, Moment, Strike, frame_names, frame_texts};
+use granulens::bed::{
+    Bed, BedFile, Course, FRAME_UNITS, Frame, FramePlan, Moment, Strike, frame_names, frame_texts_into,
+};
 use granulens::output::OutputError;
 
 use super::super::Common;
@@ -134,12 +136,12 @@ impl Recording {
     }
 
     fn write(&self, plan: FramePlan, jobs: Receiver<Job>) -> Result<(), Failure> {
+        let mut texts = [String::new(), String::new()];
         for job in jobs {
             match job {
                 Job::Frame(number, frame) => {
-                    for (name, text) in
-                        frame_names(number).iter().zip(frame_texts(number, &frame, FRAME_UNITS, &["intruder"]))
-                    {
+                    frame_texts_into(&mut texts, number, &frame, FRAME_UNITS, &["intruder"]);
+                    for (name, text) in frame_names(number).iter().zip(&texts) {
                         if plan.contacts || name.contains("grains") {
                             let path = self.frames().join(name);
                             fs::write(&path, text).map_err(|error| refused(&path, error))?;
