@@ -191,7 +191,14 @@ fn a_report_looks_inside_its_lens() {
     desk.run(&["run", "small.toml", "--out", "run", "--quiet"]).ok();
     let outcome = desk.json("run/outcome.json");
     let (inside, page) = (&outcome["inside"], desk.read("run/report.html"));
-    for words in ["id=\"inside\"", "contacts at", "damage after", "in it, rows 2 to 5", "behind it, rows 6 to 10"] {
+    for words in [
+        "id=\"inside\"",
+        "contacts at",
+        "damage after",
+        "before the lens, rows 1 to 2",
+        "in it, rows 3 to 5",
+        "behind it, rows 6 to 10",
+    ] {
         assert!(page.contains(words), "{words}");
     }
     assert_eq!(desk.json("run/numbers.json")["inside"]["parts"], inside["parts"]);
