@@ -56,7 +56,7 @@ fn studies(criterion: &mut Criterion) {
         Evaluator::new(&study.design, &study.impacts, study.palette.clone(), study.overrides(0), &never).unwrap();
     let mut dice = Dice::new(1);
     let space = study.space();
-    let layouts: Vec<Vec<u8>> = (0..16).map(|_| study.layout(&space.random(&mut dice)).materials).collect();
+    let layouts: Vec<Vec<u8>> = (0..16).map(|_| study.materials(&space.random(&mut dice))).collect();
     group.bench_function("bare batches of 16", |bench| {
         bench.iter(|| {
             for _ in 0..EVALUATIONS / 16 {

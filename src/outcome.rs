@@ -14,7 +14,7 @@ pub use inside::{Inside, PartOfNetwork, Touch};
 pub use traced::{Front, SpotDiagram, Traced, TracedDecay, TracedFocus, TracedRay, TracedSpot};
 
 use crate::dem::Stop;
-use crate::lattice::Site;
+use crate::lattice::{Block, CrystalSite, Site};
 use crate::layout::Bill;
 use crate::lens::{Prescription, Symmetry};
 pub use crate::score::Scores;
@@ -145,6 +145,17 @@ pub struct SpaceSite {
     pub z: f64,
     /// Spheres of the whole crystal that stand for it.
     pub copies: u8,
+}
+
+impl SpaceSite {
+    /// Those of a block's half, in its order.
+    pub fn all(block: &Block) -> Vec<Self> {
+        let site = |(site, &copies): (&CrystalSite<3>, &u8)| {
+            let [x, y, z] = site.centre;
+            Self { layer: site.layer, column: site.column, x, y, z, copies }
+        };
+        block.sites().iter().zip(block.copies()).map(site).collect()
+    }
 }
 
 /// What ray tracing proposed in space.

@@ -42,7 +42,7 @@ pub struct Evaluator {
     counter: LayoutCounter,
     threads: Option<usize>,
     plan: Plan,
-    inner: evaluate::Evaluator<'static>,
+    inner: evaluate::Evaluator,
 }
 
 #[pymethods]
@@ -76,7 +76,7 @@ impl Evaluator {
             forces.about(design.impact.force).into_iter().map(|force| ForcePulse { force, ..design.impact }).collect();
         let inner = run(py, threads, |context| {
             let made = evaluate::Evaluator::new(&design, &pulses, palette.clone(), overrides, context);
-            made.map(|made| made.recording(detail).into_owned())
+            made.map(|made| made.recording(detail))
         })?;
         let inner = inner.map_err(|error| match error {
             evaluate::EvaluatorError::Plan(error) => design.blame_plan(&error).into(),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use granulens::Context;
 use granulens::input;
@@ -32,6 +32,8 @@ use crate::values::{Table, maybe, nested, vector};
 #[pyclass(frozen, subclass, module = "granulens._granulens")]
 pub struct Study {
     inner: study::Study,
+    /// The design whose layouts are searched.
+    sheet: Arc<granulens::design::Design>,
     /// Of one that evaluates for others: what it needs for that, made once.
     local: Mutex<Option<Local>>,
 }
@@ -41,7 +43,14 @@ impl Study {
     #[new]
     #[pyo3(signature = (path, *, seed = None))]
     fn new(path: PathBuf, seed: Option<u64>) -> Result<Self> {
-        Ok(Self { inner: study::Study::read(&path, seed)?, local: Mutex::new(None) })
+        let inner = study::Study::read(&path, seed)?;
+        let Some(sheet) = inner.design.plane().cloned().map(Arc::new) else {
+            return Err(Failure::with_help(
+                format!("{}: searches a crystal in space, and granulens.Study takes sheets", path.display()),
+                "Run it with granulens study run.",
+            ));
+        };
+        Ok(Self { inner, sheet, local: Mutex::new(None) })
     }
 
     /// The file, as it was named.
@@ -77,7 +86,7 @@ impl Study {
     /// The design whose layouts are searched.
     #[getter]
     fn design(&self) -> Design {
-        Design { inner: std::sync::Arc::new(self.inner.design.clone()) }
+        Design { inner: self.sheet.clone() }
     }
 
     /// The layout that letters stand for: uint8, shape (free,).
@@ -91,7 +100,9 @@ impl Study {
                 study.letters.len()
             )));
         }
-        Ok(Layout { inner: study.layout(&letters), design: std::sync::Arc::new(study.design.clone()) })
+        let (palette, materials) = (study.palette.clone(), study.materials(&letters));
+        let inner = granulens::layout::Layout { lattice: self.sheet.lattice, palette, materials };
+        Ok(Layout { inner, design: self.sheet.clone() })
     }
 
     /// Random layouts of the study, as its searches begin with: letters, uint8, shape (count, free).
@@ -122,7 +133,7 @@ impl Study {
         // Each call is a command of its own.
         input::forget();
         input::remember(&study.path);
-        input::remember(&study.design.path);
+        input::remember(study.design().path());
         study::claim(&folder, study, force).map_err(|error| Failure::with_help(error.to_string(), error.help()))?;
         let journal = folder.join("journal.jsonl");
         let engine = engine.map(Bound::unbind);
@@ -174,7 +185,7 @@ impl Study {
         // Each call is a command of its own.
         input::forget();
         input::remember(&study.path);
-        input::remember(&study.design.path);
+        input::remember(study.design().path());
         study::claim(&folder, study, force).map_err(|error| Failure::with_help(error.to_string(), error.help()))?;
         let given: Vec<Choice> = letters
             .map_or_else(Vec::new, |letters| letters.as_array().rows().into_iter().map(|row| row.to_vec()).collect());
@@ -255,7 +266,7 @@ impl Study {
         let entries = Journal::read(&folder.join("journal.jsonl")).map_err(Failure::from)?.entries;
         let mut rungs: Vec<(f64, Rung)> = Vec::new();
         for place in 0..study.rungs.len() {
-            let plan = study.plan(place).map_err(|error| Failure::from(study.design.blame_plan(&error)))?;
+            let plan = study.plan(place).map_err(|error| Failure::from(self.sheet.blame_plan(&error)))?;
             let mut rung = Rung::default();
             let at = study.at(place);
             for (choice, entry) in Key::new(&at, &plan).own(&at, &entries) {
@@ -410,7 +421,7 @@ pub fn evaluate_lines(
     layouts: Vec<String>,
     threads: Option<usize>,
 ) -> PyResult<Vec<String>> {
-    let Study { inner: study, local } = study.get();
+    let Study { inner: study, local, .. } = study.get();
     if rung >= study.rungs.len() {
         return Err(Failure::input(format!("the study has no step number {rung}")).into());
     }

@@ -1,7 +1,7 @@
 //! The assembly map at 1:1: every sphere where it lies, with its letter, colour and hatching.
 
 use super::drawing::{Anchor, Drawing, GREY, Pen, Point, RULER, WHITE};
-use super::piece::Piece;
+use super::piece::{Kind, Mark, Piece, used};
 use super::svg::svg;
 
 /// Room for the numbers of rows on either side, and for words above and below (mm).
@@ -15,13 +15,15 @@ pub fn map(piece: &Piece) -> (Drawing, [f64; 4]) {
     let [left, top, right, bottom] = piece.extent();
     let diameter = piece.diameter;
     let mut drawing = Drawing::default();
-    // The inner faces of side walls and end wall.
-    let wall = Pen::black(0.35);
-    let front = 0.0;
-    drawing.lines(
-        vec![[[left, front], [left, bottom]], [[left, bottom], [right, bottom]], [[right, bottom], [right, front]]],
-        wall,
-    );
+    if piece.kind == Kind::Sheet {
+        // The inner faces of side walls and end wall.
+        let wall = Pen::black(0.35);
+        let front = 0.0;
+        drawing.lines(
+            vec![[[left, front], [left, bottom]], [[left, bottom], [right, bottom]], [[right, bottom], [right, front]]],
+            wall,
+        );
+    }
     for sphere in &piece.spheres {
         drawing.sphere(piece.place(sphere), usize::from(sphere.material));
     }
@@ -33,6 +35,10 @@ pub fn map(piece: &Piece) -> (Drawing, [f64; 4]) {
         let wide = 0.6 * size * text.len() as f64 + 0.1 * size;
         drawing.rectangle([x - 0.5 * wide, y + 0.245 * diameter], [wide, 0.2 * diameter], Some(WHITE), None);
         drawing.text([x, y + 0.415 * diameter], size, Anchor::Middle, text);
+    }
+    if let Kind::Layer { below, .. } = &piece.kind {
+        // Seen through the hollows, where they lie.
+        below.iter().for_each(|&[x, y]| drawing.disc([1e3 * x, 1e3 * y], 0.05 * diameter, Some(GREY), None));
     }
     let axis = Pen::black(0.15).coloured(GREY).dashed([4.0, 1.5]);
     drawing.line([0.0, top - 5.0], [0.0, top], axis);
@@ -48,34 +54,41 @@ pub fn map(piece: &Piece) -> (Drawing, [f64; 4]) {
         drawing.text([left - 2.0, y], size, Anchor::End, seen.to_string());
         drawing.text([right + 2.0, y], size, Anchor::Start, seen.to_string());
     }
-    drawing.text(
-        [3.0, top - 2.5],
-        2.8,
-        Anchor::Start,
-        "IMPACT on row 1, from above; crystal's axis at the dashed strokes",
-    );
-    drawing.text(
-        [3.0, bottom + 4.6],
-        2.4,
-        Anchor::Start,
-        "thick lines: inner faces of the frame; small numbers: every fifth column, counted from the left",
-    );
+    let (head, foot) = match &piece.kind {
+        Kind::Sheet => (
+            "IMPACT on row 1, from above; crystal's axis at the dashed strokes".to_owned(),
+            "thick lines: inner faces of the frame; small numbers: every fifth column, counted from the left"
+                .to_owned(),
+        ),
+        Kind::Layer { number, of, below } => {
+            // The lens's axis.
+            drawing.line([left - 5.0, 0.0], [left, 0.0], axis);
+            drawing.line([right, 0.0], [right + 5.0, 0.0], axis);
+            let dots = match below.is_empty() {
+                true => "; it is laid first",
+                false => "; grey dots: centres of the layer that it is laid on",
+            };
+            (format!("LAYER {number} of {of}, from the struck side"), format!("axis at the dashed strokes{dots}"))
+        }
+    };
+    drawing.text([3.0, top - 2.5], 2.8, Anchor::Start, head);
+    drawing.text([3.0, bottom + 4.6], 2.4, Anchor::Start, foot);
     (drawing, [left - MARGIN[0], top - MARGIN[1], right + MARGIN[0], bottom + MARGIN[1]])
 }
 
 /// What each letter means, from a corner on, in lines of this width (mm); gives the height that it takes.
-pub fn legend(drawing: &mut Drawing, piece: &Piece, [x, y]: Point, width: f64) -> f64 {
-    let (pitch, size) = ((piece.diameter + 2.0).max(6.0), 3.0);
+pub fn legend(drawing: &mut Drawing, marks: &[Mark], diameter: f64, [x, y]: Point, width: f64) -> f64 {
+    let (pitch, size) = ((diameter + 2.0).max(6.0), 3.0);
     let (mut at, mut line) = (0.0, 0.0);
-    for (k, mark) in piece.used() {
+    for (k, mark) in used(marks) {
         let words = format!("{} = {}, {}", mark.letter, mark.material, mark.count);
-        let wide = piece.diameter + 2.0 + 0.56 * size * words.len() as f64 + 6.0;
+        let wide = diameter + 2.0 + 0.56 * size * words.len() as f64 + 6.0;
         if at > 0.0 && at + wide > width {
             (at, line) = (0.0, line + pitch);
         }
         let middle = y + line + 0.5 * pitch;
-        drawing.sphere([x + at + 0.5 * piece.diameter, middle], k);
-        drawing.text([x + at + piece.diameter + 2.0, middle + 0.36 * size], size, Anchor::Start, words);
+        drawing.sphere([x + at + 0.5 * diameter, middle], k);
+        drawing.text([x + at + diameter + 2.0, middle + 0.36 * size], size, Anchor::Start, words);
         at += wide;
     }
     line + pitch
@@ -86,7 +99,7 @@ pub fn map_svg(piece: &Piece) -> String {
     let (mut drawing, [left, top, right, bottom]) = map(piece);
     let width = (right - left).max(RULER + 10.0);
     let corner = [left + 5.0, bottom + 2.0];
-    let below = bottom + 2.0 + legend(&mut drawing, piece, corner, width - 10.0);
+    let below = bottom + 2.0 + legend(&mut drawing, &piece.marks, piece.diameter, corner, width - 10.0);
     drawing.ruler([corner[0], below + 6.0], false);
     drawing.text(
         [corner[0], below + 10.0],

@@ -4,7 +4,7 @@
 //! files; nothing here writes one. Lengths of drawings are in millimetres, x to the right from the crystal's axis and y down from row 1, as
 //! z is.
 //!
-//! - `piece`: what is built, and how its materials are told apart
+//! - `piece`: what is built, a sheet or the layers of a crystal in space, and how its materials are told apart
 //! - `drawing`: shapes on paper; `pdf`, `svg`: the same shapes as files; `glyphs`: widths of letters
 //! - `map`: the assembly map at 1:1; `pages`: the map cut into sheets of paper
 //! - `dxf`: the map for CAD
@@ -37,10 +37,10 @@ pub use dxf::dxf;
 pub use frame::{Frame, Solid};
 pub use inspection::{Inspected, inspection, inspection_csv};
 pub use map::map_svg;
-pub use pages::{Paper, map_pdf};
-pub use parts::{Part, parts, parts_csv, total_cost};
-pub use piece::{Mark, Piece};
-pub use placement::{placement_csv, placement_pdf};
+pub use pages::{Paper, map_pdf, maps_pdf};
+pub use parts::{Part, parts, parts_csv, parts_in_space, total_cost};
+pub use piece::{Kind, Mark, Piece};
+pub use placement::{layers_csv, placement_csv, placement_pdf, placements_pdf};
 pub use sorted::{Ball, BatchError, Placing, placings, placings_csv, read_batch};
 pub use spares::{Spares, Yield};
 pub use walls::{WallEffect, in_walls};

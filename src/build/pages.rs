@@ -3,7 +3,7 @@
 use super::drawing::{Anchor, Drawing, GREY, Pen, Point, RULER};
 use super::map::{legend, map};
 use super::pdf::{Page, View, document};
-use super::piece::Piece;
+use super::piece::{Kind, Mark, Piece};
 
 /// A size of paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,11 +85,59 @@ impl Cut {
 
 /// The map on sheets of a size of paper, upright or across, whichever takes fewer.
 pub fn map_pdf(piece: &Piece, paper: Paper) -> Vec<u8> {
-    let (map, [left, top, right, bottom]) = map(piece);
+    maps_pdf(&piece.name, std::slice::from_ref(piece), &piece.marks, paper)
+}
+
+/// The maps of several pieces, one after the other; `marks` are those of all together. An overview comes first, and before each that takes
+/// several sheets.
+pub fn maps_pdf(name: &str, pieces: &[Piece], marks: &[Mark], paper: Paper) -> Vec<u8> {
+    let drawn: Vec<Drawn> = pieces.iter().map(|piece| Drawn::new(piece, paper)).collect();
+    let mut pages = Vec::new();
+    for (k, (piece, drawn)) in pieces.iter().zip(&drawn).enumerate() {
+        let Drawn { map, seamed, cut, origin: [left, top], extent } = drawn;
+        if k == 0 || cut.sheets() > 1 {
+            pages.push(overview(piece, map, [*left, *top], *extent, cut, paper));
+        }
+        for down in 0..cut.count[1] {
+            for over in 0..cut.count[0] {
+                let origin = [left + over as f64 * cut.step[0], top + down as f64 * cut.step[1]];
+                let size = [0, 1].map(|k| cut.window[k].min(extent[k]));
+                let corner = [EDGE + LEFT, EDGE];
+                let view = View { drawing: seamed, corner, size, origin, scale: 1.0 };
+                pages.push(Page { size: cut.sheet, drawing: around(piece, cut, [over, down], size), view: Some(view) });
+            }
+        }
+    }
+    let title = format!("{name}: assembly map, 1:1, {}", paper.name().to_uppercase());
+    document(&title, marks, pieces.first().map_or(1.0, |piece| piece.diameter), &pages)
+}
+
+/// A map, and how it is cut.
+struct Drawn {
+    map: Drawing,
+    /// With seams.
+    seamed: Drawing,
+    cut: Cut,
+    /// Its upper left corner (mm).
+    origin: Point,
+    /// Its size (mm).
+    extent: Point,
+}
+
+impl Drawn {
+    fn new(piece: &Piece, paper: Paper) -> Self {
+        let (map, [left, top, right, bottom]) = map(piece);
+        let extent = [right - left, bottom - top];
+        let [width, height] = paper.size();
+        let (upright, across) = (Cut::new([width, height], extent), Cut::new([height, width], extent));
+        let cut = if across.sheets() < upright.sheets() { across } else { upright };
+        let seamed = seamed(&map, &cut, [left, top, right, bottom]);
+        Self { map, seamed, cut, origin: [left, top], extent }
+    }
+}
+
+fn seamed(map: &Drawing, cut: &Cut, [left, top, right, bottom]: [f64; 4]) -> Drawing {
     let extent = [right - left, bottom - top];
-    let [width, height] = paper.size();
-    let (upright, across) = (Cut::new([width, height], extent), Cut::new([height, width], extent));
-    let cut = if across.sheets() < upright.sheets() { across } else { upright };
 
     // Seams, and crosses on them that show whether two sheets lie right, are part of the map.
     let mut seamed = map.clone();
@@ -104,19 +152,7 @@ pub fn map_pdf(piece: &Piece, paper: Paper) -> Vec<u8> {
         (0..=cut.count[0] * 3)
             .for_each(|k| cross(&mut seamed, [left + 4.0 + (extent[0] - 8.0) * part(k, cut.count[0]), y]));
     }
-
-    let mut pages = vec![overview(piece, &map, [left, top], extent, &cut, paper)];
-    for down in 0..cut.count[1] {
-        for over in 0..cut.count[0] {
-            let origin = [left + over as f64 * cut.step[0], top + down as f64 * cut.step[1]];
-            let size = [0, 1].map(|k| cut.window[k].min(extent[k]));
-            let corner = [EDGE + LEFT, EDGE];
-            let view = View { drawing: &seamed, corner, size, origin, scale: 1.0 };
-            pages.push(Page { size: cut.sheet, drawing: around(piece, &cut, [over, down], size), view: Some(view) });
-        }
-    }
-    let title = format!("{}: assembly map, 1:1, {}", piece.name, paper.name().to_uppercase());
-    document(&title, &piece.marks, piece.diameter, &pages)
+    seamed
 }
 
 fn part(k: usize, count: usize) -> f64 {
@@ -212,14 +248,22 @@ fn overview<'a>(piece: &Piece, map: &'a Drawing, origin: Point, extent: Point, c
     let wide = width - x - EDGE;
     page.bold([x, EDGE + 6.0], 6.0, Anchor::Start, format!("{}: assembly map", piece.name));
     let [left, top, right, bottom] = piece.extent();
+    let (across, down) = (right - left, bottom - top);
+    let (last, rows) = match &piece.kind {
+        Kind::Sheet => {
+            ("Row 1 is struck.".to_owned(), "Rows count from the struck side, columns from the left of each row.")
+        }
+        Kind::Layer { of, .. } => (
+            format!("It is laid first, of {of}; layer 1, the last, is struck."),
+            "Rows count from above, columns from the left of each row.",
+        ),
+    };
     let lines = [
         format!(
-            "{} spheres of {} mm in {} rows; {:.2} mm wide and {:.2} mm deep over the spheres. Row 1 is struck.",
+            "{} spheres of {} mm in {} rows; {across:.2} mm wide and {down:.2} mm deep over the spheres. {last}",
             piece.spheres.len(),
             piece.diameter,
             piece.rows,
-            right - left,
-            bottom - top
         ),
         format!(
             "The map follows at 1:1 on {} sheet{} of {} paper. Print at 100 % (\"actual size\"), without fitting to the page;",
@@ -228,13 +272,13 @@ fn overview<'a>(piece: &Piece, map: &'a Drawing, origin: Point, extent: Point, c
             paper.name().to_uppercase()
         ),
         "then measure both rulers of every sheet: they must be 100 mm long. Every material has a letter, a colour and a".to_owned(),
-        "hatching, each of which is enough. Rows count from the struck side, columns from the left of each row.".to_owned(),
+        format!("hatching, each of which is enough. {rows}"),
     ];
     for (k, line) in lines.into_iter().enumerate() {
         page.text([x, EDGE + 13.0 + 4.6 * k as f64], 3.1, Anchor::Start, line);
     }
     let mut y = EDGE + 34.0;
-    y += legend(&mut page, piece, [x, y], wide) + 3.0;
+    y += legend(&mut page, &piece.marks, piece.diameter, [x, y], wide) + 3.0;
     if cut.sheets() > 1 {
         page.text([x, y + 4.0], 3.1, Anchor::Start, "How the sheets lie:");
         plan(&mut page, cut, None, [x + 30.0, y], [40.0, 18.0]);

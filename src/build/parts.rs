@@ -4,10 +4,13 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::piece::Piece;
+use super::piece::{Mark, Piece, used};
 use super::spares::Spares;
 use crate::design::Design;
 use crate::evaluate::Subject;
+use crate::lattice::Block;
+use crate::layout::{Bill, Layout};
+use crate::material::Material;
 
 /// One line of the list.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,24 +35,45 @@ pub struct Part {
 
 /// What the piece is made of.
 pub fn parts(piece: &Piece, subject: Subject<'_>, design: &Design, spares: &Spares) -> Vec<Part> {
-    let layout = subject.layout;
     let bill = subject.piece(|material| design.price(material));
-    let part = |(k, mark): (usize, &super::Mark)| {
-        let (count, material) = (bill.counts[k] as usize, &layout.palette[k]);
+    let price = |material: &Material| design.price(material);
+    of_bill(&piece.marks, &bill, &subject.layout.palette, subject.layout.lattice.diameter(), price, spares)
+}
+
+/// What a layout in space is made of, whose materials are drawn as `marks`.
+pub fn parts_in_space(
+    marks: &[Mark],
+    layout: &Layout<Block>,
+    price: impl Fn(&Material) -> Option<f64> + Copy,
+    spares: &Spares,
+) -> Vec<Part> {
+    of_bill(marks, &layout.piece_in_space(price), &layout.palette, layout.lattice.diameter(), price, spares)
+}
+
+fn of_bill(
+    marks: &[Mark],
+    bill: &Bill,
+    palette: &[Material],
+    diameter: f64,
+    price: impl Fn(&Material) -> Option<f64>,
+    spares: &Spares,
+) -> Vec<Part> {
+    let part = |(k, mark): (usize, &Mark)| {
+        let (count, material) = (bill.counts[k] as usize, &palette[k]);
         let spares = spares.of(count);
-        let price = design.price(material);
+        let price = price(material);
         Part {
             letter: mark.letter.clone(),
             material: mark.material.clone(),
-            diameter_mm: piece.diameter,
+            diameter_mm: 1e3 * diameter,
             count,
             spares,
-            mass_kg: count as f64 * material.sphere_mass(layout.lattice.diameter()),
+            mass_kg: count as f64 * material.sphere_mass(diameter),
             price,
             cost: price.map(|price| price * (count + spares) as f64),
         }
     };
-    piece.used().map(part).collect()
+    used(marks).map(part).collect()
 }
 
 /// The list with a sum in its last line; a missing price leaves the sum of costs empty.

@@ -1,7 +1,9 @@
 //! What is built, and how its materials are told apart: by letter, by colour and by hatching, each of which would do alone.
 
 use crate::evaluate::Subject;
-use crate::layout::PieceSphere;
+use crate::lattice::{Block, Layered};
+use crate::layout::{Layout, PieceSphere};
+use crate::material::Material;
 use crate::page::Hatch;
 use crate::report::material_colour;
 
@@ -18,6 +20,24 @@ pub struct Piece {
     pub marks: Vec<Mark>,
     /// Number of rows.
     pub rows: u32,
+    /// The sheet that it is, or the layer of a crystal in space.
+    pub kind: Kind,
+}
+
+/// What a piece is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// A sheet, seen from the side: x to the right from the axis, depth below row 1 down.
+    Sheet,
+    /// A layer, seen from the struck side: x to the right from the axis, y up from it. Rows count from above.
+    Layer {
+        /// From the struck one on.
+        number: u32,
+        /// How many there are.
+        of: u32,
+        /// Where the centres of the layer lie on which this one is laid: x and, down the map, −y (m).
+        below: Vec<[f64; 2]>,
+    },
 }
 
 /// How one material is drawn.
@@ -59,33 +79,42 @@ impl Piece {
     pub fn new<'a>(name: &str, of: impl Into<Subject<'a>>) -> Self {
         let subject: Subject<'_> = of.into();
         let (layout, spheres) = (subject.layout, subject.spheres());
-        let count = |material: usize| spheres.iter().filter(|s| usize::from(s.material) == material).count();
-        let mut used = 0;
-        let marks = layout.palette.iter().enumerate().map(|(k, material)| {
-            let count = count(k);
-            let place = used;
-            used += usize::from(count > 0);
-            Mark {
-                material: material.name.clone(),
-                letter: if count > 0 { letters(place) } else { String::new() },
-                colour: pale(material_colour(place)),
-                hatch: Hatch::of(place),
-                count,
-            }
-        });
-        let marks = marks.collect();
         Self {
             name: name.to_owned(),
             diameter: 1e3 * layout.lattice.diameter(),
+            marks: marks(&layout.palette, &spheres),
             spheres,
-            marks,
             rows: layout.lattice.rows(),
+            kind: Kind::Sheet,
         }
+    }
+
+    /// The layers of a layout in space, both halves, in the order in which they are laid: the struck one, layer 1, comes last. Letters are the
+    /// same in all of them, and those of the whole, which are given too.
+    pub fn layers(name: &str, layout: &Layout<Block>) -> (Vec<Self>, Vec<Mark>) {
+        let block = &layout.lattice;
+        let of = block.layers();
+        let layers: Vec<Vec<PieceSphere>> = (1..=of).map(|layer| layer_of(layout, layer)).collect();
+        let whole = marks(&layout.palette, &layers.concat());
+        let piece = |number: u32| {
+            let spheres = layers[number as usize - 1].clone();
+            let count = |k: usize| spheres.iter().filter(|sphere| usize::from(sphere.material) == k).count();
+            let below = layers.get(number as usize).into_iter().flatten().map(|sphere| [sphere.x, sphere.z]);
+            Self {
+                name: format!("{name}, layer {number}"),
+                diameter: 1e3 * block.diameter(),
+                marks: whole.iter().enumerate().map(|(k, mark)| Mark { count: count(k), ..mark.clone() }).collect(),
+                rows: spheres.last().map_or(0, |sphere| sphere.row),
+                kind: Kind::Layer { number, of, below: below.collect() },
+                spheres,
+            }
+        };
+        ((1..=of).rev().map(piece).collect(), whole)
     }
 
     /// The materials that occur.
     pub fn used(&self) -> impl Iterator<Item = (usize, &Mark)> {
-        self.marks.iter().enumerate().filter(|(_, mark)| mark.count > 0)
+        used(&self.marks)
     }
 
     /// How a sphere is drawn.
@@ -106,6 +135,48 @@ impl Piece {
             [l.min(x - radius), t.min(y - radius), r.max(x + radius), b.max(y + radius)]
         })
     }
+}
+
+/// Those of which there are any.
+pub fn used(marks: &[Mark]) -> impl Iterator<Item = (usize, &Mark)> {
+    marks.iter().enumerate().filter(|(_, mark)| mark.count > 0)
+}
+
+/// How the materials of some spheres are drawn.
+fn marks(palette: &[Material], spheres: &[PieceSphere]) -> Vec<Mark> {
+    let mut used = 0;
+    let mark = |(k, material): (usize, &Material)| {
+        let count = spheres.iter().filter(|sphere| usize::from(sphere.material) == k).count();
+        let place = used;
+        used += usize::from(count > 0);
+        Mark {
+            material: material.name.clone(),
+            letter: if count > 0 { letters(place) } else { String::new() },
+            colour: pale(material_colour(place)),
+            hatch: Hatch::of(place),
+            count,
+        }
+    };
+    palette.iter().enumerate().map(mark).collect()
+}
+
+/// The spheres of a layer, both halves, row by row from that of the greatest y, each from left to right.
+fn layer_of(layout: &Layout<Block>, layer: u32) -> Vec<PieceSphere> {
+    let block = &layout.lattice;
+    let mut spheres: Vec<PieceSphere> = Vec::new();
+    for site in block.layer(layer) {
+        let [x, y, _] = block.sites()[site].centre;
+        let material = layout.materials[site];
+        let sides = [x, -x].into_iter().take(usize::from(block.copies()[site]));
+        spheres.extend(sides.map(|x| PieceSphere { row: 0, column: 0, x, z: -y, material, site }));
+    }
+    spheres.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.x.total_cmp(&b.x)));
+    let near = 0.1 * block.diameter();
+    for (row, of_row) in (1..).zip(spheres.chunk_by_mut(|a, b| (a.z - b.z).abs() < near)) {
+        of_row.sort_by(|a, b| a.x.total_cmp(&b.x));
+        (1..).zip(of_row).for_each(|(column, sphere)| (sphere.row, sphere.column) = (row, column));
+    }
+    spheres
 }
 
 #[cfg(test)]

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use granulens::build::{
-    self, BatchError, Frame, Inspected, Paper, Part, Piece, Spares, WallEffect, Yield, inspection, read_batch,
+    self, BatchError, Frame, Inspected, Kind, Paper, Part, Piece, Spares, WallEffect, Yield, inspection, read_batch,
 };
 use granulens::dem::Integrator;
 use granulens::dem::rig::RigStop;
-use granulens::design::Design;
+use granulens::design::{AnyDesign, Design, SpaceDesign};
 use granulens::evaluate::{HeldError, Overrides, Plan, Subject, impact, method};
 use granulens::input;
-use granulens::layout::{Layout, write_piece};
+use granulens::layout::{Layout, write_piece, write_whole_in_space};
 use granulens::outcome::{Begun, FORMAT};
 use granulens::units::Dimension;
 use granulens::units::Dimension::{Energy, Length, Mass};
@@ -26,10 +26,11 @@ use super::{Common, Motion, command_line, cost};
 /// Drawings, lists and a frame for the workshop that builds a layout
 ///
 /// The folder, builds/NAME unless --out names another, holds the assembly map at 1:1 (PDF for A4, A3 and Letter, SVG, DXF), the
-/// placement list, the parts list, the frame as STL and 3MF, and which spheres to measure first.
+/// placement list, the parts list, the frame as STL and 3MF, and which spheres to measure first. Of a crystal in space it holds the map of each
+/// layer, the placement list layer by layer, in the order of laying, and the parts list.
 #[derive(clap::Args)]
 pub struct Build {
-    /// Layout, CSV with the header row,column,x,z,diameter,material
+    /// Layout, CSV with the header row,column,x,z,diameter,material or, in space, layer,column,x,y,z,diameter,material
     layout: PathBuf,
     /// Design file: everything but the materials
     #[arg(long, value_name = "FILE")]
@@ -72,7 +73,10 @@ const RANKED: &str = "ranked by the greatest kinetic energy of each sphere in a 
 
 impl Build {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let design = Design::read(&self.design)?;
+        let design = match AnyDesign::read(&self.design)? {
+            AnyDesign::Plane(design) => *design,
+            AnyDesign::Space(design) => return self.in_space(common, &design),
+        };
         let read = read_piece(common, &design, &self.layout)?;
         let (layout, subject) = (&read.layout, Subject::from(&read));
         let overrides = self.motion.overrides(common);
@@ -153,6 +157,74 @@ impl Build {
         Ok(())
     }
 
+    /// Maps and lists of the layers of a crystal in space; nothing is simulated.
+    fn in_space(self, common: &Common, design: &SpaceDesign) -> Result<(), Failure> {
+        let given = [
+            ("--sorted", self.sorted.is_some()),
+            ("--yield", self.from_yield.is_some()),
+            ("--clearance", self.clearance != 0.0),
+            ("--dry-run", common.dry_run),
+        ];
+        if let Some((what, _)) = given.into_iter().find(|(_, given)| *given) {
+            return Err(Failure::input_with_help(
+                format!("{what} is for sheets; this design is a crystal in space"),
+                "Leave it out. In space there are maps and lists of the layers, and --spares.",
+            ));
+        }
+        let begun = Begun::now();
+        let layout = super::space::read(design, &self.layout)?;
+        let plan = Plan::in_space(design, Overrides::default(), &layout.palette)
+            .map_err(|error| Failure::of_plan(design, &Overrides::default(), &error))?;
+        let place = common.out.clone().unwrap_or_else(|| Path::new("builds").join(&design.name));
+        let folder = begin(common, &place)?;
+        let (layers, marks) = Piece::layers(&design.name, &layout);
+        let spares = Spares::part(self.spares);
+        let parts = build::parts_in_space(&marks, &layout, |material| design.price(material), &spares);
+        let mut files: Vec<(String, Vec<u8>)> = Paper::ALL
+            .into_iter()
+            .map(|paper| (format!("map-{}.pdf", paper.name()), build::maps_pdf(&design.name, &layers, &marks, paper)))
+            .collect();
+        files.extend(layers.iter().filter_map(|piece| {
+            let Kind::Layer { number, .. } = piece.kind else { return None };
+            Some((format!("map-layer-{number}.svg"), build::map_svg(piece).into_bytes()))
+        }));
+        let spheres: usize = layers.iter().map(|piece| piece.spheres.len()).sum();
+        let told = json!({
+            "format": FORMAT,
+            "design": design.name,
+            "layout": self.layout.display().to_string(),
+            "spheres": spheres,
+            "layers": layers.len(),
+            "parts": parts,
+            "cost": build::total_cost(&parts),
+            "spares": spares,
+        });
+        let seeds = [plan.first_seed, 0];
+        let mut manifest = begun.manifest(design.file(), method(design, &plan), design.impact_in_words(), seeds);
+        manifest.command = Some(command_line());
+        files.extend([
+            ("placement.csv".to_owned(), build::layers_csv(&layers).into_bytes()),
+            ("placement.pdf".to_owned(), build::placements_pdf(&design.name, &layers, &marks)),
+            ("parts.csv".to_owned(), build::parts_csv(&parts).into_bytes()),
+            ("layout-full.csv".to_owned(), write_whole_in_space(&layout).into_bytes()),
+            ("build.json".to_owned(), pretty(&told).into_bytes()),
+            ("manifest.json".to_owned(), pretty(&manifest).into_bytes()),
+        ]);
+        for (name, bytes) in &files {
+            folder.write(name, bytes)?;
+        }
+        folder.finish()?;
+        if common.json {
+            emit_json(&told);
+        } else {
+            let diameter = 1e3 * layout.lattice.diameter();
+            let head = format!("{}: {spheres} spheres of {diameter} mm in {} layers", design.name, layers.len());
+            emit(&(listed(&head, &parts) + &spares.words()));
+        }
+        note(common, &format!("for the workshop: {}", place.display()));
+        Ok(())
+    }
+
     /// What is ordered besides.
     fn spares(&self, common: &Common, design: &Design) -> Result<Spares, Failure> {
         let Some(path) = &self.from_yield else { return Ok(Spares::part(self.spares)) };
@@ -204,20 +276,8 @@ fn files(
 }
 
 fn words(piece: &Piece, parts: &[Part], frame: &Frame, walls: &[WallEffect]) -> String {
-    let mut text = format!(
-        "{}: {} spheres of {} mm in {} rows\n\n| | material | spheres | spares | mass |\n|---|---|---|---|---|\n",
-        piece.name,
-        piece.spheres.len(),
-        piece.diameter,
-        piece.rows
-    );
-    for part in parts {
-        let Part { letter, material, count, spares, mass_kg, .. } = part;
-        text += &format!("| {letter} | {material} | {count} | {spares} | {} |\n", Mass.show(*mass_kg));
-    }
-    if let Some(cost) = build::total_cost(parts) {
-        text += &format!("\ncost with spares {cost:.2}, in the currency of [prices]\n");
-    }
+    let (count, diameter) = (piece.spheres.len(), piece.diameter);
+    let mut text = listed(&format!("{}: {count} spheres of {diameter} mm in {} rows", piece.name, piece.rows), parts);
     text += &format!(
         "\nframe: {:.2} mm between the side walls, {:.2} mm from the centres of row 1 to the end wall, walls {} mm high\n\n\
          | held by | F | P | C |\n|---|---|---|---|\n",
@@ -228,6 +288,19 @@ fn words(piece: &Piece, parts: &[Part], frame: &Frame, walls: &[WallEffect]) -> 
         text += &format!("| {held} | {} | {} | {contrast} |\n", Energy.show(*focal_mean), Energy.show(*protected_mean));
     }
     text += &format!("\nmeasure first: the spheres of inspection.csv, {RANKED}");
+    text
+}
+
+/// The parts below a heading.
+fn listed(head: &str, parts: &[Part]) -> String {
+    let mut text = format!("{head}\n\n| | material | spheres | spares | mass |\n|---|---|---|---|---|\n");
+    for part in parts {
+        let Part { letter, material, count, spares, mass_kg, .. } = part;
+        text += &format!("| {letter} | {material} | {count} | {spares} | {} |\n", Mass.show(*mass_kg));
+    }
+    if let Some(cost) = build::total_cost(parts) {
+        text += &format!("\ncost with spares {cost:.2}, in the currency of [prices]\n");
+    }
     text
 }
 

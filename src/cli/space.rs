@@ -202,7 +202,8 @@ pub fn compare(
     guard(&outcome)
 }
 
-fn read(design: &SpaceDesign, path: &Path) -> Result<Layout<Block>, Failure> {
+/// A layout of a design in space.
+pub fn read(design: &SpaceDesign, path: &Path) -> Result<Layout<Block>, Failure> {
     Ok(layout::read_in_space(path, &design.lattice, &design.palette(), &design.own_materials)?)
 }
 
@@ -314,6 +315,6 @@ fn felt(layout: &Layout<Block>, record: &granulens::dem::Record<3>) -> String {
 pub fn refuse(what: &str) -> Failure {
     Failure::input_with_help(
         format!("{what} is for sheets; this design is a crystal in space"),
-        "Leave it out. In space there are design, run, compare and check, with --forces and --spheres.",
+        "Leave it out. In space there are design, run, compare, check, study and build, with --forces and --spheres.",
     )
 }

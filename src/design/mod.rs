@@ -6,13 +6,14 @@
 //!
 //! - `file`: as written; `check`: as checked, with `region`, `lens`, `prices`, `threshold` and `tuning` for their parts
 //! - `shelf`: own materials and prices without a design
-//! - `any`: the best of several materials; `blame`: what only physics can tell, as a complaint about the file
+//! - `either`: a design of a sheet or of a crystal in space; `any`: the best of several materials; `blame`: what only physics can tell, as a complaint about the file
 //! - `published`: whether it is the published one
 //! - `space`: what differs of crystals in space
 
 mod any;
 mod blame;
 mod check;
+mod either;
 mod file;
 mod lens;
 mod prices;
@@ -29,6 +30,7 @@ use std::path::{Path, PathBuf};
 
 pub use crate::document::DocumentError as DesignError;
 pub(crate) use check::NO_LAW;
+pub use either::{AnyDesign, DesignRef};
 pub(crate) use file::EXAMPLES;
 pub(crate) use file::ThresholdsFile;
 pub(crate) use prices::add as add_price;
@@ -98,31 +100,6 @@ pub struct Design<L = HexagonalSheet, R = Region> {
 
 /// A design in space: `crystal.packing = "hcp"` or `"fcc-111"`.
 pub type SpaceDesign = Design<Block, Solid>;
-
-/// A design file of either kind.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AnyDesign {
-    /// Of a sheet.
-    Plane(Box<Design>),
-    /// Of a crystal in space.
-    Space(Box<SpaceDesign>),
-}
-
-impl AnyDesign {
-    /// Reads and checks a design file of either kind.
-    ///
-    /// # Errors
-    /// The file cannot be read, or what is wrong with it, the first thing and the others.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignError> {
-        let path = path.as_ref();
-        let text = crate::document::text(path)?;
-        if space::is_in_space(&text) {
-            SpaceDesign::parse_in_space(path, &text).map(|design| Self::Space(Box::new(design)))
-        } else {
-            Design::parse(path, &text).map(|design| Self::Plane(Box::new(design)))
-        }
-    }
-}
 
 impl SpaceDesign {
     /// Checks the text of a design file of a crystal in space; `path` is only named in messages.

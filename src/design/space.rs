@@ -275,19 +275,27 @@ impl SpaceDesign {
             let help = "Describe one, or compare a layout of your own: granulens compare DESIGN.toml LAYOUT.csv.";
             self.blame("lens", "[lens] is missing: nothing is asked for.".to_owned(), help.to_owned())
         })?;
+        let (body, _, materials) = self.laid(request).map_err(|error| self.blame_body(&error))?;
+        Ok((body, materials))
+    }
+
+    /// A lens for this design, its palette, and the material of every site.
+    ///
+    /// # Errors
+    /// There is no such lens.
+    pub fn laid(&self, request: &LensRequest) -> Result<(Body, Vec<Material>, Vec<u8>), LensError> {
         let block = &self.lattice;
         let continued = match request.symmetry {
             Symmetry::Axis => Continued::Revolved,
             Symmetry::Plane => Continued::Extruded(2.0 * block.half_widths()[1]),
         };
         let (stack, target) = (self.stack(request.symmetry), self.target_of_rays(request.symmetry));
-        let body = propose_body(&stack, continued, &self.host, request, &target, self.constants)
-            .map_err(|error| self.blame_body(&error))?;
+        let body = propose_body(&stack, continued, &self.host, request, &target, self.constants)?;
         let palette = self.palette_of_lens(request);
         let centres = block.sites().iter().map(|site| site.centre);
         let rule = (request.raster.unwrap_or_default(), request.seed);
         let materials = body.materials(centres, &palette, block.diameter(), rule, self.constants);
-        Ok((body, materials))
+        Ok((body, palette, materials))
     }
 
     /// Host, lens material, further ones.

@@ -1,20 +1,20 @@
 //! Many layouts of one design at once: as many in the lanes of a core as these hold, and groups of these in parallel.
 
-use std::borrow::Cow;
-
 use rayon::prelude::*;
 
-use super::blow::{Blow, Case, Field, Flaw};
+use super::blow::{AnyField, Blow, Case, Field, Flaw};
 use super::{EvaluateError, Overrides, Plan, PlanError};
 use crate::Context;
+use crate::contact::LawKind;
 use crate::dem::{
-    BatchError, ForcePulse, Limit, OverlapAtRest, Stop, simulate, simulate_batch_under, simulate_with_friction,
+    BatchError, ForcePulse, Limit, OverlapAtRest, Record, Stop, simulate, simulate_batch_under, simulate_with_friction,
 };
-use crate::design::Design;
+use crate::design::{Design, DesignRef};
 use crate::material::Material;
 use crate::real::Width;
 use crate::sample::Sample;
 use crate::score::Scores;
+use crate::target::TargetSites;
 
 /// One layout under one impact, as a search needs it.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,11 +73,16 @@ impl From<EvaluateError> for EvaluatorError {
 
 /// Turns layouts of one design into scores, relative to the crystal of host and that of lens material alone under the same
 /// impact.
-pub struct Evaluator<'a> {
-    design: Cow<'a, Design>,
+pub struct Evaluator {
     plan: Plan,
+    /// Of all spheres (m)
+    diameter: f64,
+    /// Of the half
+    sites: usize,
+    /// Those of the target's regions.
+    within: TargetSites,
     /// What is simulated under each different blow.
-    fields: Vec<Field>,
+    fields: Vec<AnyField>,
     /// For each field the first one that differs from it in nothing but the pulse.
     kin: Vec<usize>,
     /// For each member of the set its field and its flaw.
@@ -96,16 +101,20 @@ pub struct Evaluator<'a> {
 ///
 /// # Errors
 /// A step or window with which one of them cannot be simulated.
-pub fn common_plan(
-    design: &Design,
+pub fn common_plan<'d>(
+    design: impl Into<DesignRef<'d>>,
     blows: &[Blow],
     overrides: Overrides,
     palette: &[Material],
 ) -> Result<Plan, PlanError> {
+    let design = design.into();
+    let under = |impact: ForcePulse, law: LawKind| match design {
+        DesignRef::Plane(design) => Plan::new(&Design { impact, law, ..design.clone() }, overrides, palette),
+        DesignRef::Space(design) => Plan::in_space(&Design { impact, law, ..design.clone() }, overrides, palette),
+    };
     let mut common: Option<Plan> = None;
     for blow in blows {
-        let law = blow.law.unwrap_or(design.law);
-        let plan = Plan::new(&Design { impact: blow.pulse, law, ..design.clone() }, overrides, palette)?;
+        let plan = under(blow.pulse, blow.law.unwrap_or(design.law()))?;
         let Some(common) = &mut common else {
             common = Some(plan);
             continue;
@@ -122,22 +131,24 @@ pub fn common_plan(
             }
         }
     }
-    common.map_or_else(|| Plan::new(design, overrides, palette), Ok)
+    common.map_or_else(|| under(design.impact(), design.law()), Ok)
 }
 
-impl<'a> Evaluator<'a> {
+impl Evaluator {
     /// Chooses step and window, and simulates the uniform crystals under each impact. `cases` are impacts, or impacts on
-    /// crystals with flaws; `palette` holds the host and others. What Q refers to is the design's, see [`Design::reference`].
+    /// crystals with flaws; `palette` holds the host and others. What Q refers to is the design's, see [`Design::reference`]. In space
+    /// impacts are straight, on all of layer 1.
     ///
     /// # Errors
     /// See [`EvaluatorError`].
-    pub fn new<C: Clone + Into<Case>>(
-        design: &'a Design,
+    pub fn new<'d, C: Clone + Into<Case>>(
+        design: impl Into<DesignRef<'d>>,
         cases: &[C],
         mut palette: Vec<Material>,
         overrides: Overrides,
         context: &Context,
     ) -> Result<Self, EvaluatorError> {
+        let design = design.into();
         let reference = design.reference().map(|reference| {
             palette.iter().position(|material| material == reference).unwrap_or_else(|| {
                 palette.push(reference.clone());
@@ -148,7 +159,7 @@ impl<'a> Evaluator<'a> {
         let flawless = (0..evaluator.fields.len()).map(|field| (field, Flaw::default())).collect();
         let members = std::mem::replace(&mut evaluator.cases, flawless);
         let uniform: Vec<u8> = std::iter::once(0).chain(reference).collect();
-        let layouts: Vec<_> = uniform.iter().map(|&material| vec![material; design.lattice.len()]).collect();
+        let layouts: Vec<_> = uniform.iter().map(|&material| vec![material; evaluator.sites]).collect();
         let runs = evaluator.scores(&layouts, context)?;
         for (runs, &k) in runs.iter().zip(&uniform) {
             let Some(stop) = runs.iter().find_map(|run| run.stop.as_ref()) else { continue };
@@ -177,16 +188,17 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Without uniform crystals to relate to: there is no G and no Q.
-    pub(super) fn alone<C: Clone + Into<Case>>(
-        design: &'a Design,
+    pub(super) fn alone<'d, C: Clone + Into<Case>>(
+        design: impl Into<DesignRef<'d>>,
         cases: &[C],
         palette: Vec<Material>,
         overrides: Overrides,
     ) -> Result<Self, EvaluatorError> {
+        let design = design.into();
         let mut blows: Vec<(Blow, bool)> = Vec::new();
         let mut members = Vec::new();
         for Case { blow, flaw, halves_differ } in cases.iter().cloned().map(Into::into) {
-            let of = (blow, halves_differ || flaw.is_one_sided(design.lattice.len()));
+            let of = (blow, halves_differ || flaw.is_one_sided(design.sites()));
             let known = blows.iter().position(|known| *known == of);
             members.push((known.unwrap_or(blows.len()), flaw));
             if known.is_none() {
@@ -194,14 +206,23 @@ impl<'a> Evaluator<'a> {
             }
         }
         let plan = common_plan(design, &blows.iter().map(|(blow, _)| *blow).collect::<Vec<_>>(), overrides, &palette)?;
-        let fields = blows.iter().map(|(blow, whole)| Field::new(design, &plan, blow, *whole)).collect::<Vec<_>>();
+        let field = |(blow, whole): &(Blow, bool)| match design {
+            DesignRef::Plane(design) => AnyField::Plane(Field::new(design, &plan, blow, *whole)),
+            DesignRef::Space(design) => AnyField::Space(Field::in_space(design, &plan, blow)),
+        };
+        let fields: Vec<AnyField> = blows.iter().map(field).collect();
         let alike = |(blow, whole): &(Blow, bool)| {
             blows.iter().position(|(other, also)| also == whole && Blow { pulse: blow.pulse, ..*other } == *blow)
         };
         let kin = blows.iter().filter_map(alike).collect();
         Ok(Self {
-            design: Cow::Borrowed(design),
             plan,
+            diameter: design.diameter(),
+            sites: design.sites(),
+            within: match design {
+                DesignRef::Plane(design) => design.target.on(&design.lattice),
+                DesignRef::Space(design) => design.target.on(&design.lattice),
+            },
             uniform: vec![[0.0; 2]; fields.len()],
             fields,
             kin,
@@ -212,12 +233,6 @@ impl<'a> Evaluator<'a> {
             rivals: None,
             no_protection: None,
         })
-    }
-
-    /// With a design of its own, so that it may outlive the one that it was made of.
-    #[must_use]
-    pub fn into_owned(self) -> Evaluator<'static> {
-        Evaluator { design: Cow::Owned(self.design.into_owned()), ..self }
     }
 
     /// With as much recorded of every layout as is said.
@@ -336,24 +351,44 @@ impl<'a> Evaluator<'a> {
             let none = Evaluated { scores: Scores::default(), stop: Some(Stop::Interrupted { time_s: 0.0 }) };
             return Ok(vec![none; group.len()]);
         }
-        let field = &self.fields[self.cases[first].0];
-        let diameter = self.design.lattice.diameter();
+        match &self.fields[self.cases[first].0] {
+            AnyField::Plane(field) => {
+                self.follow_in(field, group, layouts, most, context, |sample| match field.friction {
+                    Some(coefficient) => simulate_with_friction(sample, &field.impact, coefficient, context),
+                    None => simulate(sample, &field.impact, context),
+                })
+            }
+            AnyField::Space(field) => {
+                self.follow_in(field, group, layouts, most, context, |sample| simulate(sample, &field.impact, context))
+            }
+        }
+    }
+
+    fn follow_in<const D: usize>(
+        &self,
+        field: &Field<D>,
+        group: &[(usize, usize)],
+        layouts: &[Vec<u8>],
+        most: Option<&[Vec<f64>]>,
+        context: &Context,
+        recorded: impl Fn(&Sample<D>) -> Result<Record<D>, OverlapAtRest>,
+    ) -> Result<Vec<Evaluated>, EvaluatorError> {
         let sample = |&(case, layout): &(usize, usize)| {
-            field.sample(&self.palette, diameter, &layouts[layout], &self.cases[case].1)
+            field.sample(&self.palette, self.diameter, &layouts[layout], &self.cases[case].1)
         };
         let samples: Vec<_> = group.iter().map(sample).collect();
         if self.detail == Detail::Everything {
-            return samples.iter().map(|sample| self.follow_alone(field, sample, context)).collect();
+            return samples.iter().map(|sample| Ok(self.scores_of(field, sample, &recorded(sample)?))).collect();
         }
         let limit = most.map(|most| {
-            let sites = self.design.target.protect.sites(&self.design.lattice);
+            let sites = &self.within.protected;
             let share = 0.5 / sites.len() as f64;
             // P is the mean over sites of the mean of a site and its image, which in the half are one.
             let spheres = sites.iter().flat_map(|&site| field.on(site)).map(|sphere| (sphere, share)).collect();
             Limit { spheres, most: group.iter().map(|&(case, layout)| most[layout][case]).collect() }
         });
         let pulses: Vec<ForcePulse> =
-            group.iter().map(|&(case, _)| self.fields[self.cases[case].0].impact.pulse).collect();
+            group.iter().map(|&(case, _)| self.fields[self.cases[case].0].impact().pulse).collect();
         let (impact, friction) = (&field.impact, field.friction);
         let briefs = simulate_batch_under(&samples, impact, &pulses, friction, limit.as_ref(), self.width, context)?;
         Ok(briefs
@@ -363,20 +398,15 @@ impl<'a> Evaluator<'a> {
     }
 
     /// One layout with full records.
-    fn follow_alone(&self, field: &Field, sample: &Sample<2>, context: &Context) -> Result<Evaluated, EvaluatorError> {
-        let record = match field.friction {
-            Some(coefficient) => simulate_with_friction(sample, &field.impact, coefficient, context)?,
-            None => simulate(sample, &field.impact, context)?,
-        };
+    fn scores_of<const D: usize>(&self, field: &Field<D>, sample: &Sample<D>, record: &Record<D>) -> Evaluated {
         let mut scores = self.energies(&field.folded(&record.max_kinetic));
         let share = if field.is_whole() { 0.5 } else { 1.0 };
-        let within = self.design.target.on(&self.design.lattice);
-        scores.add_records(&record, &within, |site| field.on(site), share, |sphere| sample.mass(sphere));
-        Ok(Evaluated { scores, stop: record.stop })
+        scores.add_records(record, &self.within, |site| field.on(site), share, |sphere| sample.mass(sphere));
+        Evaluated { scores, stop: record.stop.clone() }
     }
 
     fn energies(&self, max_kinetic: &[f64]) -> Scores {
-        Scores::of_energies(max_kinetic, &self.design.lattice, &self.design.target)
+        Scores::of_sites(max_kinetic, &self.within)
     }
 
     fn relate(&self, scores: &mut Scores, field: usize) {

@@ -2,7 +2,7 @@
 
 use crate::contact::LawKind;
 use crate::dem::{ForcePulse, Impact, Mirror};
-use crate::design::Design;
+use crate::design::{Design, SpaceDesign};
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
 
@@ -98,13 +98,13 @@ impl From<ForcePulse> for Case {
 
 /// The part of a crystal that has to be simulated under a blow: its half, or, where the blow is not symmetric, the whole
 /// between smooth walls at both far sides. Under a symmetric blow the two say the same.
-pub(super) struct Field {
+pub(super) struct Field<const D: usize = 2> {
     /// What strikes it.
     pub impact: Impact,
     /// μ; none without friction.
     pub friction: Option<f64>,
     /// Centre of each sphere (m), and its place: its site in the half, or, on the other side of the axis, as many more as there are sites.
-    spheres: Vec<([f64; 2], usize)>,
+    spheres: Vec<([f64; D], usize)>,
     /// The one or two spheres that stand on each site of the half and on its image.
     images: Vec<[usize; 2]>,
 }
@@ -151,14 +151,28 @@ impl Field {
             [-1.0, 1.0].map(|side| Mirror { axis: 0, position: side * lattice.half_width(), inward: -side }).to_vec();
         Self { impact, friction, spheres, images }
     }
+}
 
+impl Field<3> {
+    /// Of a crystal in space the half x ≥ 0: what strikes it there is its own image.
+    pub fn in_space(design: &SpaceDesign, plan: &Plan, blow: &Blow) -> Self {
+        let mut impact = super::impact_in_space(design, plan);
+        impact.law = blow.law.unwrap_or(design.law);
+        impact.pulse = blow.pulse;
+        let sites = design.lattice.sites();
+        let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();
+        Self { impact, friction: None, spheres, images: (0..sites.len()).map(|i| [i, i]).collect() }
+    }
+}
+
+impl<const D: usize> Field<D> {
     /// Whether both halves of the crystal are simulated.
     pub fn is_whole(&self) -> bool {
         self.spheres.len() > self.images.len()
     }
 
     /// The spheres to simulate where a layout is built with its flaw.
-    pub fn sample(&self, palette: &[Material], diameter: f64, layout: &[u8], flaw: &Flaw) -> Sample<2> {
+    pub fn sample(&self, palette: &[Material], diameter: f64, layout: &[u8], flaw: &Flaw) -> Sample<D> {
         let (built, sites) = (flaw.built(layout), self.images.len());
         // Where the halves are alike a place on the other side is as its site.
         let of = |place: usize, places: usize| if place < places { place } else { place % sites };
@@ -183,6 +197,24 @@ impl Field {
     /// The spheres on a site and on its image.
     pub fn on(&self, site: usize) -> [usize; 2] {
         self.images[site]
+    }
+}
+
+/// A field of either dimension.
+pub(super) enum AnyField {
+    /// Of a sheet.
+    Plane(Field),
+    /// Of a crystal in space.
+    Space(Field<3>),
+}
+
+impl AnyField {
+    /// What strikes it.
+    pub fn impact(&self) -> &Impact {
+        match self {
+            Self::Plane(field) => &field.impact,
+            Self::Space(field) => &field.impact,
+        }
     }
 }
 

@@ -411,10 +411,6 @@ fn outcome(
     if let (None, Some(material)) = (design.reference(), &reference) {
         warnings.push(unnamed(material));
     }
-    let site = |(site, &copies): (&crate::lattice::CrystalSite<3>, &u8)| {
-        let [x, y, z] = site.centre;
-        SpaceSite { layer: site.layer, column: site.column, x, y, z, copies }
-    };
     SpaceOutcome {
         swaps: None,
         inside: None,
@@ -425,7 +421,7 @@ fn outcome(
             design.impact_in_words(),
             [plan.first_seed, design.seeds],
         ),
-        sites: block.sites().iter().zip(block.copies()).map(site).collect(),
+        sites: SpaceSite::all(block),
         diameter: block.diameter(),
         half_width: block.half_widths()[0],
         target: design.target.clone(),

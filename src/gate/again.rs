@@ -45,7 +45,7 @@ pub(super) fn line(look: &Look) -> Result<Option<Line>, GateError> {
     let blow = Blow::from(design.impact);
     let cases = [look.case(blow), Case { flaw: dented, ..look.case(blow) }];
     let overrides = given(look.plan, look.plan.step, look.plan.window);
-    let evaluator = match Evaluator::new(design, &cases, layout.palette.clone(), overrides, look.context) {
+    let evaluator = match Evaluator::new(*design, &cases, layout.palette.clone(), overrides, look.context) {
         Err(EvaluatorError::Baseline { .. }) => return Ok(None),
         evaluator => evaluator?,
     };

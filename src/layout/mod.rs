@@ -1,9 +1,10 @@
 //! Which material sits on which site (from the core), and layouts as files.
 //!
 //! - `write`: as CSV and JSON; `read`: the half or the whole piece; `error`: what a refused file hears
-//! - `space`: layouts of crystals in space
+//! - `space`: layouts of crystals in space; `any`: of either kind
 //! - `extent`: the lattice that a file was written for; `piece`: the whole piece, both halves
 
+mod any;
 mod error;
 mod extent;
 mod piece;
@@ -11,6 +12,7 @@ mod read;
 mod space;
 mod write;
 
+pub use any::AnyLayout;
 pub use error::LayoutFileError;
 pub use extent::lattice_of;
 pub use granulens_core::layout::*;

@@ -12,7 +12,7 @@
 //! - `page`, `files`: what is written
 //! - `contact_curve`: a contact law as a picture
 //! - `look`: figures for papers; `paper`: pictures as PDF and PNG
-//! - `space`: a crystal in space, by sections and layers
+//! - `space`: a crystal in space; `slices`: its sections and layers as pictures; `turned`: a view that can be turned
 //! - `spots`: where rays pass the focal row
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `transmission`: what small vibrations get through
@@ -44,6 +44,7 @@ mod frame;
 mod paper;
 mod profiles;
 mod site_map;
+mod slices;
 mod space;
 mod spots;
 mod study;
@@ -55,6 +56,7 @@ mod table;
 mod trace;
 mod transmission;
 mod trial;
+mod turned;
 mod verdict;
 
 pub(crate) use chart::{COLOURS, Chart, Line};

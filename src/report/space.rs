@@ -1,17 +1,18 @@
 //! The report of a comparison in space: a section along the axis, layers, the profile across the focal layers, tables.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::chart::{COLOURS, Chart, Line};
 use super::colour::Scale;
 use super::digits::{short, significant};
 use super::files::{ReportError, numbers, numbers_csv, outcome_json};
-use super::frame::{Figure, Frame, Provenance, escape_lines};
-use super::svg::{Anchor, Svg};
-use super::table::{solid_words, space_table};
+use super::frame::{Figure, Frame, Provenance};
+use super::slices::{Paint, Slices};
+use super::table::{solid_words, space_section};
+use super::turned::turned;
 use super::verdict;
 use crate::outcome::{ArrangementOutcome, SpaceOutcome, SpaceSite};
-use crate::page::ink;
 use crate::score::Measure;
 use crate::target::Solid;
 
@@ -47,7 +48,7 @@ pub fn draw_space(outcome: &SpaceOutcome) -> Result<Vec<(&'static str, String, S
             section(outcome, first),
             format!(
                 "Spheres within 0.45 D of the plane y = 0, both halves: materials, and each sphere's greatest kinetic energy, beside that of \
-                 the host alone. Outlined: the focal ({focus}) and the protected region ({protect})."
+                 the host alone. Outlined: the focal region solid ({focus}), the protected one dashed ({protect})."
             ),
         ),
         (
@@ -63,62 +64,23 @@ pub fn draw_space(outcome: &SpaceOutcome) -> Result<Vec<(&'static str, String, S
     ])
 }
 
-/// What a sphere is painted by.
-enum Paint<'a> {
-    Material(&'a [u8]),
-    Energy(&'a [f64], &'a Scale),
-}
-
-impl Paint<'_> {
-    fn of(&self, index: usize) -> String {
-        match self {
-            Self::Material(layout) => ink(layout.get(index).copied().map_or(0, usize::from)).fill.to_owned(),
-            Self::Energy(energies, scale) => scale.colour(scale.level(energies.get(index).copied().unwrap_or(0.0))),
-        }
-    }
-}
-
-/// Spheres of both halves, with where a place (m) along and across lies (px).
-fn spheres_of<'a>(
-    outcome: &'a SpaceOutcome,
-    wanted: impl Fn(&SpaceSite) -> bool + 'a,
-) -> impl Iterator<Item = (usize, f64, &'a SpaceSite)> {
-    let sites = outcome.sites.iter().enumerate().filter(move |(_, site)| wanted(site));
-    sites.flat_map(|(index, site)| {
-        let sides: &[f64] = if site.x < 1e-9 { &[1.0] } else { &[1.0, -1.0] };
-        sides.iter().map(move |side| (index, side * site.x, site))
-    })
-}
-
-fn outlined(outcome: &SpaceOutcome, site: &SpaceSite) -> Option<&'static str> {
-    let as_site =
-        crate::lattice::CrystalSite { layer: site.layer, column: site.column, centre: [site.x, site.y, site.z] };
-    let holds = |solid: &Solid| solid.contains(&as_site, outcome.diameter);
-    if outcome.target.foci.iter().any(|focus| holds(&focus.region)) {
-        Some("#d00000")
-    } else if holds(&outcome.target.protect) {
-        Some("#0050d0")
-    } else {
-        None
-    }
-}
-
-fn circle(svg: &mut Svg, centre: [f64; 2], radius: f64, fill: &str, outline: Option<&str>) {
-    let stroke = outline.map_or(String::new(), |colour| format!(r#" stroke="{colour}" stroke-width="1.4""#));
-    svg.circle(centre, radius, &format!(r#"fill="{fill}"{stroke}"#));
-}
-
 /// One and a half times the greatest mean over a region of any arrangement, so that the few spheres that are struck hardest do not darken all others.
 fn scale(outcome: &SpaceOutcome) -> Scale {
     let scores = outcome.arrangements.iter().map(|arrangement| &arrangement.scores);
     Scale::linear(1.5 * scores.map(|scores| scores.focal_mean.max(scores.protected_mean)).fold(0.0, f64::max))
 }
 
+fn slices(outcome: &SpaceOutcome) -> Slices<'_> {
+    Slices {
+        name: &outcome.manifest.name,
+        sites: Cow::Borrowed(&outcome.sites),
+        target: &outcome.target,
+        diameter: outcome.diameter,
+        half_width: outcome.half_width,
+    }
+}
+
 fn section(outcome: &SpaceOutcome, first: &ArrangementOutcome) -> String {
-    let diameter = outcome.diameter;
-    let pixel = (300.0 / (2.0 * outcome.half_width / diameter + 1.0)).min(14.0);
-    let deepest = outcome.sites.iter().map(|site| site.z).fold(0.0, f64::max) / diameter;
-    let (wide, high) = (2.0 * outcome.half_width / diameter * pixel, deepest * pixel);
     let energy = scale(outcome);
     let host = outcome.arrangements.iter().find(|arrangement| arrangement.kind == "all-host");
     let mut panels = vec![
@@ -128,85 +90,19 @@ fn section(outcome: &SpaceOutcome, first: &ArrangementOutcome) -> String {
     if let Some(host) = host {
         panels.push((host.name.clone(), Paint::Energy(&host.record.max_kinetic, &energy)));
     }
-    let (left, top, gap) = (30.0, 54.0, 36.0);
-    let width = left + panels.len() as f64 * (wide + pixel + gap) + 100.0;
-    let mut svg = Svg::new(width, top + high + 2.0 * pixel + 20.0, &outcome.manifest.name);
-    svg.text(
-        [left, 22.0],
-        14.0,
-        Anchor::Start,
-        r#"font-weight="bold""#,
-        &format!("{}: section along the axis, |y| < 0.45 D", outcome.manifest.name),
-    );
-    let count = panels.len();
-    for (k, (name, paint)) in panels.into_iter().enumerate() {
-        let middle = left + k as f64 * (wide + pixel + gap) + 0.5 * (wide + pixel);
-        svg.text([middle, 42.0], 12.0, Anchor::Middle, "", &name);
-        for (index, x, site) in spheres_of(outcome, |site| site.y.abs() < 0.45 * diameter) {
-            let at = [middle + x / diameter * pixel, top + 0.5 * pixel + site.z / diameter * pixel];
-            circle(&mut svg, at, 0.5 * pixel, &paint.of(index), outlined(outcome, site));
-        }
-    }
-    let bar = [left + count as f64 * (wide + pixel + gap), top + 10.0];
-    energy.bar(&mut svg, bar, (high - 20.0).max(60.0), "greatest kinetic energy (J)", 1.0, [true, false]);
-    svg.finish()
+    slices(outcome).section(&panels, Some(&energy))
 }
 
-/// The layers that hold anything but the host, those of the foci, and one behind.
+/// The layers that hold anything but the host, and those of the foci.
 fn layers(outcome: &SpaceOutcome, first: &ArrangementOutcome) -> String {
-    let diameter = outcome.diameter;
-    let last = outcome.sites.iter().map(|site| site.layer).max().unwrap_or(1);
-    let held = |layer: u32| {
-        outcome.sites.iter().zip(&first.layout).any(|(site, &material)| site.layer == layer && material != 0)
-    };
-    let focal = |layer: u32| outcome.sites.iter().any(|site| site.layer == layer && outlined(outcome, site).is_some());
-    let some = |wanted: &dyn Fn(u32) -> bool, most: usize| -> Vec<u32> {
-        let all: Vec<u32> = (1..=last).filter(|&layer| wanted(layer)).collect();
-        let stride = all.len().div_ceil(most).max(1);
-        all.into_iter().step_by(stride).collect()
-    };
-    let energy = scale(outcome);
-    let mut panels: Vec<(String, u32, Paint)> = Vec::new();
-    panels.extend(
-        some(&held, 8).into_iter().map(|layer| (format!("layer {layer}"), layer, Paint::Material(&first.layout))),
-    );
+    let (slices, energy) = (slices(outcome), scale(outcome));
     let felt = &first.record.max_kinetic;
-    panels.extend(
-        some(&focal, 4).into_iter().map(|l| (format!("layer {l}, {}", first.name), l, Paint::Energy(felt, &energy))),
-    );
-    let [low, high] = outcome.sites.iter().fold([0.0_f64; 2], |[a, b], site| [a.min(site.y), b.max(site.y)]);
-    let pixel = (150.0 / (2.0 * outcome.half_width / diameter + 1.0)).min(10.0);
-    let (wide, tall) = ((2.0 * outcome.half_width / diameter + 1.0) * pixel, ((high - low) / diameter + 1.0) * pixel);
-    let (left, top, gap, columns) = (20.0, 40.0, 18.0, 4);
-    let rows = panels.len().div_ceil(columns).max(1);
-    let size = [left + columns as f64 * (wide + gap) + 100.0, top + rows as f64 * (tall + 36.0) + 10.0];
-    let mut svg = Svg::new(size[0], size[1], &outcome.manifest.name);
-    svg.text(
-        [left, 22.0],
-        14.0,
-        Anchor::Start,
-        r#"font-weight="bold""#,
-        &format!("{}: layers from above", outcome.manifest.name),
-    );
-    for (k, (name, layer, paint)) in panels.iter().enumerate() {
-        let corner = [left + (k % columns) as f64 * (wide + gap), top + (k / columns) as f64 * (tall + 36.0) + 20.0];
-        svg.text([corner[0] + 0.5 * wide, corner[1] - 6.0], 11.0, Anchor::Middle, "", name);
-        for (index, x, site) in spheres_of(outcome, |site| site.layer == *layer) {
-            let across = corner[0] + (x / diameter) * pixel + 0.5 * wide;
-            let at = [across, corner[1] + ((high - site.y) / diameter + 0.5) * pixel];
-            circle(&mut svg, at, 0.5 * pixel, &paint.of(index), outlined(outcome, site));
-        }
-    }
-    let bar = [left + columns as f64 * (wide + gap) + 10.0, top + 20.0];
-    energy.bar(
-        &mut svg,
-        bar,
-        (size[1] - top - 60.0).clamp(80.0, 260.0),
-        "greatest kinetic energy (J)",
-        1.0,
-        [true, false],
-    );
-    svg.finish()
+    let mut panels: Vec<(String, u32, Paint)> = Vec::new();
+    let held = slices.holding(&first.layout, 8).into_iter();
+    panels.extend(held.map(|layer| (format!("layer {layer}"), layer, Paint::Material(&first.layout))));
+    let scored = slices.scored(4).into_iter();
+    panels.extend(scored.map(|l| (format!("layer {l}, {}", first.name), l, Paint::Energy(felt, &energy))));
+    slices.layers(&panels, Some(&energy))
 }
 
 /// The first arrangement, the host, and the flat strip of the most F.
@@ -299,13 +195,21 @@ fn page(outcome: &SpaceOutcome, pictures: &[(&'static str, String, String)]) -> 
         manifest.design_file.clone(),
         manifest.design.clone(),
     );
+    let energy = scale(outcome);
+    let (view, script) = match outcome.arrangements.first() {
+        Some(first) => {
+            let felt = (&first.record.max_kinetic[..], &energy);
+            turned(&slices(outcome), &first.layout, &outcome.materials, Some(felt))
+        }
+        None => (String::new(), String::new()),
+    };
     let frame = Frame {
         title: &manifest.name,
         kind: "A comparison in space, simulated by granulens. Numbers are in the tables beside this page.",
         verdict,
         figures: figures.collect(),
-        sections: vec![("All arrangements", format!("<pre>{}</pre>\n", escape_lines(&space_table(outcome))))],
+        sections: vec![("Turned by hand", view), ("All arrangements", space_section(outcome))],
         provenance: provenance.by(&manifest.method).with("Impact", manifest.impact.clone()),
     };
-    frame.html()
+    frame.html_with(&script)
 }

@@ -5,9 +5,11 @@ use super::crystal::{Crystal, Extent, Ground};
 use super::digits::significant;
 use super::drawing;
 use super::frame::{self, Figure, Frame, Provenance};
+use super::slices::{Paint, Slices};
 use super::svg::{Anchor, Svg, escape};
-use crate::design::Design;
-use crate::layout::Layout;
+use super::turned::turned;
+use crate::design::{Design, DesignRef};
+use crate::layout::{AnyLayout, Layout};
 use crate::outcome::Word;
 use crate::score::{Measure, Scores};
 use crate::study::{BaselineScores, Found, Front, Spread, State};
@@ -19,9 +21,9 @@ pub struct StudyPage<'a> {
     /// What it came to.
     pub state: &'a State,
     /// The design whose layouts were searched.
-    pub design: &'a Design,
+    pub design: DesignRef<'a>,
     /// The best layout, or the nearest to the limits.
-    pub layout: Option<&'a Layout>,
+    pub layout: Option<&'a AnyLayout>,
     /// The same in words.
     pub words: &'a str,
     /// What repeats it.
@@ -35,11 +37,38 @@ const RATIOS: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Pr
 pub fn study_page(study: &StudyPage<'_>) -> String {
     let state = study.state;
     let mut pictures: Vec<(&str, String, String)> = Vec::new();
-    if let Some(layout) = study.layout {
-        let caption =
-            "The layout that was found, both halves; the focal region is outlined solid, the protected one dashed.";
-        pictures.push(("best.csv", best(study, layout), caption.to_owned()));
+    match (study.design, study.layout) {
+        (DesignRef::Plane(design), Some(AnyLayout::Plane(layout))) => {
+            let caption =
+                "The layout that was found, both halves; the focal region is outlined solid, the protected one dashed.";
+            pictures.push(("best.csv", best(study.name, design, layout), caption.to_owned()));
+        }
+        (DesignRef::Space(design), Some(AnyLayout::Space(layout))) => {
+            let slices = Slices::of(study.name, design);
+            let caption = "The layout that was found, spheres within 0.45 D of the plane y = 0, both halves; the focal region is \
+                           outlined solid, the protected one dashed.";
+            pictures.push((
+                "best.csv",
+                slices.section(&[("materials".to_owned(), Paint::Material(&layout.materials))], None),
+                caption.to_owned(),
+            ));
+            let held: Vec<(String, u32, Paint)> = slices
+                .holding(&layout.materials, 12)
+                .into_iter()
+                .map(|layer| (format!("layer {layer}"), layer, Paint::Material(&layout.materials)))
+                .collect();
+            let caption = "The same, layers from above.";
+            pictures.push(("best.csv", slices.layers(&held, None), caption.to_owned()));
+        }
+        _ => {}
     }
+    let (view, script) = match (study.design, study.layout) {
+        (DesignRef::Space(design), Some(AnyLayout::Space(layout))) => {
+            let names: Vec<String> = layout.palette.iter().map(|material| material.name.clone()).collect();
+            turned(&Slices::of(study.name, design), &layout.materials, &names, None)
+        }
+        _ => (String::new(), String::new()),
+    };
     if let Some(picture) = convergence(study.name, state) {
         let caption = "The number that is made small, of the best layout so far, over the evaluations of all stages; a line for each \
                        step, since at another step it is another number. Dashed where a limit is missed.";
@@ -57,6 +86,9 @@ pub fn study_page(study: &StudyPage<'_>) -> String {
     if state.stages.len() > 1 {
         sections.push(("Stages", stages(state)));
     }
+    if !view.is_empty() {
+        sections.insert(0, ("Turned by hand", view));
+    }
     sections.push(("In words", format!("<pre>{}</pre>\n", frame::escape_lines(study.words.trim_end()))));
     let page = Frame {
         title: study.name,
@@ -66,7 +98,7 @@ pub fn study_page(study: &StudyPage<'_>) -> String {
         sections,
         provenance: study.provenance.clone(),
     };
-    page.html()
+    page.html_with(&script)
 }
 
 /// Whether the limits are kept, and what the best comes to beside the best of what it is compared with.
@@ -210,21 +242,21 @@ fn traded(name: &str, front: &Front) -> Option<String> {
 }
 
 /// The layout, both halves.
-fn best(study: &StudyPage<'_>, layout: &Layout) -> String {
+fn best(name: &str, design: &Design, layout: &Layout) -> String {
     const CORNER: [f64; 2] = [52.0, 40.0];
     let sites = layout.lattice.sites();
     let ground = Ground {
         sites: &sites,
         diameter: layout.lattice.diameter(),
         half_width: layout.lattice.half_width(),
-        target: &study.design.target,
+        target: &design.target,
     };
     let crystal = Crystal::new(ground, Extent::Both, CORNER, [620.0, 900.0]);
     let [width, height] = crystal.size();
     let counts = layout.piece(|_| None).counts;
     let used: Vec<usize> = (0..layout.palette.len()).filter(|&k| counts[k] > 0).collect();
     let foot = 24.0 + 21.0 * used.len() as f64;
-    let title = format!("{}: the layout that was found", study.name);
+    let title = format!("{name}: the layout that was found");
     let mut svg = Svg::new(CORNER[0] + width + 24.0, CORNER[1] + height + 30.0 + foot, &title);
     svg.text([CORNER[0], 22.0], 14.0, Anchor::Start, r#"font-weight="bold""#, &title);
     drawing::spheres(&mut svg, &crystal, layout.palette.len(), &layout.materials);

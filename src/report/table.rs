@@ -3,9 +3,11 @@
 use std::fmt::Write as _;
 
 use super::digits::{short, significant};
+use super::frame;
 use super::summary::{
     AGAINST, CONTRAST, Column, DISSIPATED, FOCAL, GAIN, Line, PIECE, PROTECTED, PROTECTION, lines, worst_residual,
 };
+use super::svg::escape;
 use super::verdict;
 use crate::outcome::{Outcome, Scores, SpaceOutcome};
 use crate::score::Measure;
@@ -49,6 +51,18 @@ pub fn space_table(outcome: &SpaceOutcome) -> String {
     filled(outcome, [&foci.join("; "), &region(&outcome.target.protect)], PIECE)
 }
 
+/// The same for a page: the table, and what is below it line by line; the verdict is not among it.
+pub(super) fn space_section(outcome: &SpaceOutcome) -> String {
+    let rows = rows(&lines(outcome));
+    let head: Vec<&str> = rows[0].iter().map(String::as_str).collect();
+    let text = space_table(outcome);
+    // Below the table is what follows its last row.
+    let last = rows.last().map_or("", |row| &row[0]);
+    let below = text.lines().skip_while(|line| !line.starts_with(last)).skip_while(|line| !line.is_empty());
+    let notes: Vec<&str> = below.filter(|line| !line.is_empty()).collect();
+    frame::table(&head, &rows[1..]) + &format!("<p class=\"quiet\">{}</p>\n", escape(&notes.join(" ")))
+}
+
 /// A region in space in words: `layers 15-17, r 0 to 1.5 D`.
 pub fn solid_words(solid: &Solid, diameter: f64) -> String {
     let span = |x: [f64; 2]| {
@@ -67,12 +81,7 @@ pub fn solid_words(solid: &Solid, diameter: f64) -> String {
 
 fn filled<S, R, P>(outcome: &Outcome<S, R, P>, [focal, protected]: [&str; 2], piece: &str) -> String {
     let lines = lines(outcome);
-    let head = |column: &&Column| match column.measure {
-        Measure::PieceSpheres => "piece".to_owned(),
-        _ => column.heading(),
-    };
-    let head: Vec<String> = std::iter::once("arrangement".to_owned()).chain(COLUMNS.iter().map(head)).collect();
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain(lines.iter().map(row)).collect();
+    let rows = rows(&lines);
     let widths: Vec<usize> =
         (0..rows[0].len()).map(|k| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0)).collect();
     // Two spaces between columns where they fit.
@@ -116,6 +125,16 @@ fn filled<S, R, P>(outcome: &Outcome<S, R, P>, [focal, protected]: [&str; 2], pi
         let _ = writeln!(text, "warning: {warning}");
     }
     text
+}
+
+/// The table's cells, its head first.
+fn rows(lines: &[Line]) -> Vec<Vec<String>> {
+    let head = |column: &&Column| match column.measure {
+        Measure::PieceSpheres => "piece".to_owned(),
+        _ => column.heading(),
+    };
+    let head: Vec<String> = std::iter::once("arrangement".to_owned()).chain(COLUMNS.iter().map(head)).collect();
+    std::iter::once(head).chain(lines.iter().map(row)).collect()
 }
 
 /// A sentence within the width of a terminal, broken between words; what follows the first line stands further in.

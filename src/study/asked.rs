@@ -34,7 +34,7 @@ impl Line for Question {
 impl Question {
     /// The layout's letters; none if the question belongs to something else.
     pub fn choice(&self, study: &Study) -> Option<Choice> {
-        unpack(&self.layout, study.free.len(), study.letters.len() as u8)
+        unpack(&self.layout, study.variables(), study.letters.len() as u8)
     }
 }
 
@@ -170,7 +170,7 @@ impl<'a> Asking<'a> {
         let letters = self.study.letters.len() as u8;
         let mut new = Vec::new();
         for choice in choices {
-            let key = self.keys[rung].of(&self.study.layout(choice).materials);
+            let key = self.keys[rung].of(&self.study.materials(choice));
             if self.known.insert(key.clone()) {
                 new.push(Question { round: self.round, rung, layout: pack(choice, letters), key });
             }
@@ -186,9 +186,9 @@ impl<'a> Asking<'a> {
 impl Study {
     /// The letters of a layout's free sites, where it is the study's own everywhere else; the other way round of [`layout`](Self::layout).
     pub fn choice(&self, materials: &[u8]) -> Option<Choice> {
-        let letter = |&site: &usize| self.letters.iter().position(|of| *of == materials[site]).map(|k| k as u8);
-        let choice: Choice = self.free.iter().map(letter).collect::<Option<_>>()?;
-        (self.layout(&choice).materials == materials).then_some(choice)
+        let letter = |site: usize| self.letters.iter().position(|of| *of == materials[site]).map(|k| k as u8);
+        let choice: Choice = self.groups.iter().map(|group| letter(group[0])).collect::<Option<_>>()?;
+        (self.materials(&choice) == materials).then_some(choice)
     }
 }
 

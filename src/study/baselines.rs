@@ -3,10 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::over::of_runs;
-use super::{Study, StudyError};
+use super::{Study, StudyError, free};
 use crate::Context;
 use crate::chance::Mean;
-use crate::evaluate::Evaluator;
+use crate::design::DesignRef;
+use crate::evaluate::{Evaluator, strips};
+use crate::lattice::Layered;
 use crate::layout::{Baseline, Layout};
 use crate::score::{Measure, Scores};
 use crate::search::Dice;
@@ -53,38 +55,57 @@ impl Spread {
 /// many seeds as the design asks for; strips of each allowed material over the rows that may change, since a strip of a light
 /// one may gather much energy and protect nothing; and mixtures of all of them there, with the same seeds.
 pub(super) fn layouts(study: &Study) -> Vec<(String, Vec<u8>)> {
-    let (design, lattice) = (&study.design, study.design.lattice);
-    let sites = lattice.sites();
+    let design = study.design();
+    let [first_seed, seeds] = design.seeds();
+    let rows_of = free::rows_of(design);
     let rows = |of: &mut dyn Iterator<Item = usize>| {
-        let rows: Vec<u32> = of.map(|i| sites[i].row).collect();
+        let rows: Vec<u32> = of.map(|i| rows_of[i]).collect();
         Some([*rows.iter().min()?, *rows.iter().max()?])
     };
-    let start = Layout { lattice, palette: study.palette.clone(), materials: study.bases[0].clone() };
-    let of_start = rows(&mut (0..sites.len()).filter(|&i| start.materials[i] != 0));
-    let free = rows(&mut study.free.iter().copied()).unwrap_or([1, lattice.rows()]);
+    let start = &study.bases[0];
+    let of_start = rows(&mut (0..start.len()).filter(|&i| start[i] != 0));
+    let free = rows(&mut study.free.iter().copied()).unwrap_or([1, 1]);
     let mut named: Vec<(String, Vec<u8>)> = Vec::new();
     let reference = design.reference().and_then(|of| study.palette.iter().position(|material| material == of));
     if let Some(reference) = reference {
-        for baseline in Baseline::set(design.first_seed, design.seeds) {
-            let layout = baseline.layout(&start, of_start.unwrap_or(free), reference as u8);
-            named.push((baseline.kind().to_owned(), layout.materials));
+        let of_lens = Baseline::set(first_seed, seeds).into_iter().map(|baseline| {
+            let layout = laid(study, baseline, of_start.unwrap_or(free), reference as u8);
+            (baseline.kind().to_owned(), layout)
+        });
+        named.extend(of_lens);
+        // In space thin strips bring more to a focus than a lens may.
+        if let DesignRef::Space(_) = design {
+            let thin = |baseline: Baseline| (baseline.name(), laid(study, baseline, free, reference as u8));
+            named.extend(strips(free).map(thin));
         }
     }
     for (letter, &place) in (0..).zip(&study.letters) {
-        let strip = study.layout(&vec![letter; study.free.len()]).materials;
+        let strip = study.materials(&vec![letter; study.variables()]);
         named.push((format!("strip-{}", study.palette[usize::from(place)].name), strip));
     }
-    for seed in (0..design.seeds).map(|k| design.first_seed.wrapping_add(k)) {
+    for seed in (0..seeds).map(|k| first_seed.wrapping_add(k)) {
         let choice = study.space().random(&mut Dice::new(seed));
-        named.push(("random-rows".to_owned(), study.layout(&choice).materials));
+        named.push(("random-rows".to_owned(), study.materials(&choice)));
     }
     named
+}
+
+/// The materials of a baseline, laid for the start.
+fn laid(study: &Study, baseline: Baseline, rows: [u32; 2], material: u8) -> Vec<u8> {
+    fn on<L: Layered + Clone>(lattice: &L, study: &Study, baseline: Baseline, rows: [u32; 2], material: u8) -> Vec<u8> {
+        let (palette, materials) = (study.palette.clone(), study.bases[0].clone());
+        baseline.layout(&Layout { lattice: lattice.clone(), palette, materials }, rows, material).materials
+    }
+    match study.design() {
+        DesignRef::Plane(design) => on(&design.lattice, study, baseline, rows, material),
+        DesignRef::Space(design) => on(&design.lattice, study, baseline, rows, material),
+    }
 }
 
 /// Simulates a study's baselines.
 pub(super) fn evaluate(
     study: &Study,
-    evaluator: &Evaluator<'_>,
+    evaluator: &Evaluator,
     context: &Context,
 ) -> Result<Vec<BaselineScores>, StudyError> {
     let named = layouts(study);

@@ -14,7 +14,7 @@ pub fn bundle(study: &Study) -> Result<Vec<(String, String)>, StudyError> {
     let text = document::text(&study.path)?;
     // It was read before; what cannot be read now is said where it is read.
     let mut table = text.parse::<toml::Table>().unwrap_or_default();
-    let mut files = vec![("design.toml".to_owned(), study.design.text.clone())];
+    let mut files = vec![("design.toml".to_owned(), study.design().text().to_owned())];
     table.insert("design".to_owned(), "design.toml".into());
     table.insert("seed".to_owned(), toml::Value::Integer(study.seed as i64));
     let mut name = |path: &Path| -> Result<String, StudyError> {

@@ -32,7 +32,7 @@ pub fn costs(study: &Study, context: &Context) -> Result<Vec<StageCost>, StudyEr
         .map(|rung| {
             let overrides = study.overrides(rung);
             let cases = study.at(rung).cases();
-            let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, context)?
+            let evaluator = Evaluator::new(study.design(), &cases, study.palette.clone(), overrides, context)?
                 .recording(study.detail());
             let begun = Instant::now();
             match &one {

@@ -23,7 +23,7 @@ pub struct Local {
     /// For each rung the study with its forces.
     pub(super) at: Vec<Study>,
     /// For each rung.
-    pub(super) evaluators: Vec<Evaluator<'static>>,
+    pub(super) evaluators: Vec<Evaluator>,
     /// For each rung.
     pub(super) keys: Vec<Key>,
 }
@@ -38,13 +38,13 @@ impl Local {
         let evaluators = (0..study.rungs.len())
             .map(|rung| {
                 let (overrides, cases) = (study.overrides(rung), at[rung].cases());
-                let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, context)?;
+                let evaluator = Evaluator::new(study.design(), &cases, study.palette.clone(), overrides, context)?;
                 let evaluator = evaluator.recording(study.detail());
                 if !study.has_rivals() {
-                    return Ok(evaluator.into_owned());
+                    return Ok(evaluator);
                 }
                 let rivals: Vec<Vec<u8>> = baselines::layouts(study).into_iter().map(|(_, layout)| layout).collect();
-                Ok(evaluator.against(&rivals, context)?.into_owned())
+                Ok(evaluator.against(&rivals, context)?)
             })
             .collect::<Result<Vec<_>, StudyError>>()?;
         let keys = evaluators.iter().zip(&at).map(|(evaluator, study)| Key::new(study, evaluator.plan())).collect();
@@ -63,7 +63,7 @@ impl Local {
 
     /// The key of a layout's evaluation at one of the study's steps.
     pub fn key(&self, study: &Study, rung: usize, choice: &[u8]) -> String {
-        self.keys[rung].of(&study.layout(choice).materials)
+        self.keys[rung].of(&study.materials(choice))
     }
 
     /// See [`Engine::entries`]; fewer than asked for only where it was interrupted.
@@ -89,7 +89,7 @@ impl Local {
         limits: Option<&[Vec<f64>]>,
         context: &Context,
     ) -> Result<Vec<Entry>, StudyError> {
-        let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.layout(choice).materials).collect();
+        let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.materials(choice)).collect();
         let runs = match limits {
             None => self.evaluators[rung].scores(&layouts, context)?,
             Some(limits) => self.evaluators[rung].scores_within(&layouts, limits, context)?,

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::Study;
+use super::{Study, free};
+use crate::design::DesignRef;
 use crate::evaluate::Glance;
-use crate::lens::{Lens, LensRequest, propose};
+use crate::lens::{LensError, LensRequest, propose};
 use crate::material::Material;
 use crate::search::{BATCH, Choice, Painter};
 
@@ -25,13 +26,9 @@ pub(super) struct RayNotes(Arc<Mutex<HashMap<Choice, f64>>>);
 
 impl RayNotes {
     /// Of two lenses with the same spheres the first counts.
-    fn note(&self, choice: &Choice, lens: Option<&Lens>) {
-        let gathers = |lens: &Lens| {
-            let [protected, open] = lens.protected;
-            lens.fraction / lens.fraction_without - protected / open
-        };
+    fn note(&self, choice: &Choice, lens: Option<&Laid>) {
         let mut notes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        notes.entry(choice.clone()).or_insert_with(|| lens.map_or(0.0, gathers));
+        notes.entry(choice.clone()).or_insert_with(|| lens.map_or(0.0, |lens| lens.gathers));
     }
 
     /// What they said of a layout.
@@ -40,17 +37,66 @@ impl RayNotes {
     }
 }
 
+/// A lens as it was laid on a crystal.
+pub(super) struct Laid {
+    /// First and last row, in space layer.
+    rows: [u32; 2],
+    /// Of curvature (m), where the family has one.
+    radius: Option<f64>,
+    /// Its distance from the crystal's axis (m).
+    axis: f64,
+    /// For several foci there are several.
+    parts: usize,
+    pub palette: Vec<Material>,
+    pub materials: Vec<u8>,
+    /// By how much more of the rays runs through the focus, and less through the protected region, than without it.
+    gathers: f64,
+}
+
+impl Laid {
+    /// The lens that a design asks for.
+    ///
+    /// # Errors
+    /// There is no such lens.
+    pub fn new(design: DesignRef<'_>, request: &LensRequest) -> Result<Self, LensError> {
+        let gathers = |fraction: f64, without: f64, [protected, open]: [f64; 2]| fraction / without - protected / open;
+        match design {
+            DesignRef::Plane(design) => {
+                let lens = propose(&design.lattice, &design.host, request, &design.target, design.constants)?;
+                Ok(Self {
+                    rows: [lens.prescription.apex_row, lens.prescription.back_row],
+                    radius: lens.prescription.radius,
+                    axis: lens.prescription.axis,
+                    parts: lens.parts.len(),
+                    gathers: gathers(lens.fraction, lens.fraction_without, lens.protected),
+                    palette: lens.palette,
+                    materials: lens.materials,
+                })
+            }
+            DesignRef::Space(design) => {
+                let (body, palette, materials) = design.laid(request)?;
+                Ok(Self {
+                    rows: [body.apex_row, body.back_row],
+                    radius: body.radius,
+                    axis: 0.0,
+                    parts: 1,
+                    gathers: gathers(body.fraction, body.fraction_without, body.protected),
+                    palette,
+                    materials,
+                })
+            }
+        }
+    }
+}
+
 impl Study {
-    /// First row, last row, curvature and place of the design's lens, each a number of about one: what the method `lens-family`
+    /// First row, last row, curvature and, in a sheet, place of the design's lens, each a number of about one: what the method `lens-family`
     /// searches. Where the family has no curvature or no axis of its own these do nothing. None where the design has no lens,
     /// a material that its lenses are made of may not be chosen, or several focal regions split it into parts. What rays say of
     /// each lens is taken down in `notes`.
     pub(super) fn painter(&self, notes: &RayNotes) -> Option<Painter> {
-        let (design, request) = (self.design.clone(), self.design.lens.clone()?);
-        let lens = propose(&design.lattice, &design.host, &request, &design.target, design.constants).ok()?;
-        if lens.parts.len() > 1 {
-            return None;
-        }
+        let request = self.design().lens()?.clone();
+        let lens = Laid::new(self.design(), &request).ok().filter(|lens| lens.parts == 1)?;
         let letter = |material: &Material| {
             let of = |&place: &u8| self.palette[usize::from(place)] == *material;
             self.letters.iter().position(of).map(|letter| letter as u8)
@@ -58,47 +104,56 @@ impl Study {
         // Letters by the place of a material in a lens's palette.
         let letters: Vec<u8> = lens.palette.iter().map(letter).collect::<Option<_>>()?;
         let host = letters[0];
-        let free = self.free.clone();
-        let sites = design.lattice.sites();
-        let [first, last] = [sites[*free.first()?].row, sites[*free.last()?].row];
-        let curvature = lens.prescription.radius.map_or(1.0, |radius| 0.1 / radius);
-        let diameter = design.lattice.diameter();
-        let start = vec![
-            f64::from(lens.prescription.apex_row) / ROWS,
-            f64::from(lens.prescription.back_row) / ROWS,
-            lens.prescription.radius.map_or(0.0, |radius| 1.0 / (radius * curvature)),
-            lens.prescription.axis / (AXIS * diameter),
+        let rows_of = free::rows_of(self.design());
+        let [first, last] = [rows_of[*self.free.first()?], rows_of[*self.free.last()?]];
+        let curvature = lens.radius.map_or(1.0, |radius| 0.1 / radius);
+        let diameter = self.design().diameter();
+        let across = match self.design() {
+            DesignRef::Plane(design) => design.lattice.half_width(),
+            DesignRef::Space(design) => design.stack(request.symmetry).half_width,
+        };
+        let mut start = vec![
+            f64::from(lens.rows[0]) / ROWS,
+            f64::from(lens.rows[1]) / ROWS,
+            lens.radius.map_or(0.0, |radius| 1.0 / (radius * curvature)),
         ];
-        let has_radius = lens.prescription.radius.is_some();
+        let has_radius = lens.radius.is_some();
         // Of the rows and the axis what there is; a quarter of the design's curvature to four times as much.
         let rows = [f64::from(first) / ROWS, f64::from(last) / ROWS];
         let bent = if has_radius { [start[2] / 4.0, start[2] * 4.0] } else { [-1.0, 1.0] };
-        let bounds = vec![rows, rows, bent, [0.0, design.lattice.half_width() / (AXIS * diameter)]];
-        let notes = notes.clone();
+        let mut bounds = vec![rows, rows, bent];
+        // In space the axis is that of the crystal.
+        let moves = self.design.plane().is_some();
+        if moves {
+            start.push(lens.axis / (AXIS * diameter));
+            bounds.push([0.0, across / (AXIS * diameter)]);
+        }
+        let (study, notes) = (self.clone(), notes.clone());
         let paint = move |x: &[f64]| {
             let row = |x: f64| (x * ROWS).round().clamp(f64::from(first), f64::from(last)) as u32;
             // Half the width of the crystal bends nothing, and a sphere's own radius is as round as it gets.
-            let bent = (x[2] * curvature).clamp(1e-2 / design.lattice.half_width(), 2.0 / diameter);
+            let bent = (x[2] * curvature).clamp(1e-2 / across, 2.0 / diameter);
             let wanted = LensRequest {
                 apex_row: Some(row(x[0])),
                 back_row: Some(row(x[1])),
                 radius: has_radius.then(|| 1.0 / bent),
-                axis: request
-                    .family
-                    .has_axis()
-                    .then(|| (x[3] * AXIS * diameter).clamp(0.0, design.lattice.half_width())),
+                axis: (moves && request.family.has_axis()).then(|| (x[3] * AXIS * diameter).clamp(0.0, across)),
                 rows: [first, last],
                 ..request.clone()
             };
             // A lens that cannot be is no lens.
-            let lens = propose(&design.lattice, &design.host, &wanted, &design.target, design.constants).ok();
-            let place = |lens: &Lens, i: usize| letters.get(usize::from(lens.materials[i])).copied().unwrap_or(host);
-            let choice: Choice = free.iter().map(|&i| lens.as_ref().map_or(host, |lens| place(lens, i))).collect();
+            let lens = Laid::new(study.design(), &wanted).ok();
+            let place = |lens: &Laid, i: usize| letters.get(usize::from(lens.materials[i])).copied().unwrap_or(host);
+            let of = |group: &Vec<usize>| lens.as_ref().map_or(host, |lens| place(lens, group[0]));
+            let choice: Choice = study.groups.iter().map(of).collect();
             notes.note(&choice, lens.as_ref());
             choice
         };
         let study = self.clone();
-        let guess = move |choice: &[u8]| Glance::Bound.delay(&study.design, &study.layout(choice));
+        let guess = move |choice: &[u8]| match study.design() {
+            DesignRef::Plane(design) => Glance::Bound.delay(design, &study.sheet(design, choice)),
+            DesignRef::Space(_) => 0.0,
+        };
         Some(Painter {
             start,
             spread: SPREAD,
@@ -130,8 +185,8 @@ mod tests {
         let guess = painter.guess.clone().unwrap();
         assert!(guess(&painted) > 1e-6 && guess(&vec![0; painted.len()]).abs() < 1e-12);
         // So do rays: the design's lens gathers them where they are wanted, as its proposal says.
-        let lens = study.design.lens.clone().unwrap();
-        let design = &study.design;
+        let design = study.design.plane().unwrap();
+        let lens = design.lens.clone().unwrap();
         let lens = propose(&design.lattice, &design.host, &lens, &design.target, design.constants).unwrap();
         let gathered = lens.fraction / lens.fraction_without - lens.protected[0] / lens.protected[1];
         assert!(gathered > 0.5 && (notes.of(&painted).unwrap() - gathered).abs() < 0.02 * gathered);

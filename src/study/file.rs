@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::family::RayNotes;
+use super::free;
 use super::over::Over;
 use super::prices;
 use super::set::{self, ImpactFile, Tolerance, ToleranceFile};
@@ -12,11 +13,10 @@ use super::source::Source;
 use super::stage::{self, MOST_EVALUATIONS, Scoring, Stage, StageFile, Work};
 use super::start::{self, Start};
 use super::{Objective, StudyError};
-use crate::design::Design;
+use crate::design::{AnyDesign, Design, DesignRef};
 use crate::document;
 use crate::evaluate::{Blow, Detail, Forces, Overrides, Plan, PlanError, common_plan};
-use crate::lattice::Site;
-use crate::layout::{Layout, LayoutCounter};
+use crate::layout::{AnyLayout, Layout, LayoutCounter};
 use crate::material::Material;
 use crate::score::{Measure, Needs};
 use crate::search::{Choice, Dice, Method, MethodError, Space, level_set};
@@ -37,9 +37,12 @@ struct StudyFile {
     format: u32,
     design: PathBuf,
     materials: Vec<String>,
-    rows: [u32; 2],
+    rows: Option<[u32; 2]>,
+    layers: Option<[u32; 2]>,
     x: Option<[String; 2]>,
-    #[serde(default)]
+    r: Option<[String; 2]>,
+    symmetry: Option<String>,
+    #[serde(default, alias = "free_scored_layers")]
     free_scored_rows: bool,
     objective: toml::Table,
     budget: Option<u64>,
@@ -87,14 +90,16 @@ fn one() -> u64 {
 pub struct Study {
     /// The file.
     pub path: PathBuf,
-    /// The design whose layouts are searched.
-    pub design: Design,
+    /// The design whose layouts are searched, of a sheet or of a crystal in space.
+    pub design: AnyDesign,
     /// Host, the material of the crystal that Q refers to, and others that may be chosen.
     pub palette: Vec<Material>,
     /// Places in the palette of the materials that may be chosen: letter k of a choice is material `letters[k]`.
     pub letters: Vec<u8>,
     /// Indices of the sites that may change.
     pub free: Vec<usize>,
+    /// The same, those that change together in a list: a choice has a letter for each of these.
+    pub groups: Vec<Vec<usize>>,
     /// Where the search begins: at the first of these; the others are known to it too.
     pub starts: Vec<Start>,
     /// Material of every site at each start, as places in the palette; sites that are not free keep that of the first.
@@ -155,35 +160,34 @@ impl Study {
         }
         let file: StudyFile = toml::from_str(text).map_err(|error| source.toml(&error))?;
         let beside = |named: &Path| path.parent().unwrap_or(Path::new("")).join(named);
-        let mut design = Design::read(beside(&file.design))?;
+        let mut design = AnyDesign::read(beside(&file.design))?;
 
         let objective = Objective::read(&source, &file.objective, file.over)?;
-        let lattice = design.lattice;
-        let [first, last] = file.rows;
-        if first < 1 || first > last || last > lattice.rows() {
-            let message = format!(
-                "rows = [{first}, {last}] must be the first and the last of some of rows 1 to {}.",
-                lattice.rows()
-            );
-            return Err(source.fail("rows", message));
-        }
+        let keys = free::Keys {
+            rows: file.rows,
+            layers: file.layers,
+            x: file.x.as_ref(),
+            r: file.r.as_ref(),
+            symmetry: file.symmetry.as_deref(),
+            free_scored: file.free_scored_rows,
+        };
+        let rows = free::rows(&source, &keys, (&design).into())?;
         let forces = read_forces(&source, &file)?;
-        if let Some(row) = scored_row(&design, file.rows).filter(|_| !file.free_scored_rows) {
-            let message = format!(
-                "rows = [{first}, {last}] hold row {row} of a scored region: a search then changes the spheres that are scored, and C and G rise for nothing. Leave these rows out, or write free_scored_rows = true."
-            );
-            return Err(source.fail("rows", message));
-        }
         let (stages, rungs) = read_stages(&source, &file, forces)?;
-        let impacts = set::read_impacts(&source, &file.impact, &design)?;
+        let impacts = set::read_impacts(&source, &file.impact, (&design).into())?;
         let impacts = set::under_laws(&source, &file.laws, impacts)?;
         let seed = seed.unwrap_or(file.seed);
         let tolerance = file.tolerance.as_ref().map(|file| Tolerance::read(&source, file, seed)).transpose()?;
+        if tolerance.is_some() && design.plane().is_none() {
+            let message = "tolerance is for sheets; this design is a crystal in space. Leave it out.";
+            return Err(source.fail("[tolerance]", message.to_owned()));
+        }
 
         let mut named = Vec::new();
         for name in &file.materials {
-            let material =
-                design.material(name).map_err(|error| source.fail("materials", format!("materials: {error}.")))?;
+            let material = DesignRef::from(&design)
+                .material(name)
+                .map_err(|error| source.fail("materials", format!("materials: {error}.")))?;
             if named.contains(&material) {
                 return Err(source.fail("materials", format!("materials names {} twice.", material.name)));
             }
@@ -193,34 +197,23 @@ impl Study {
             return Err(source.fail("materials", "materials is empty; name at least one, better two.".to_owned()));
         }
         // Where the design does not say what Q refers to, it is the first of the study's materials that is not the host.
-        if design.reference().is_none() {
-            design.compared_with = named.iter().find(|&material| *material != design.host).cloned();
+        if DesignRef::from(&design).reference().is_none() {
+            let other = named.iter().find(|&material| material != DesignRef::from(&design).host()).cloned();
+            design.compare_with(other);
         }
+        let lent = DesignRef::from(&design);
         // Host first, then what Q refers to.
-        let mut palette = vec![design.host.clone()];
-        for material in design.reference().into_iter().chain(&named) {
+        let mut palette = vec![lent.host().clone()];
+        for material in lent.reference().into_iter().chain(&named) {
             if !palette.contains(material) {
                 palette.push(material.clone());
             }
         }
         let place = |material: &Material| palette.iter().position(|known| known == material).unwrap_or(0) as u8;
         let letters: Vec<u8> = named.iter().map(place).collect();
-        let sites = lattice.sites();
-        let across = match &file.x {
-            None => [0.0, lattice.half_width()],
-            Some(x) => set::distances(x, &design).map_err(|message| source.fail("x", message))?,
-        };
-        let slack = 1e-9 * lattice.diameter();
-        let is_free = |site: &Site| {
-            (first..=last).contains(&site.row) && (across[0] - slack..=across[1] + slack).contains(&site.x)
-        };
-        let free: Vec<usize> = (0..sites.len()).filter(|&i| is_free(&sites[i])).collect();
-        if free.is_empty() {
-            let edge = lattice.half_width() / lattice.diameter();
-            let message =
-                format!("x holds no sphere of these rows; distances from the axis run from \"0 D\" to \"{edge} D\".");
-            return Err(source.fail("x", message));
-        }
+        let groups = free::groups(&source, &keys, lent, rows)?;
+        let mut free = groups.concat();
+        free.sort_unstable();
         let written = match &file.start {
             StartFile::One(start) => std::slice::from_ref(start),
             StartFile::Several(starts) => starts,
@@ -230,7 +223,7 @@ impl Study {
         }
         let (mut starts, mut bases) = (Vec::new(), Vec::new());
         for written in written {
-            let (start, base) = start::read(&source, written, &design, &mut palette, beside)?;
+            let (start, base) = start::read(&source, written, lent, &mut palette, beside)?;
             starts.push(start);
             bases.push(base);
         }
@@ -246,15 +239,19 @@ impl Study {
             None => Ok(None),
         };
         let (window, time) = (time("window", &file.window)?, time("time", &file.time)?);
-        let prices = prices::read(&source, file.prices.as_ref(), &design, &palette, &objective)?;
-        let counter =
-            LayoutCounter::new(&lattice, Some(&free), &palette, |material| prices.get(&material.name).copied());
+        let prices = prices::read(&source, file.prices.as_ref(), lent, &palette, &objective)?;
+        let price = |material: &Material| prices.get(&material.name).copied();
+        let counter = match lent {
+            DesignRef::Plane(design) => LayoutCounter::new(&design.lattice, Some(&free), &palette, price),
+            DesignRef::Space(design) => LayoutCounter::in_space(&design.lattice, Some(&free), &palette, price),
+        };
         let mut study = Self {
             path: path.to_owned(),
             design,
             palette,
             letters,
             free,
+            groups,
             starts,
             bases,
             impacts,
@@ -280,16 +277,31 @@ impl Study {
         for k in 0..self.starts.len() {
             if self.starts[k] == Start::Random {
                 let choice = level_set(&self.space(), &mut dice);
-                self.bases[k] = self.layout(&choice).materials;
+                self.bases[k] = self.materials(&choice);
             }
             let base = &self.bases[k];
-            let Some(&wrong) = self.free.iter().find(|&&i| !self.letters.contains(&base[i])) else { continue };
-            let (site, material) = (&self.design.lattice.sites()[wrong], &self.palette[usize::from(base[wrong])]);
-            let message = format!(
-                "start: row {}, column {} holds {}, which is not among materials. Name it there, or choose another start.",
-                site.row, site.column, material.name
-            );
-            return Err(source.fail("start", message));
+            let site = |index: usize| free::named(self.design(), index);
+            if let Some(&wrong) = self.free.iter().find(|&&i| !self.letters.contains(&base[i])) {
+                let material = &self.palette[usize::from(base[wrong])];
+                let message = format!(
+                    "start: {} holds {}, which is not among materials. Name it there, or choose another start.",
+                    site(wrong),
+                    material.name
+                );
+                return Err(source.fail("start", message));
+            }
+            let mixed = self
+                .groups
+                .iter()
+                .find_map(|group| Some([group[0], *group.iter().find(|&&i| base[i] != base[group[0]])?]));
+            if let Some([a, b]) = mixed {
+                let message = format!(
+                    "start: {} and {} hold different materials, and with this symmetry they change together. Leave symmetry out, or choose another start.",
+                    site(a),
+                    site(b)
+                );
+                return Err(source.fail("start", message));
+            }
         }
         if let Some(k) = (1..self.bases.len()).find(|&k| !self.differs_within_rows(k)) {
             let message =
@@ -303,7 +315,7 @@ impl Study {
             let message = "methods of the lens-family need a design with a [lens] and a single focus, and its material and the host among materials.";
             return Err(source.fail_in("stage", k, "method", message.to_owned()));
         }
-        if self.design.target.foci.len() < 2
+        if self.design().foci() < 2
             && let Some(wish) = self.objective.wishes.iter().find(|wish| wish.measure == Measure::Balance)
         {
             let name = wish.measure.name();
@@ -345,7 +357,7 @@ impl Study {
     /// A step or window with which an impact cannot be simulated.
     pub fn plan(&self, rung: usize) -> Result<Plan, PlanError> {
         let blows: Vec<Blow> = self.at(rung).cases().into_iter().map(|case| case.blow).collect();
-        common_plan(&self.design, &blows, self.overrides(rung), &self.palette)
+        common_plan(self.design(), &blows, self.overrides(rung), &self.palette)
     }
 
     /// How much has to be recorded for what is wanted.
@@ -361,32 +373,48 @@ impl Study {
 
     /// What is searched.
     pub fn space(&self) -> Space {
-        let sites = self.design.lattice.sites();
-        let sites = self.free.iter().map(|&i| [sites[i].row, sites[i].column]).collect();
-        Space { sites, letters: self.letters.len() as u8 }
+        free::space(self.design(), &self.groups, self.letters.len() as u8)
     }
 
-    /// The letters of the free sites at each start.
+    /// The design, of whichever kind.
+    pub fn design(&self) -> DesignRef<'_> {
+        (&self.design).into()
+    }
+
+    /// Whether some sites change together.
+    pub fn is_tied(&self) -> bool {
+        self.groups.len() < self.free.len()
+    }
+
+    /// How many letters a choice has.
+    pub fn variables(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// The letters at each start.
     pub fn first(&self) -> Vec<Choice> {
         let place = |base: &[u8], i: usize| self.letters.iter().position(|&place| place == base[i]).unwrap_or(0) as u8;
-        self.bases.iter().map(|base| self.free.iter().map(|&i| place(base, i)).collect()).collect()
+        self.bases.iter().map(|base| self.groups.iter().map(|group| place(base, group[0])).collect()).collect()
+    }
+
+    /// For every site the material that a choice stands for, a place in the palette.
+    pub fn materials(&self, choice: &[u8]) -> Vec<u8> {
+        let mut materials = self.bases[0].clone();
+        for (group, &letter) in self.groups.iter().zip(choice) {
+            group.iter().for_each(|&site| materials[site] = self.letters[usize::from(letter)]);
+        }
+        materials
+    }
+
+    /// The same on the sheet of a design, which is the study's own.
+    pub(super) fn sheet(&self, design: &Design, choice: &[u8]) -> Layout {
+        Layout { lattice: design.lattice, palette: self.palette.clone(), materials: self.materials(choice) }
     }
 
     /// The layout that a choice stands for.
-    pub fn layout(&self, choice: &[u8]) -> Layout {
-        let mut materials = self.bases[0].clone();
-        for (&i, &letter) in self.free.iter().zip(choice) {
-            materials[i] = self.letters[usize::from(letter)];
-        }
-        Layout { lattice: self.design.lattice, palette: self.palette.clone(), materials }
+    pub fn layout(&self, choice: &[u8]) -> AnyLayout {
+        self.design().layout(self.palette.clone(), self.materials(choice))
     }
-}
-
-/// One of the rows that belong to a scored region. Whoever may change the scored spheres can change what counts instead of what
-/// happens.
-fn scored_row(design: &Design, [first, last]: [u32; 2]) -> Option<u32> {
-    let regions = design.target.foci.iter().map(|focus| &focus.region).chain([&design.target.protect]);
-    regions.flat_map(|region| region.rows[0]..=region.rows[1]).find(|row| (first..=last).contains(row))
 }
 
 /// How far forces lie from an impact's own, as a part of it.

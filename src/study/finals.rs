@@ -28,7 +28,7 @@ pub struct Final {
 
 /// A layout at a study's finest step and at half of it; none where it was interrupted, or a guard stopped it.
 pub(super) fn evaluate(study: &Study, choice: &[u8], step: f64, context: &Context) -> Result<Vec<Final>, StudyError> {
-    let layout = study.layout(choice).materials;
+    let layout = study.materials(choice);
     let stats = study.counter.stats(&layout);
     // Of each impact the exact force, then those about it.
     let under = |blow: &Blow| -> Vec<Blow> {
@@ -39,7 +39,7 @@ pub(super) fn evaluate(study: &Study, choice: &[u8], step: f64, context: &Contex
     let mut finals = Vec::new();
     for step in [step, 0.5 * step] {
         let overrides = Overrides { step: Some(step), window: study.window, ..Overrides::default() };
-        let evaluator = Evaluator::new(&study.design, &blows, study.palette.clone(), overrides, context)?;
+        let evaluator = Evaluator::new(study.design(), &blows, study.palette.clone(), overrides, context)?;
         let runs = evaluator.scores(std::slice::from_ref(&layout), context)?.concat();
         if context.stopped() {
             return Ok(Vec::new());

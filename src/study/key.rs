@@ -21,7 +21,7 @@ impl Key {
     /// Everything but the layout: what the design's text says, impacts, materials, integrator, step and window.
     pub fn new(study: &Study, plan: &Plan) -> Self {
         let mut key = Self(BEGIN);
-        key.add(said(&study.design.text).as_bytes());
+        key.add(said(study.design().text()).as_bytes());
         key.add(format!("{:?}", study.palette).as_bytes());
         key.add(plan.integrator.to_string().as_bytes());
         let impacts = study.impacts.iter().flat_map(|impact| [impact.pulse.force, impact.pulse.duration]);
@@ -81,9 +81,8 @@ impl Key {
         let letters = study.letters.len() as u8;
         let cases = study.cases().len() / study.forces.count();
         let own = |entry: &'a Entry| {
-            let choice = entry.choice(study.free.len(), letters)?;
-            (self.of(&study.layout(&choice).materials) == entry.key && entry.impacts.len() == cases)
-                .then_some((choice, entry))
+            let choice = entry.choice(study.variables(), letters)?;
+            (self.of(&study.materials(&choice)) == entry.key && entry.impacts.len() == cases).then_some((choice, entry))
         };
         entries.iter().filter_map(own).collect()
     }
@@ -94,7 +93,7 @@ impl Study {
     /// can be compared, whatever their methods and seeds.
     pub fn problem(&self) -> String {
         let mut key = Key(BEGIN);
-        key.add(said(&self.design.text).as_bytes());
+        key.add(said(self.design().text()).as_bytes());
         let tolerance = self.tolerance.map(|tolerance| (tolerance.wrong, tolerance.radii, tolerance.members));
         let asked = (
             &self.palette,
@@ -107,6 +106,9 @@ impl Study {
             self.forces,
         );
         key.add(format!("{asked:?}").as_bytes());
+        if self.is_tied() {
+            key.add(format!("{:?}", self.groups).as_bytes());
+        }
         key.text()
     }
 

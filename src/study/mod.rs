@@ -5,7 +5,7 @@
 //! so to resume is to run it again with the journal in place of simulations, and the final state has the same bits.
 //!
 //! - `file`: the study file, as written, then as checked; `source`: its text, and complaints about it; `stage`: what is done
-//!   one after the other; `start`: where that begins; `family`: the
+//!   one after the other; `free`: which sites may change; `start`: where that begins; `family`: the
 //!   design's lens as real parameters
 //! - `over`: scores under several impacts to one; `objective`: measures to one number, or to several that are traded
 //! - `set`: impacts, and crystals that are not built as drawn; `tolerance`: what a layout loses then; `prices`: what spheres cost
@@ -27,6 +27,7 @@ mod entry;
 mod family;
 mod file;
 mod finals;
+mod free;
 mod journal;
 mod key;
 mod objective;

@@ -6,7 +6,7 @@ use toml::Table;
 
 use super::source::Source;
 use super::{Objective, StudyError};
-use crate::design::{Design, add_price};
+use crate::design::{DesignRef, add_price};
 use crate::material::Material;
 use crate::score::Measure;
 
@@ -15,7 +15,7 @@ use crate::score::Measure;
 pub(super) fn read(
     source: &Source<'_>,
     table: Option<&Table>,
-    design: &Design,
+    design: DesignRef<'_>,
     palette: &[Material],
     objective: &Objective,
 ) -> Result<BTreeMap<String, f64>, StudyError> {
@@ -28,19 +28,21 @@ pub(super) fn read(
             toml::Value::Float(price) => *price,
             _ => return Err(fail("must be a number: the price of one sphere, in any currency.".to_owned())),
         };
-        add_price(&mut own, (name, number), &design.own_materials)
+        add_price(&mut own, (name, number), design.own_materials())
             .map_err(|wrong| fail(format!("{}. {}", wrong.rule, wrong.help)))?;
     }
     // Two prices of one material are no doubt two currencies, or one is out of date.
-    let differs = |(name, price): &(&String, &f64)| design.prices.get(*name).is_some_and(|known| known != *price);
-    if let Some((name, price)) = own.iter().find(differs) {
+    let two = own.iter().find_map(|(name, price)| {
+        let known = design.prices().get(name)?;
+        (known != price).then_some((name, price, known))
+    });
+    if let Some((name, price, known)) = two {
         let message = format!(
-            "prices: {name} = {price} here, and {} in the design. Leave out one of the two, or make them alike.",
-            design.prices[name]
+            "prices: {name} = {price} here, and {known} in the design. Leave out one of the two, or make them alike."
         );
         return Err(source.fail("prices", message));
     }
-    let price = |material: &Material| own.get(&material.name).or_else(|| design.prices.get(&material.name)).copied();
+    let price = |material: &Material| own.get(&material.name).or_else(|| design.prices().get(&material.name)).copied();
     if let Some(unpriced) = palette.iter().find(|material| price(material).is_none()).filter(|_| asked) {
         let name = &unpriced.name;
         let message = format!(

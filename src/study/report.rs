@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{State, Study, StudyError};
+use crate::design::DesignRef;
 use crate::evaluate::method;
-use crate::layout;
 use crate::outcome::{FORMAT, Method};
 use crate::output::{self, OutputError};
 
@@ -52,8 +52,11 @@ impl Report {
         let last = study.stages.last().map_or(0, |stage| stage.rung);
         Ok(Self {
             format: FORMAT,
-            method: Some(method(&study.design, &study.plan(last)?)),
-            reference: study.design.reference().map(|material| material.name.clone()),
+            method: Some(match study.design() {
+                DesignRef::Plane(design) => method(design, &study.plan(last)?),
+                DesignRef::Space(design) => method(design, &study.plan(last)?),
+            }),
+            reference: study.design().reference().map(|material| material.name.clone()),
             forces: study.forces.count(),
             band: study.forces.band(),
             study: study.path.display().to_string(),
@@ -73,9 +76,9 @@ impl Report {
         output::write(&folder.join("study.json"), pretty(self).as_bytes(), force)?;
         for (name, found) in [("best.csv", &self.state.best), ("nearest.csv", &self.state.nearest)] {
             let choice =
-                found.as_ref().and_then(|found| found.entry.choice(study.free.len(), study.letters.len() as u8));
+                found.as_ref().and_then(|found| found.entry.choice(study.variables(), study.letters.len() as u8));
             if let Some(choice) = choice {
-                output::write(&folder.join(name), layout::write(&study.layout(&choice)).as_bytes(), force)?;
+                output::write(&folder.join(name), study.layout(&choice).csv().as_bytes(), force)?;
             }
         }
         Ok(())

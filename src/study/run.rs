@@ -212,7 +212,7 @@ impl Run<'_, '_> {
 
     /// The best or nearest layout.
     fn found(&self) -> Option<Choice> {
-        self.state.found()?.entry.choice(self.study.free.len(), self.study.letters.len() as u8)
+        self.state.found()?.entry.choice(self.study.variables(), self.study.letters.len() as u8)
     }
 
     /// The figures of the best or nearest layout.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::family::RayNotes;
 use super::over::summary;
 use super::{Entry, GlanceState, Study};
+use crate::design::{Design, DesignRef};
 use crate::evaluate::Glance;
 use crate::layout::LayoutStats;
 use crate::score::Scores;
@@ -45,7 +46,7 @@ pub struct Rung {
 impl Rung {
     /// Adds an evaluation of a choice that is new here.
     pub fn add(&mut self, study: &Study, choice: &Choice, entry: Entry) -> &Judged {
-        let stats = study.counter.stats(&study.layout(choice).materials);
+        let stats = study.counter.stats(&study.materials(choice));
         let loss = study.objective.loss(&entry, &stats);
         self.place.insert(choice.clone(), self.all.len());
         self.all.push(Judged { choice: choice.clone(), entry, stats, loss });
@@ -86,12 +87,16 @@ impl Rung {
             shared: losses.len() as u64,
         };
         let losses: Vec<f64> = some.iter().map(|judged| judged.loss.total).collect();
-        let late = |glance: Glance| {
+        let late = |design: &Design, glance: Glance| {
             let early: Vec<f64> =
-                some.par_iter().map(|judged| -glance.delay(&study.design, &study.layout(&judged.choice))).collect();
+                some.par_iter().map(|judged| -glance.delay(design, &study.sheet(design, &judged.choice))).collect();
             told(glance.name(), &early, &losses)
         };
-        let mut glances = Glance::ALL.map(late).to_vec();
+        let mut glances = match study.design() {
+            DesignRef::Plane(design) => Glance::ALL.map(|glance| late(design, glance)).to_vec(),
+            // Both are of sheets.
+            DesignRef::Space(_) => Vec::new(),
+        };
         let traced = some.iter().filter_map(|judged| Some((-rays.of(&judged.choice)?, judged.loss.total)));
         let (scattered, losses): (Vec<f64>, Vec<f64>) = traced.unzip();
         if !losses.is_empty() {

@@ -9,7 +9,7 @@ use super::source::Source;
 use super::{Study, StudyError};
 use crate::contact::LawKind;
 use crate::dem::ForcePulse;
-use crate::design::Design;
+use crate::design::{Design, DesignRef};
 use crate::evaluate::{Blow, Case, Evaluated, Flaw};
 use crate::search::Dice;
 use crate::units::Dimension::{Angle, Force, Fraction, Length, Time};
@@ -62,7 +62,7 @@ pub struct Tolerance {
 pub(super) fn read_impacts(
     source: &Source<'_>,
     files: &[ImpactFile],
-    design: &Design,
+    design: DesignRef<'_>,
 ) -> Result<Vec<Blow>, StudyError> {
     if files.len() > MOST_IMPACTS {
         let message = format!("{} impacts are given; at most {MOST_IMPACTS} can be.", files.len());
@@ -83,7 +83,16 @@ pub(super) fn read_impacts(
                 "angle = \"{text}\" must lie between -90 deg and 90 deg; 0 deg is along the axis."
             )));
         }
-        let place = file.x.as_ref().map(|x| read_place(x, design).map_err(fail("x"))).transpose()?;
+        let place = match (design, &file.x) {
+            (_, None) => None,
+            (DesignRef::Plane(design), Some(x)) => Some(read_place(x, design).map_err(fail("x"))?),
+            (DesignRef::Space(_), Some(_)) => {
+                return Err(fail("x")("x: in space all of layer 1 is struck. Leave it out.".to_owned()));
+            }
+        };
+        if angle != 0.0 && matches!(design, DesignRef::Space(_)) {
+            return Err(fail("angle")("angle: in space impacts are along the axis. Leave it out.".to_owned()));
+        }
         let impact = Blow { pulse: ForcePulse { force, duration }, angle, place, law: None, friction: None };
         if impacts.contains(&impact) {
             return Err(fail("force")("the impact is given twice.".to_owned()));
@@ -91,7 +100,7 @@ pub(super) fn read_impacts(
         impacts.push(impact);
     }
     if impacts.is_empty() {
-        impacts.push(design.impact.into());
+        impacts.push(design.impact().into());
     }
     Ok(impacts)
 }
@@ -117,14 +126,14 @@ pub(super) fn under_laws(source: &Source<'_>, names: &[String], impacts: Vec<Blo
 }
 
 /// Two distances from the axis (m), written with units or in sphere diameters.
-pub(super) fn distances(written: &[String; 2], design: &Design) -> Result<[f64; 2], String> {
+pub(super) fn distances(key: &str, written: &[String; 2], diameter: f64) -> Result<[f64; 2], String> {
     let mut distances = [0.0; 2];
     for (distance, text) in distances.iter_mut().zip(written) {
         *distance = match text.trim().strip_suffix('D').map(|number| number.trim().parse::<f64>()) {
-            Some(Ok(diameters)) if diameters.is_finite() => diameters * design.lattice.diameter(),
-            _ => {
-                Length.parse(text).map_err(|error| format!("x: {error} Sphere diameters are good too: \"-2.5 D\"."))?
-            }
+            Some(Ok(diameters)) if diameters.is_finite() => diameters * diameter,
+            _ => Length
+                .parse(text)
+                .map_err(|error| format!("{key}: {error} Sphere diameters are good too: \"-2.5 D\"."))?,
         };
     }
     Ok(distances)
@@ -133,7 +142,7 @@ pub(super) fn distances(written: &[String; 2], design: &Design) -> Result<[f64; 
 /// Two distances from the axis, between which at least one sphere of row 1 is.
 fn read_place(written: &[String; 2], design: &Design) -> Result<[f64; 2], String> {
     let lattice = &design.lattice;
-    let [from, to] = distances(written, design)?;
+    let [from, to] = distances("x", written, lattice.diameter())?;
     let slack = 1e-9 * lattice.diameter();
     let holds = |x: f64| (from - slack..=to + slack).contains(&x);
     if !lattice.sites().iter().take_while(|site| site.row == 1).any(|site| holds(site.x) || holds(-site.x)) {
@@ -223,7 +232,7 @@ impl Study {
             .collect();
         let radii = tolerance
             .radii
-            .map_or_else(Vec::new, |part| (0..self.design.lattice.len()).map(|_| 1.0 - part * dice.unit()).collect());
+            .map_or_else(Vec::new, |part| (0..self.design().sites()).map(|_| 1.0 - part * dice.unit()).collect());
         Flaw { letters: self.letters.clone(), wrong, radii, ..Flaw::default() }
     }
 }

@@ -73,7 +73,7 @@ pub fn evaluate_shard(
         .collect::<Result<_, StudyError>>()?;
     let ours = |question: &Question| {
         let choice = question.choice(study)?;
-        let key = keys.get(question.rung)?.of(&study.layout(&choice).materials);
+        let key = keys.get(question.rung)?.of(&study.materials(&choice));
         (key == question.key).then_some(choice)
     };
     let mut known: HashSet<String> =

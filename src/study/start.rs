@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::StudyError;
+use super::family::Laid;
 use super::source::Source;
-use crate::design::Design;
-use crate::layout;
+use crate::design::DesignRef;
 use crate::material::Material;
 
 /// Where a search begins.
@@ -23,22 +23,19 @@ pub enum Start {
 pub(super) fn read(
     source: &Source<'_>,
     start: &str,
-    design: &Design,
+    design: DesignRef<'_>,
     palette: &mut Vec<Material>,
     beside: impl Fn(&Path) -> PathBuf,
 ) -> Result<(Start, Vec<u8>), StudyError> {
     match start {
-        "random" => Ok((Start::Random, vec![0; design.lattice.len()])),
+        "random" => Ok((Start::Random, vec![0; design.sites()])),
         "lens" => {
-            let Some(request) = &design.lens else {
+            let Some(request) = design.lens() else {
                 let message = "start = \"lens\", but the design has no [lens]. Try start = \"random\".";
                 return Err(source.fail("start", message.to_owned()));
             };
-            let lens = crate::lens::propose(&design.lattice, &design.host, request, &design.target, design.constants)
-                .map_err(|error| {
-                source.fail("start", format!("start = \"lens\": {error} Try start = \"random\"."))
-            })?;
-            let laid = lens.layout();
+            let laid = Laid::new(design, request)
+                .map_err(|error| source.fail("start", format!("start = \"lens\": {error} Try start = \"random\".")))?;
             let place = |material: &Material| {
                 palette.iter().position(|known| known == material).unwrap_or_else(|| {
                     palette.push(material.clone());
@@ -51,9 +48,9 @@ pub(super) fn read(
         }
         name if name.ends_with(".csv") => {
             let path = beside(Path::new(name));
-            let read = layout::read(&path, design.lattice, palette, &design.own_materials)?;
-            *palette = read.palette;
-            Ok((Start::File(path), read.materials))
+            let read = design.read_layout(&path, palette)?;
+            *palette = read.palette().to_vec();
+            Ok((Start::File(path), read.materials().to_vec()))
         }
         _ => {
             let message = format!("start = \"{start}\" must be \"lens\", \"random\" or a layout file, NAME.csv.");

@@ -58,8 +58,8 @@ pub(super) fn evaluate(
     flaws.extend(study.flaws(1, tolerance.reported));
     let cases = study.under_each_impact(&flaws);
     let overrides = study.overrides(rung);
-    let evaluator = Evaluator::new(&study.design, &cases, study.palette.clone(), overrides, context)?;
-    let layout = study.layout(choice).materials;
+    let evaluator = Evaluator::new(study.design(), &cases, study.palette.clone(), overrides, context)?;
+    let layout = study.materials(choice);
     let runs = evaluator.scores(std::slice::from_ref(&layout), context)?.concat();
     let stats = study.counter.stats(&layout);
     let of_crystals = runs.chunks(study.impacts.len() * study.forces.count());

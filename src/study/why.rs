@@ -28,6 +28,9 @@ pub struct Circumstances {
     base: String,
     /// Places in the palette of the materials that may be chosen.
     letters: Vec<u8>,
+    /// For each site that may change which letter of a layout is its own; empty where each has one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    tied: Vec<usize>,
 }
 
 impl Line for Circumstances {
@@ -54,11 +57,11 @@ impl Circumstances {
     pub(super) fn now(study: &Study, plan: &Plan, key: Key) -> Self {
         let mut settings = BTreeMap::new();
         let mut set = |name: &str, value: String| settings.insert(name.to_owned(), value);
-        match study.design.text.parse::<toml::Table>() {
+        match study.design().text().parse::<toml::Table>() {
             Ok(table) => flatten("design", &toml::Value::Table(table), &mut set),
-            Err(_) => drop(set("design", study.design.text.clone())),
+            Err(_) => drop(set("design", study.design().text().to_owned())),
         }
-        set("design.crystal.law", format!("\"{}\"", study.design.law));
+        set("design.crystal.law", format!("\"{}\"", study.design().law()));
         set("materials", study.palette.iter().map(|material| material.name.as_str()).collect::<Vec<_>>().join(", "));
         for material in &study.palette {
             set(&format!("constants of {}", material.name), format!("{material:?}"));
@@ -89,7 +92,9 @@ impl Circumstances {
         let mut free = vec![0; study.bases[0].len()];
         study.free.iter().for_each(|&site| free[site] = 1);
         let (free, base) = (digits(free.into_iter()), digits(study.bases[0].iter().copied()));
-        Self { key: key.text(), settings, free, base, letters: study.letters.clone() }
+        let group = |site: &usize| study.groups.iter().position(|group| group.contains(site)).unwrap_or(0);
+        let tied = if study.is_tied() { study.free.iter().map(group).collect() } else { Vec::new() };
+        Self { key: key.text(), settings, free, base, letters: study.letters.clone(), tied }
     }
 
     /// Notes a study's settings beside its journal, if they are new there; gives what was not as it should be.
@@ -105,8 +110,13 @@ impl Circumstances {
     /// Whether an evaluation was made under these.
     fn made(&self, layout: &str, key: &str) -> Option<()> {
         let free = numbers(&self.free);
-        let count = free.iter().filter(|&&free| free == 1).count();
-        let mut letters = unpack(layout, count, self.letters.len() as u8)?.into_iter();
+        let count = match self.tied.iter().max() {
+            Some(last) => last + 1,
+            None => free.iter().filter(|&&free| free == 1).count(),
+        };
+        let letters = unpack(layout, count, self.letters.len() as u8)?;
+        let tied: Vec<u8> = self.tied.iter().map(|&group| letters[group]).collect();
+        let mut letters = if tied.is_empty() { letters } else { tied }.into_iter();
         let site = |(free, base): (u8, u8)| match free {
             1 => self.letters.get(usize::from(letters.next()?)).copied(),
             _ => Some(base),

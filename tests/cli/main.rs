@@ -37,6 +37,7 @@ mod sensitivity;
 mod shards;
 mod simulate;
 mod space;
+mod space_studies;
 mod studies;
 mod surface;
 mod tolerance;

@@ -3,7 +3,7 @@
 use super::{Desk, shipped};
 
 /// A lens of 9 layers in a crystal of 1260 spheres: a second or so.
-const SMALL: &str = r#"format = 1
+pub const SMALL: &str = r#"format = 1
 name = "small-space"
 [crystal]
 packing = "hcp"
@@ -106,6 +106,17 @@ fn run_leaves_a_report() {
     }
     let page = desk.read("report/report.html");
     assert!(page.contains("Verdict over") && !page.contains("NaN"), "{page:.300}");
+    // A view to be turned, with every sphere of both halves, and a still picture of it where no script runs.
+    let data = page.split("id=\"turned-data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    let spheres =
+        desk.read("report/layout-full.csv").lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit())).count();
+    for key in ["x", "y", "z", "material", "region", "energy"] {
+        assert_eq!(data[key].as_array().map(Vec::len), Some(spheres), "{key}");
+    }
+    assert!(page.contains("class=\"still\"><svg") && page.contains("name=\"tilt\""), "{page:.300}");
+    // Tables are tables, and warnings are no lines that run out of the page.
+    assert!(page.contains("<td>flat-height</td>"), "{page:.300}");
     // All along y the same: what one site of a layer and x holds, all do.
     let layout = desk.read("report/layout.csv");
     let mut held: std::collections::BTreeMap<(String, String), String> = std::collections::BTreeMap::new();

@@ -3,6 +3,7 @@
 use granulens::Context;
 use granulens::dem::ForcePulse;
 use granulens::evaluate::{Evaluator, Forces, Overrides, Plan, beside_uniform};
+use granulens::layout::Layout;
 use granulens::score::Measure;
 use granulens::search::Dice;
 use granulens::study::{Ended, Journal, Key, State, Watch, run};
@@ -35,7 +36,7 @@ fn a_climb_finds_the_optimum_of_a_crystal_that_can_be_enumerated() {
     let evaluator =
         Evaluator::new(&judge.design, &judge.cases(), judge.palette.clone(), judge.overrides(1), &never).unwrap();
     let choices: Vec<Vec<u8>> = (0..4096_u32).map(|bits| (0..12).map(|k| (bits >> k & 1) as u8).collect()).collect();
-    let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.layout(choice).materials).collect();
+    let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.materials(choice)).collect();
     let key = Key::new(&judge, evaluator.plan());
     let mut rung = granulens::study::Rung::default();
     for ((choice, layout), runs) in choices.iter().zip(&layouts).zip(evaluator.scores(&layouts, &never).unwrap()) {
@@ -85,7 +86,7 @@ fn a_climb_comes_to_the_same_bits() {
     let screen =
         Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(1), &never).unwrap();
     assert_eq!([0, 1, 2].map(|rung| study.plan(rung).unwrap().window), [80e-6, 72e-6, 80e-6]);
-    let layouts: Vec<Vec<u8>> = cut.iter().map(|entry| study.layout(&entry.choice(12, 2).unwrap()).materials).collect();
+    let layouts: Vec<Vec<u8>> = cut.iter().map(|entry| study.materials(&entry.choice(12, 2).unwrap())).collect();
     for (entry, whole) in cut.iter().zip(screen.scores(&layouts, &never).unwrap()) {
         assert!(entry.stop.as_ref().unwrap().contains("cannot be reached"), "{:?}", entry.stop);
         assert!(entry.impacts[0].protected_mean <= whole[0].scores.protected_mean);
@@ -127,13 +128,15 @@ fn final_figures_are_those_of_check() {
     let state = desk.run().unwrap().0;
     let study = desk.study();
     let found = state.best.unwrap();
-    let layout = study.layout(&found.entry.choice(12, 2).unwrap());
+    let (design, palette) = (study.design.plane().unwrap(), study.palette.clone());
+    let materials = study.materials(&found.entry.choice(12, 2).unwrap());
+    let layout = Layout { lattice: design.lattice, palette, materials };
     assert_eq!(state.finals.iter().map(|of| of.step).collect::<Vec<_>>(), [4e-7, 2e-7]);
     assert_eq!(state.finals[0].exact.contrast, found.scores.contrast);
     for figures in &state.finals {
         let overrides = Overrides { step: Some(figures.step), ..study.overrides(0) };
-        let plan = Plan::new(&study.design, overrides, &study.palette).unwrap();
-        let beside = beside_uniform(&study.design, &layout, &plan, Forces::USUAL, &Context::default()).unwrap();
+        let plan = Plan::new(design, overrides, &study.palette).unwrap();
+        let beside = beside_uniform(design, &layout, &plan, Forces::USUAL, &Context::default()).unwrap();
         let (mean, spreads) = beside.over_forces.unwrap();
         for measure in [Measure::Contrast, Measure::FocalGain, Measure::FocalMean, Measure::ProtectedMean] {
             assert_eq!(figures.exact.get(measure), beside.evaluation.scores.get(measure), "{measure:?}");
@@ -154,9 +157,8 @@ fn forces_and_durations_side_by_side_have_the_bits_of_runs_alone() {
     let scores = |pulses: &[ForcePulse]| {
         let overrides = study.overrides(0);
         let evaluator = Evaluator::new(&study.design, pulses, study.palette.clone(), overrides, &never).unwrap();
-        let layouts: Vec<Vec<u8>> = (0..3)
-            .map(|k| study.layout(&std::array::from_fn::<u8, 12, _>(|i| u8::from(i % 3 == k))).materials)
-            .collect();
+        let layouts: Vec<Vec<u8>> =
+            (0..3).map(|k| study.materials(&std::array::from_fn::<u8, 12, _>(|i| u8::from(i % 3 == k)))).collect();
         evaluator.scores(&layouts, &never).unwrap()
     };
     let together = scores(&pulses);

@@ -83,7 +83,7 @@ fn wrong_study_files_hear_their_line() {
 fn what_may_change_can_be_limited_in_both_directions() {
     let desk = Desk::new(&STUDY.replace("rows = [3, 5]", "rows = [3, 5]\nx = [\"1 D\", \"2.5 D\"]"));
     let study = desk.study();
-    let sites = study.design.lattice.sites();
+    let sites = study.design.plane().unwrap().lattice.sites();
     let free: Vec<[u32; 2]> = study.free.iter().map(|&i| [sites[i].row, sites[i].column]).collect();
     assert_eq!(free, [[3, 2], [3, 3], [4, 2], [4, 3], [5, 2], [5, 3]]);
 }
@@ -98,7 +98,7 @@ fn the_studies_of_the_repository_are_sound() {
             if path.extension().is_some_and(|extension| extension == "toml") {
                 let study = Study::read(&path, None).unwrap();
                 assert!(free.contains(&study.free.len()), "{}", path.display());
-                assert_eq!(study.layout(&study.first()[0]).materials, study.bases[0]);
+                assert_eq!(study.materials(&study.first()[0]), study.bases[0]);
                 count += 1;
             }
         }

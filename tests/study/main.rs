@@ -165,7 +165,7 @@ fn with_threads<T: Send>(threads: usize, job: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(job)
 }
 
-fn evaluator(study: &Study) -> Evaluator<'_> {
+fn evaluator(study: &Study) -> Evaluator {
     let never = Context::default();
     Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(0), &never).unwrap()
 }

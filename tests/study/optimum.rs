@@ -13,7 +13,7 @@ fn enumerated(study: &Study) -> Rung {
     let choices: Vec<Vec<u8>> = (0..1_u32 << study.free.len())
         .map(|bits| (0..study.free.len()).map(|k| (bits >> k & 1) as u8).collect::<Vec<_>>())
         .collect();
-    let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.layout(choice).materials).collect();
+    let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.materials(choice)).collect();
     let runs = evaluator.scores(&layouts, &Context::default()).unwrap();
     let mut rung = Rung::default();
     for ((choice, layout), runs) in choices.iter().zip(&layouts).zip(&runs) {

@@ -28,7 +28,7 @@ method = "lens-family"
 
 /// What rays say of every prism within the rows, by the letters of its layout; of none at all they say nothing.
 fn prisms(study: &Study) -> HashMap<Vec<u8>, f64> {
-    let design = &study.design;
+    let design = study.design.plane().unwrap();
     let mut said = HashMap::from([(vec![0; study.free.len()], 0.0)]);
     let mut laid = 0;
     for (first, last) in (3..9).flat_map(|first| (first + 1..=9).map(move |last| (first, last))) {

@@ -5,6 +5,7 @@ use granulens::Context;
 use granulens::contact::LawKind;
 use granulens::dem::{ForcePulse, Stop};
 use granulens::evaluate::{Blow, Case, Detail, Evaluated, Evaluator, Flaw, Overrides, Plan, evaluate};
+use granulens::layout::Layout;
 use granulens::score::{Measure, Needs, Scores};
 use granulens::study::{Ended, Study};
 
@@ -23,7 +24,7 @@ fn scores(study: &Study, layout: &[u8], cases: &[Case], detail: Detail) -> Vec<S
 
 /// A layout in which nothing is alike by chance.
 fn layout(study: &Study) -> Vec<u8> {
-    study.layout(&[0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1, 1]).materials
+    study.materials(&[0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1, 1])
 }
 
 fn assert_alike(a: &Scores, b: &Scores, tolerance: f64) {
@@ -85,14 +86,15 @@ fn blows_from_left_and_right_are_alike() {
 fn what_is_felt_is_what_the_records_say() {
     let desk = Desk::new(STUDY);
     let study = desk.study();
-    let drawn = study.layout(&[1; 12]);
+    let (design, palette) = (study.design.plane().unwrap(), study.palette.clone());
+    let drawn = Layout { lattice: design.lattice, palette, materials: study.materials(&[1; 12]) };
     let felt = scores(&study, &drawn.materials, &[PULSE.into()], Detail::Everything).remove(0);
     let dissipation = felt.dissipation.unwrap();
-    let plan = Plan::new(&study.design, study.overrides(0), &study.palette).unwrap();
-    let record = evaluate(&study.design, &drawn, &plan, &Context::default()).unwrap().record;
+    let plan = Plan::new(design, study.overrides(0), &study.palette).unwrap();
+    let record = evaluate(design, &drawn, &plan, &Context::default()).unwrap().record;
     assert!((dissipation - record.ledger.dissipated / record.ledger.work_in).abs() < 1e-15);
     assert!(dissipation > 0.5 && dissipation < 1.0);
-    let sites = study.design.target.protect.sites(&study.design.lattice);
+    let sites = design.target.protect.sites(&design.lattice);
     let of_region = record.contacts.iter().filter(|contact| contact.spheres.iter().any(|i| sites.contains(i)));
     let greatest = of_region.map(|contact| contact.force_max).fold(0.0, f64::max);
     assert_eq!(felt.protected_force, Some(greatest));
@@ -137,7 +139,7 @@ fn scattered_radii_and_friction_have_the_bits_of_one_by_one() {
     let desk = Desk::new(STUDY);
     let study = desk.study();
     let never = Context::default();
-    let sites = study.design.lattice.len();
+    let sites = study.design().sites();
     let scattered = |k: usize| Flaw {
         radii: (0..sites).map(|i| 1.0 - 1e-4 * ((7 * i + k) % 11) as f64).collect(),
         ..Flaw::default()
@@ -152,7 +154,7 @@ fn scattered_radii_and_friction_have_the_bits_of_one_by_one() {
         .collect();
     // More than a vector register holds.
     let layouts: Vec<Vec<u8>> = (0..11)
-        .map(|k| study.layout(&std::array::from_fn::<u8, 12, _>(|i| u8::from(i % 5 == k % 5 || i == k))).materials)
+        .map(|k| study.materials(&std::array::from_fn::<u8, 12, _>(|i| u8::from(i % 5 == k % 5 || i == k))))
         .collect();
     let of = |cases: &[Case]| {
         Evaluator::new(&study.design, cases, study.palette.clone(), study.overrides(0), &never).unwrap()
@@ -175,9 +177,8 @@ fn a_run_ends_when_its_limit_is_out_of_reach() {
     let never = Context::default();
     let overrides = Overrides { step: Some(2e-8), ..study.overrides(0) };
     let evaluator = Evaluator::new(&study.design, &[PULSE], study.palette.clone(), overrides, &never).unwrap();
-    let layouts: Vec<Vec<u8>> = (0..12)
-        .map(|k| study.layout(&std::array::from_fn::<u8, 12, _>(|i| u8::from(i % 4 == k % 4))).materials)
-        .collect();
+    let layouts: Vec<Vec<u8>> =
+        (0..12).map(|k| study.materials(&std::array::from_fn::<u8, 12, _>(|i| u8::from(i % 4 == k % 4)))).collect();
     let whole = evaluator.scores(&layouts, &never).unwrap();
     // Every second one may come to what it does come to, the others to half of it.
     let most: Vec<f64> =
@@ -265,8 +266,7 @@ fn protection_is_compared_with_the_best_baseline() {
     assert!(best >= scored.protection.unwrap() * (1.0 - 1e-12));
     let study = desk.study();
     let never = Context::default();
-    let lattice = study.design.lattice;
-    let uniform = [0, 1].map(|material| vec![material; lattice.len()]);
+    let uniform = [0, 1].map(|material| vec![material; study.design().sites()]);
     let evaluator = Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(0), &never)
         .unwrap()
         .against(&uniform, &never)

@@ -10,7 +10,7 @@ use crate::{Desk, STAGED, evaluator};
 fn several_impacts_are_scored_as_each_by_itself() {
     let desk = Desk::new(STAGED);
     let study = desk.study();
-    let layouts: Vec<Vec<u8>> = study.first().iter().map(|choice| study.layout(choice).materials).collect();
+    let layouts: Vec<Vec<u8>> = study.first().iter().map(|choice| study.materials(choice)).collect();
     let never = Context::default();
     let together = evaluator(&study).scores(&layouts, &never).unwrap();
     for (k, impact) in study.impacts.iter().enumerate() {
@@ -50,9 +50,9 @@ fn stages_promote_the_best_and_steps_are_compared() {
     let choice = best.entry.choice(study.free.len(), 2).unwrap();
     let mut fine = study.clone();
     fine.rungs.remove(0);
-    let runs = evaluator(&fine).scores(&[study.layout(&choice).materials], &Context::default()).unwrap();
+    let runs = evaluator(&fine).scores(&[study.materials(&choice)], &Context::default()).unwrap();
     assert_eq!(best.entry.impacts[0].contrast, runs[0][0].scores.contrast);
-    let stats = study.counter.stats(&study.layout(&choice).materials);
+    let stats = study.counter.stats(&study.materials(&choice));
     assert_eq!((best.scores.half_mass, best.scores.lone), (Some(stats.half.mass), stats.lone));
 }
 

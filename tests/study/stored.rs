@@ -180,7 +180,7 @@ fn means_of_long_tables_are_those_of_the_values_beside_them() {
 fn a_stored_layout_stands_five_impacts() {
     let study = Study::read(&repository("studies/four-materials-robust.toml"), None).unwrap();
     let file = repository("studies/four-materials-robust-best.csv");
-    let layout = layout::read(&file, study.design.lattice, &study.palette, &[]).unwrap();
+    let layout = layout::read(&file, study.design.plane().unwrap().lattice, &study.palette, &[]).unwrap();
     let never = Context::default();
     let overrides = Overrides {
         integrator: Some(Integrator::Adams),
@@ -211,7 +211,7 @@ fn stored_layouts_have_the_same_scores_one_by_one() {
         if path.extension().is_none_or(|extension| extension != "csv") {
             continue;
         }
-        let layout = layout::read(&path, study.design.lattice, &palette, &[]).unwrap();
+        let layout = layout::read(&path, study.design.plane().unwrap().lattice, &palette, &[]).unwrap();
         palette = layout.palette.clone();
         layouts.push(layout);
     }
@@ -225,7 +225,7 @@ fn stored_layouts_have_the_same_scores_one_by_one() {
     for (layout, marks) in layouts.iter().zip(evaluator.scores(&numbers, &never).unwrap()) {
         let sample = layout.sample();
         for (case, marks) in cases.iter().zip(marks) {
-            let design = Design { impact: case.blow.pulse, ..study.design.clone() };
+            let design = Design { impact: case.blow.pulse, ..study.design.plane().unwrap().clone() };
             let alone = evaluate(&design, layout, evaluator.plan(), &never).unwrap();
             let said = [alone.scores.focal_mean, alone.scores.protected_mean];
             assert_eq!([marks.scores.focal_mean, marks.scores.protected_mean], said, "{:?}", case.blow);

@@ -93,7 +93,13 @@ fn open(file: Option<&Path>) -> Result<Opened, Failure> {
     }
     let text = granulens::input::text(path).unwrap_or_default();
     if text.parse::<toml::Table>().is_ok_and(|table| table.get("design").is_some_and(toml::Value::is_str)) {
-        let Design { text, path: design, .. } = Study::read(path, None).map_err(Failure::from)?.design;
+        let study = Study::read(path, None).map_err(Failure::from)?;
+        let Some(Design { text, path: design, .. }) = study.design.plane().cloned() else {
+            return Err(Failure::input_with_help(
+                format!("{}: searches a crystal in space, and explore shows sheets", path.display()),
+                "Run it with granulens study run; its page is report.html in the study's folder.",
+            ));
+        };
         return Ok(Opened { text, path: design, given: true, layout: None, study: Some(path.to_owned()) });
     }
     let design = Design::read(path)?;

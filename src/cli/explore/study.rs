@@ -164,8 +164,8 @@ fn about(study: &Study) -> Value {
         .map(|measure| json!({ "name": measure.name(), "symbol": measure.symbol(), "unit": measure.unit().name() }))
         .collect();
     json!({
-        "design": study.design.text,
-        "design_file": study.design.path,
+        "design": study.design().text(),
+        "design_file": study.design().path(),
         "seed": study.seed,
         "sites": study.free.len(),
         "materials": study.letters.iter().map(|&place| &study.palette[usize::from(place)].name).collect::<Vec<_>>(),
@@ -290,9 +290,9 @@ pub fn layout(asked: &One, shared: &Shared) -> Result<Value, Failure> {
     let judged = judged.ok_or_else(|| Failure::input("the journal has no such evaluation"))?;
     let layout = study.layout(&judged.choice);
     Ok(json!({
-        "palette": layout.palette.iter().map(|material| &material.name).collect::<Vec<_>>(),
-        "materials": layout.materials,
-        "design": study.design.text,
+        "palette": layout.palette().iter().map(|material| &material.name).collect::<Vec<_>>(),
+        "materials": layout.materials(),
+        "design": study.design().text(),
     }))
 }
 

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use granulens::layout;
 use granulens::outcome::FORMAT;
 use granulens::search::{Choice, Dice};
 use granulens::study::{Asking, Study, asked_in, merge, run_with};
@@ -76,11 +75,11 @@ impl Ask {
 
 /// A layout of the study's from a file.
 fn choice(study: &Study, path: &Path) -> Result<Choice, Failure> {
-    let layout = layout::read(path, study.design.lattice, &study.palette, &study.design.own_materials)?;
-    study.choice(&layout.materials).ok_or_else(|| {
+    let layout = study.design().read_layout(path, &study.palette)?;
+    study.choice(layout.materials()).ok_or_else(|| {
         Failure::input_with_help(
             format!("{}: differs from the study's start where nothing may change, or holds a material that may not be chosen", path.display()),
-            "Widen rows, x or materials of the study, or ask for another layout.",
+            "Widen rows or layers, x, r or materials of the study, or ask for another layout.",
         )
     })
 }

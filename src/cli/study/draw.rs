@@ -22,17 +22,17 @@ pub fn page(study: &Studied, report: &Report) -> String {
     }
     let provenance = provenance
         .with("Random seed", report.seed.to_string())
-        .with("Design", study.design.path.display().to_string())
+        .with("Design", study.design().path().display().to_string())
         .with("Problem", report.problem.clone().unwrap_or_default())
         .with("Q and baselines refer to", report.reference.clone().unwrap_or_else(|| "nothing".to_owned()));
     let layout = report.state.found().and_then(|found| {
-        let choice = found.entry.choice(study.free.len(), study.letters.len() as u8)?;
+        let choice = found.entry.choice(study.variables(), study.letters.len() as u8)?;
         Some(study.layout(&choice))
     });
     report::study_page(&StudyPage {
         name: &name,
         state: &report.state,
-        design: &study.design,
+        design: study.design(),
         layout: layout.as_ref(),
         words: &words(&report.state),
         provenance,

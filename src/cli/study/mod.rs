@@ -23,7 +23,6 @@ mod words;
 
 use std::path::{Path, PathBuf};
 
-use granulens::layout;
 use granulens::study::{Entry, Study as Studied};
 
 pub use draw::draw;
@@ -108,7 +107,7 @@ pub fn folder(common: &Common, study: &Studied) -> PathBuf {
 /// A layout file's text.
 fn best_layout(study: &Studied, entry: &Entry) -> Result<String, Failure> {
     let choice = entry
-        .choice(study.free.len(), study.letters.len() as u8)
+        .choice(study.variables(), study.letters.len() as u8)
         .ok_or_else(|| Failure::input("the best layout belongs to another study"))?;
-    Ok(layout::write(&study.layout(&choice)))
+    Ok(study.layout(&choice).csv())
 }

@@ -75,7 +75,7 @@ impl Slurm {
         let Self { shards, cpus, minutes, partition, .. } = self;
         let Places { program, study: file, folder, options } = places;
         let partition = partition.as_ref().map_or(String::new(), |name| format!("#SBATCH --partition={name}\n"));
-        let name = &study.design.name;
+        let name = study.design().name();
         format!(
             "#!/usr/bin/env bash\n\
              # One round of a study's layouts: each task evaluates its shard, and what is evaluated already is left out. To submit it\n\

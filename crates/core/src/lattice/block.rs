@@ -1,5 +1,6 @@
 //! A close-packed crystal in space about the axis of a lens, held as its half x ≥ 0.
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -58,6 +59,29 @@ pub struct Block {
     /// Where each layer begins, and where the last ends.
     starts: Arc<[usize]>,
 }
+
+/// Steps between neighbours, each followed by its opposite, by layers, halves of a diameter along x and √3/6 diameters along y: within a
+/// layer, then from one to the next, where any site has three of each six.
+const STEPS: [[i64; 3]; 18] = [
+    [0, 2, 0],
+    [0, -2, 0],
+    [0, 1, 3],
+    [0, -1, -3],
+    [0, 1, -3],
+    [0, -1, 3],
+    [1, 0, 2],
+    [-1, 0, -2],
+    [1, 1, -1],
+    [-1, -1, 1],
+    [1, -1, -1],
+    [-1, 1, 1],
+    [1, 0, -2],
+    [-1, 0, 2],
+    [1, -1, 1],
+    [-1, 1, -1],
+    [1, 1, 1],
+    [-1, -1, -1],
+];
 
 /// Close-packed structures across whose layers the wave runs.
 const CLOSE: [&str; 2] = ["hcp", "fcc-111"];
@@ -172,6 +196,41 @@ impl Block {
         self.copies.iter().map(|&copies| usize::from(copies)).sum()
     }
 
+    /// A site's place in whole numbers: halves of a diameter along x, sixths of a cell, √3/6 D, along y. Of sites [a, b] of a layer those with the
+    /// same 3a² + b² are as far from the axis.
+    pub fn place(&self, index: usize) -> [i64; 2] {
+        let [x, y, _] = self.sites[index].centre;
+        [(2.0 * x / self.diameter).round() as i64, (y * 12.0_f64.sqrt() / self.diameter).round() as i64]
+    }
+
+    /// For each site the sites of the half that the eighteen [steps](STEPS) between close-packed neighbours lead to: twelve of them inside.
+    /// Beyond the plane x = 0 and a far plane of symmetry lie images, beyond a period the other rim.
+    pub fn beside(&self) -> Vec<[Option<usize>; 18]> {
+        let far = i64::from(self.cells[0]);
+        let edge = 3 * i64::from(self.cells[1]);
+        let at: HashMap<(u32, [i64; 2]), usize> =
+            self.sites.iter().enumerate().map(|(i, site)| ((site.layer, self.place(i)), i)).collect();
+        let folded = matches!(self.sides[0], BlockSide::Mirror | BlockSide::Period);
+        let to = |index: usize, [down, across, along]: [i64; 3]| {
+            let [x, y] = self.place(index);
+            let x = (x + across).abs();
+            let x = if folded && x > far { 2 * far - x } else { x };
+            let y = match self.sides[1] {
+                BlockSide::Period => (y + along + edge).rem_euclid(2 * edge) - edge,
+                _ => y + along,
+            };
+            let layer = u32::try_from(i64::from(self.sites[index].layer) + down).ok()?;
+            at.get(&(layer, [x, y])).copied()
+        };
+        (0..self.sites.len()).map(|index| STEPS.map(|step| to(index, step))).collect()
+    }
+
+    /// A site's place by whole numbers, each about one diameter or row: layer, along x from the axis on, along y from the far end on.
+    pub fn coordinates(&self, index: usize) -> [u32; 3] {
+        let ([x, y], edge) = (self.place(index), 3 * i64::from(self.cells[1]));
+        [self.sites[index].layer, (x / 2) as u32, ((y + edge + 1) / 3) as u32]
+    }
+
     /// Index of a site in [`sites`](Self::sites); both count from 1.
     pub fn index(&self, layer: u32, column: u32) -> Option<usize> {
         let layer = (1..=self.layers()).contains(&layer).then(|| self.layer(layer))?;
@@ -229,6 +288,39 @@ mod tests {
                 assert_eq!(block.index(site.layer, site.column), Some(index));
             }
             assert_eq!((block.index(7, 1), block.index(1, 1000), block.index(1, 0)), (None, None, None));
+        }
+    }
+
+    /// Steps lead to what is a diameter away, over images and periods too: to all of it, once for each way there.
+    #[test]
+    fn steps_lead_to_neighbours() {
+        let all = [BlockSide::Period, BlockSide::Mirror, BlockSide::Wall, BlockSide::Free];
+        for (name, across) in [("hcp", 0), ("fcc-111", 1), ("hcp", 2), ("fcc-111", 3)] {
+            for along in [BlockSide::Period, BlockSide::Free] {
+                let block = block(name, 3, [all[across], along]);
+                let [half, high] = block.half_widths();
+                for (a, steps) in block.sites().iter().zip(block.beside()) {
+                    let mut found: Vec<usize> = steps.into_iter().flatten().collect();
+                    found.sort_unstable();
+                    let mut expected = Vec::new();
+                    for (j, b) in block.sites().iter().enumerate() {
+                        // Images of b; on a plane of symmetry it is its own.
+                        let [x, y, z] = b.centre;
+                        let mut xs = vec![x, -x];
+                        xs.extend([2.0 * half - x].into_iter().filter(|_| across < 2));
+                        let ys =
+                            if along == BlockSide::Period { vec![y, y - 2.0 * high, y + 2.0 * high] } else { vec![y] };
+                        let mut places: Vec<[f64; 2]> =
+                            xs.iter().flat_map(|&x| ys.iter().map(move |&y| [x, y])).collect();
+                        places.dedup_by(|p, q| p == q);
+                        places.sort_by(|p, q| p.partial_cmp(q).unwrap());
+                        places.dedup_by(|p, q| (p[0] - q[0]).abs() < 1e-9 && (p[1] - q[1]).abs() < 1e-9);
+                        let apart = |[x, y]: &[f64; 2]| (x - a.centre[0]).hypot(y - a.centre[1]).hypot(z - a.centre[2]);
+                        expected.extend(places.iter().filter(|at| (apart(at) - 1.0).abs() < 1e-9).map(|_| j));
+                    }
+                    assert_eq!(found, expected, "{name} {across} {along:?} {a:?}");
+                }
+            }
         }
     }
 

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Layout;
-use crate::lattice::{Block, HexagonalSheet};
+use crate::lattice::{Block, BlockSide, HexagonalSheet};
 use crate::material::Material;
 
 /// Spheres, mass and price of a part or the whole of a crystal.
@@ -84,18 +84,42 @@ impl LayoutCounter {
         }
         // From a mirror line: on it, or half a diameter away and so touching the own image.
         let gap = |x: f64| x.min(far - x) / diameter;
-        let is_free = |free: &[usize]| {
-            let mut is_free = vec![false; sites.len()];
-            free.iter().for_each(|&i| is_free[i] = true);
-            is_free
-        };
         Self {
-            beside,
             mirrored: sites.iter().map(|site| (0.25..0.75).contains(&gap(site.x))).collect(),
             weight: sites.iter().map(|site| if gap(site.x) < 0.25 { 0.5 } else { 1.0 }).collect(),
             copies: sites.iter().map(|site| copies(site.x, diameter)).collect(),
-            free: free.map(is_free),
+            free: free.map(|free| marked(free, sites.len())),
             mass: palette.iter().map(|material| material.sphere_mass(diameter)).collect(),
+            price: palette.iter().map(prices).collect(),
+            beside,
+        }
+    }
+
+    /// The same of layouts in space.
+    pub fn in_space(
+        block: &Block,
+        free: Option<&[usize]>,
+        palette: &[Material],
+        prices: impl Fn(&Material) -> Option<f64>,
+    ) -> Self {
+        let steps = block.beside();
+        let folded = matches!(block.sides()[0], BlockSide::Mirror | BlockSide::Period);
+        let far = i64::from(block.cells()[0]);
+        let weight = |index: usize| match block.place(index)[0] {
+            0 => 0.5,
+            x if x == far && folded => 0.5,
+            _ => 1.0,
+        };
+        let others = |(index, steps): (usize, &[Option<usize>; 18])| {
+            steps.iter().copied().flatten().filter(|&other| other != index).collect()
+        };
+        Self {
+            beside: steps.iter().enumerate().map(others).collect(),
+            mirrored: steps.iter().enumerate().map(|(index, steps)| steps.contains(&Some(index))).collect(),
+            weight: (0..steps.len()).map(weight).collect(),
+            copies: block.copies().iter().map(|&copies| u64::from(copies)).collect(),
+            free: free.map(|free| marked(free, steps.len())),
+            mass: palette.iter().map(|material| material.sphere_mass(block.diameter())).collect(),
             price: palette.iter().map(prices).collect(),
         }
     }
@@ -172,6 +196,13 @@ fn copies(x: f64, diameter: f64) -> u64 {
     if x < 0.25 * diameter { 1 } else { 2 }
 }
 
+/// Which of so many sites are among some.
+fn marked(some: &[usize], sites: usize) -> Vec<bool> {
+    let mut marked = vec![false; sites];
+    some.iter().for_each(|&i| marked[i] = true);
+    marked
+}
+
 /// Whether all materials that occur have a price.
 fn priced(counts: &[u64], prices: &[Option<f64>]) -> bool {
     counts.iter().zip(prices).all(|(&count, price)| count == 0 || price.is_some())
@@ -180,20 +211,7 @@ fn priced(counts: &[u64], prices: &[Option<f64>]) -> bool {
 impl Layout<Block> {
     /// What the whole crystal in space is made of, at prices of one sphere.
     pub fn piece_in_space(&self, prices: impl Fn(&Material) -> Option<f64>) -> Bill {
-        let mass: Vec<f64> = self.palette.iter().map(|m| m.sphere_mass(self.lattice.diameter())).collect();
-        let price: Vec<Option<f64>> = self.palette.iter().map(prices).collect();
-        let mut counts = vec![0; self.palette.len()];
-        let mut amount = Amount::default();
-        let mut cost = 0.0;
-        for (&material, &copies) in self.materials.iter().zip(self.lattice.copies()) {
-            let (place, copies) = (usize::from(material), u64::from(copies));
-            counts[place] += copies;
-            amount.mass += copies as f64 * mass[place];
-            cost += copies as f64 * price[place].unwrap_or_default();
-        }
-        amount.spheres = counts.iter().skip(1).sum();
-        amount.cost = priced(&counts, &price).then_some(cost);
-        Bill { counts, amount }
+        LayoutCounter::in_space(&self.lattice, None, &self.palette, prices).piece(&self.materials)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Annealing at low temperature in two steps: a cheap score screens, a costly one decides.
 
-use super::hexagons::Hexagons;
+use super::beside::Beside;
 use super::{Choice, Dice, Space, exp, sane};
 use crate::real::Number;
 
@@ -68,7 +68,7 @@ enum Turn {
 #[derive(Clone, Debug)]
 pub struct Climb {
     space: Space,
-    hexagons: Hexagons,
+    beside: Beside,
     dice: Dice,
     temperatures: [f64; 2],
     /// Proposals to screen in all, and screened so far.
@@ -89,7 +89,7 @@ impl Climb {
     pub fn new(space: &Space, starts: Vec<Choice>, length: u64, temperatures: [f64; 2], seed: u64) -> Self {
         Self {
             space: space.clone(),
-            hexagons: Hexagons::new(space),
+            beside: Beside::new(space),
             dice: Dice::new(seed),
             temperatures,
             length,
@@ -269,7 +269,7 @@ impl Climb {
         let any = |dice: &mut Dice| dice.below(u64::from(self.space.letters)) as u8;
         match dice.below(100) {
             0..40 => {
-                let letter = match self.hexagons.step(site, Hexagons::direction(dice)) {
+                let letter = match self.beside.step(site, self.beside.direction(dice)) {
                     Some(other) if dice.below(8) > 0 => from[other],
                     _ => any(dice),
                 };
@@ -277,7 +277,7 @@ impl Climb {
             }
             40..60 => {
                 let mut choice = from.clone();
-                if let Some(other) = self.hexagons.step(site, Hexagons::direction(dice)) {
+                if let Some(other) = self.beside.step(site, self.beside.direction(dice)) {
                     choice.swap(site, other);
                 }
                 choice
@@ -285,16 +285,16 @@ impl Climb {
             60..72 => {
                 let radius = 1 + dice.below(3) / 2;
                 let letter = if dice.below(2) == 0 { any(dice) } else { from[site] };
-                paint(self.hexagons.disc(site, radius), letter)
+                paint(self.beside.disc(site, radius), letter)
             }
             72..88 => {
-                let (radius, direction) = (1 + dice.below(3), Hexagons::direction(dice));
-                self.hexagons.shift(from, &self.hexagons.disc(site, radius), direction)
+                let (radius, direction) = (1 + dice.below(3), self.beside.direction(dice));
+                self.beside.shift(from, &self.beside.disc(site, radius), direction)
             }
             88..94 => {
-                let (direction, length) = (Hexagons::direction(dice), 3 + dice.below(6));
+                let (direction, length) = (self.beside.direction(dice), 3 + dice.below(6));
                 let letter = if dice.below(2) == 0 { any(dice) } else { from[site] };
-                paint(self.hexagons.line(site, direction, length), letter)
+                paint(self.beside.line(site, direction, length), letter)
             }
             _ => {
                 let Some((other, _)) = self.pool.get(dice.below(self.pool.len().max(1) as u64) as usize) else {
@@ -315,7 +315,7 @@ mod tests {
     use super::*;
 
     fn space() -> Space {
-        Space { sites: (0..64).map(|k| [1 + k / 8, 1 + k % 8]).collect(), letters: 3 }
+        Space::sheet((0..64).map(|k| [1 + k / 8, 1 + k % 8]), 3)
     }
 
     /// How many sites differ from a pattern, in units of 0.01, and what a cheap score that errs by half as much says.

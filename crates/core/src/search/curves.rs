@@ -137,9 +137,9 @@ mod tests {
     /// goes to the one that it lies in deeper.
     #[test]
     fn bands_are_found_again_from_what_they_paint() {
-        let space = Space { sites: (0..180).map(|k| [7 + k / 10, 3 + k % 10]).collect(), letters: 3 };
+        let space = Space::sheet((0..180).map(|k| [7 + k / 10, 3 + k % 10]), 3);
         let bands = Bands::new(&space, 10);
-        let letter = |site: &[u32; 2]| match (site[0] - 7, site[1] - 3) {
+        let letter = |site: &[u32; 3]| match (site[0] - 7, site[1] - 3) {
             (row, column) if row >= 2 && row < 6 + column % 4 => 1,
             (row, column) if row >= 11 && row + column / 3 < 17 => 2,
             _ => 0,
@@ -150,7 +150,7 @@ mod tests {
         let heights = |row: f64| 2.0 * row / 17.0 - 1.0;
         let level = |from: f64, to: f64| [vec![heights(from); 10], vec![heights(to); 10]].concat();
         let both = bands.choice(&[level(-0.5, 12.25), level(4.25, 17.5)].concat());
-        let parted = |site: &[u32; 2]| if site[0] - 7 <= 8 { 1 } else { 2 };
+        let parted = |site: &[u32; 3]| if site[0] - 7 <= 8 { 1 } else { 2 };
         assert_eq!(both, space.sites.iter().map(parted).collect::<Choice>());
         // Closed bands leave the first letter.
         assert_eq!(bands.choice(&bands.fit(&[0; 180])), vec![0; 180]);

@@ -3,58 +3,62 @@
 use super::cma::cholesky;
 use super::{Choice, Dice, Space};
 
-/// Half waves along rows and columns of a random choice.
+/// Half waves each way of a random choice.
 const RANDOM_ORDER: usize = 5;
 
-/// The products of `order` cosines each way at every site: what smooth fields are made of.
+/// The products of `order` cosines each way at every site, across and down and in space along y too: what smooth fields are made of.
+/// Across and along y they are even about the axis.
 ///
 /// cos(m π x) is the Chebyshev polynomial T_m of cos(π x), for which 1 - 2 (3 x² - 2 x³) stands in (off by 0.01 at
 /// most), so that nothing depends on a platform's mathematical library.
 #[derive(Clone, Debug)]
 pub struct Waves {
-    order: usize,
+    /// How many weights a field takes.
+    each: usize,
     letters: u8,
     /// For each site the products, those of the fewest half waves first.
     products: Vec<Vec<f64>>,
 }
 
-/// The part of a field that is given to a product of m and n half waves: less for shorter ones.
-fn share(m: usize, n: usize) -> f64 {
-    1.0 / (1.0 + 0.5 * (m + n) as f64)
+/// The part of a field that is given to a product of so many half waves together: less for shorter ones.
+fn share(waves: usize) -> f64 {
+    1.0 / (1.0 + 0.5 * waves as f64)
 }
 
 impl Waves {
     /// Over the sites' rectangle, each way up to `order` - 1 half waves.
     pub fn new(space: &Space, order: usize) -> Self {
         let ranges = [space.range(0), space.range(1)];
-        let products = |site: &[u32; 2]| {
+        let axis = space.solid.as_ref().map_or(0, |solid| solid.axis);
+        let farthest = space.sites.iter().map(|site| site[2].abs_diff(axis)).max().unwrap_or(0).max(1);
+        let deep = if space.is_deep() { order } else { 1 };
+        let products = |site: &[u32; 3]| {
             let [down, across] = [0, 1].map(|k| half_waves((f64::from(site[k]) - ranges[k].0) / ranges[k].1, order));
-            let mut products = Vec::with_capacity(order * order);
+            let along = half_waves(f64::from(site[2].abs_diff(axis)) / f64::from(farthest), deep);
+            let mut products = Vec::with_capacity(order * order * deep);
             for (m, d) in down.iter().enumerate() {
                 for (n, a) in across.iter().enumerate() {
-                    products.push(share(m, n) * d * a);
+                    for (l, b) in along.iter().enumerate() {
+                        products.push(share(m + n + l) * d * a * b);
+                    }
                 }
             }
             products
         };
-        Self { order, letters: space.letters, products: space.sites.iter().map(products).collect() }
-    }
-
-    /// How many weights a field takes.
-    fn each(&self) -> usize {
-        self.order * self.order
+        let each = order * order * deep;
+        Self { each, letters: space.letters, products: space.sites.iter().map(products).collect() }
     }
 
     /// How many weights a choice takes: a field for every letter but the first, whose field is zero.
     pub fn dimension(&self) -> usize {
-        self.each() * usize::from(self.letters.max(1) - 1)
+        self.each * usize::from(self.letters.max(1) - 1)
     }
 
     /// On each site the letter whose field is highest; of several the first.
     pub fn choice(&self, weights: &[f64]) -> Choice {
         let highest = |products: &Vec<f64>| {
             let mut best = (0.0, 0);
-            for (letter, field) in (1..self.letters).zip(weights.chunks(self.each())) {
+            for (letter, field) in (1..self.letters).zip(weights.chunks(self.each)) {
                 let height: f64 = field.iter().zip(products).map(|(w, p)| w * p).sum();
                 if height > best.0 {
                     best = (height, letter);
@@ -68,7 +72,7 @@ impl Waves {
     /// The weights whose fields come nearest to a choice: for each letter the least squares of its field to 1 where it
     /// stands and -1 elsewhere, held small where the sites do not tell.
     pub fn fit(&self, choice: &[u8]) -> Vec<f64> {
-        let n = self.each();
+        let n = self.each;
         let mut normal = vec![0.0; n * n];
         for products in &self.products {
             for i in 0..n {
@@ -112,7 +116,7 @@ impl Waves {
 /// A smooth random choice: for each letter a random field of up to four half waves each way; the highest field has the site.
 pub fn level_set(space: &Space, dice: &mut Dice) -> Choice {
     let waves = Waves::new(space, RANDOM_ORDER);
-    let fields: Vec<Vec<f64>> = (0..space.letters).map(|_| (0..waves.each()).map(|_| dice.bell()).collect()).collect();
+    let fields: Vec<Vec<f64>> = (0..space.letters).map(|_| (0..waves.each).map(|_| dice.bell()).collect()).collect();
     // The letters' fields less the first one's, so that all letters are alike.
     let weights: Vec<f64> =
         fields.iter().skip(1).flat_map(|field| field.iter().zip(&fields[0]).map(|(w, first)| w - first)).collect();

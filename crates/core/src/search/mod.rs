@@ -6,7 +6,7 @@
 //!
 //! - `local`: flips of single sites, then of two, until none improves
 //! - `anneal`: simulated annealing; `climb`: the same at low temperature, screened by a cheap score before a costly one decides;
-//!   `hexagons`: who stands beside whom in a hexagonal sheet
+//!   `beside`: who stands beside whom, in a hexagonal sheet or in space
 //! - `genetic`: a population that exchanges rectangles; `breed`: how it has children
 //! - `cma`: CMA-ES on real parameters; `painted`: choices that follow from such; `level_set`: low-order fields, whose signs
 //!   decide each site; `curves`: bands between two free curves
@@ -18,13 +18,13 @@
 mod anneal;
 #[cfg(feature = "bayes")]
 mod bayes;
+mod beside;
 mod breed;
 mod climb;
 mod cma;
 mod curves;
 mod front;
 mod genetic;
-mod hexagons;
 mod level_set;
 mod local;
 mod lockstep;
@@ -61,13 +61,34 @@ pub type Choice = Vec<u8>;
 /// What can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Space {
-    /// Row and column of each site.
-    pub sites: Vec<[u32; 2]>,
+    /// Row and column of each site; in space its layer, and its place along x and along y.
+    pub sites: Vec<[u32; 3]>,
     /// Size of the alphabet; letters count from 0.
     pub letters: u8,
+    /// What a crystal in space has beside; none of a hexagonal sheet, where neighbours follow from rows and columns.
+    pub solid: Option<Solid>,
+}
+
+/// How the sites of a crystal in space lie to each other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Solid {
+    /// Where the axis is along y: what is as far from it on both sides is alike to smooth fields.
+    pub axis: u32,
+    /// For each site and each direction the site that a step leads to, where that may change.
+    pub beside: Vec<Vec<Option<usize>>>,
 }
 
 impl Space {
+    /// Of a hexagonal sheet: row and column of each site, both from 1 on, and the size of the alphabet.
+    pub fn sheet(sites: impl IntoIterator<Item = [u32; 2]>, letters: u8) -> Self {
+        Self { sites: sites.into_iter().map(|[row, column]| [row, column, 0]).collect(), letters, solid: None }
+    }
+
+    /// Whether sites differ along y.
+    fn is_deep(&self) -> bool {
+        self.sites.iter().any(|site| site[2] != self.sites[0][2])
+    }
+
     /// Number of choices that differ from a given one in one site.
     pub fn flips(&self) -> usize {
         self.sites.len() * usize::from(self.letters.max(1) - 1)
@@ -78,29 +99,34 @@ impl Space {
         self.sites.iter().map(|_| dice.below(u64::from(self.letters)) as u8).collect()
     }
 
-    /// The sites of a random rectangle that holds at least one, with sides of at most `most` rows and columns.
+    /// The sites of a random rectangle, in space a box, that holds at least one, with sides of at most `most` rows and columns.
     fn rectangle(&self, dice: &mut Dice, most: u32) -> Vec<usize> {
-        let [row, column] = self.sites[dice.below(self.sites.len() as u64) as usize];
+        let [row, column, place] = self.sites[dice.below(self.sites.len() as u64) as usize];
         let mut side = || dice.below(u64::from(most.max(1))) as u32;
         let (up, down, left, right) = (side() / 2, side() / 2, side() / 2, side() / 2);
-        let holds = |&[r, c]: &[u32; 2]| {
+        let [before, behind] = if self.is_deep() { [side() / 2, side() / 2] } else { [0, 0] };
+        let holds = |&[r, c, p]: &[u32; 3]| {
             (row.saturating_sub(up)..=row + down).contains(&r)
                 && (column.saturating_sub(left)..=column + right).contains(&c)
+                && (place.saturating_sub(before)..=place + behind).contains(&p)
         };
         (0..self.sites.len()).filter(|&i| holds(&self.sites[i])).collect()
     }
 
-    /// The sites of a random rectangle around a site, at most `reach` rows and columns to each side.
+    /// The sites of a random rectangle, in space a box, around a site, at most `reach` rows and columns to each side.
     fn around(&self, middle: usize, dice: &mut Dice, reach: u32) -> Vec<usize> {
-        let [row, column] = self.sites[middle];
-        let (up, across) = (dice.below(u64::from(reach)) as u32, dice.below(u64::from(reach)) as u32);
-        let near = |&[r, c]: &[u32; 2]| r.abs_diff(row) <= up && c.abs_diff(column) <= across;
+        let [row, column, place] = self.sites[middle];
+        let mut side = || dice.below(u64::from(reach)) as u32;
+        let (up, across) = (side(), side());
+        let along = if self.is_deep() { side() } else { 0 };
+        let near =
+            |&[r, c, p]: &[u32; 3]| r.abs_diff(row) <= up && c.abs_diff(column) <= across && p.abs_diff(place) <= along;
         (0..self.sites.len()).filter(|&i| near(&self.sites[i])).collect()
     }
 
-    /// All pairs of sites that stand side by side: rows and columns differ by one at most.
+    /// All pairs of sites that stand side by side: rows, columns and places along y differ by one at most.
     fn neighbours(&self) -> Vec<[usize; 2]> {
-        let beside = |a: usize, b: usize| (0..2).all(|k| self.sites[a][k].abs_diff(self.sites[b][k]) <= 1);
+        let beside = |a: usize, b: usize| (0..3).all(|k| self.sites[a][k].abs_diff(self.sites[b][k]) <= 1);
         (0..self.sites.len())
             .flat_map(|a| (a + 1..self.sites.len()).map(move |b| [a, b]))
             .filter(|&[a, b]| beside(a, b))
@@ -120,7 +146,7 @@ impl Space {
             let of = || self.sites.iter().map(|site| site[k]);
             of().max().unwrap_or(0) - of().min().unwrap_or(0) + 1
         };
-        span(0).max(span(1))
+        span(0).max(span(1)).max(span(2))
     }
 
     /// Gives one site another letter.

@@ -2,7 +2,7 @@ use super::*;
 
 /// Twelve sites in three rows.
 fn space(letters: u8) -> Space {
-    Space { sites: (0..12).map(|k| [k / 4, k % 4]).collect(), letters }
+    Space::sheet((0..12).map(|k| [k / 4, k % 4]), letters)
 }
 
 /// A rugged loss: random fields, couplings of neighbours, and of triples.
@@ -226,7 +226,7 @@ fn an_annealing_begins_hot_and_ends_cold() {
 /// A choice that is a level set is found again from itself, to the sites on its rim.
 #[test]
 fn a_level_set_is_fitted_by_its_own_kind() {
-    let space = Space { sites: (0..400).map(|k| [5 + k / 20, 1 + k % 20]).collect(), letters: 3 };
+    let space = Space::sheet((0..400).map(|k| [5 + k / 20, 1 + k % 20]), 3);
     let waves = Waves::new(&space, 5);
     let mut dice = Dice::new(4);
     for _ in 0..10 {
@@ -289,7 +289,7 @@ fn what_fails_is_avoided() {
 
 #[test]
 fn level_sets_use_every_letter_and_are_smooth() {
-    let space = Space { sites: (0..400).map(|k| [5 + k / 20, 1 + k % 20]).collect(), letters: 3 };
+    let space = Space::sheet((0..400).map(|k| [5 + k / 20, 1 + k % 20]), 3);
     let mut dice = Dice::new(1);
     let (mut counts, mut walls) = ([0; 3], 0);
     for _ in 0..100 {

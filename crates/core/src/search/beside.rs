@@ -1,4 +1,4 @@
-//! The sites of a [`Space`] as a hexagonal sheet: who stands beside whom, and changes of connected pieces.
+//! Who stands beside whom in a [`Space`], a hexagonal sheet or a crystal in space, and changes of connected pieces.
 
 use super::{Choice, Dice, Space};
 
@@ -6,34 +6,43 @@ use super::{Choice, Dice, Space};
 /// directions; each followed by its opposite.
 const STEPS: [[i64; 2]; 6] = [[0, 2], [0, -2], [1, 1], [-1, -1], [1, -1], [-1, 1]];
 
-/// The neighbours of every site. Rows of even number stand half a diameter further from the axis than those of odd number, and what lies
-/// beyond the axis is the image of what lies before it.
+/// The neighbours of every site. In a sheet rows of even number stand half a diameter further from the axis than those of odd number, and
+/// what lies beyond the axis is the image of what lies before it.
 #[derive(Clone, Debug)]
-pub(super) struct Hexagons {
+pub(super) struct Beside {
     /// For each site and each step the site that it leads to, where that may change.
-    beside: Vec<[Option<usize>; 6]>,
+    beside: Vec<Vec<Option<usize>>>,
+    /// Most steps of a site.
+    directions: usize,
 }
 
-impl Hexagons {
+impl Beside {
     pub fn new(space: &Space) -> Self {
+        let beside = match &space.solid {
+            Some(solid) => solid.beside.clone(),
+            None => Self::of_sheet(space),
+        };
+        Self { directions: beside.iter().map(Vec::len).max().unwrap_or(0), beside }
+    }
+
+    fn of_sheet(space: &Space) -> Vec<Vec<Option<usize>>> {
         let first = |row: i64| (row + 1).rem_euclid(2);
         let place: std::collections::HashMap<[i64; 2], usize> = space
             .sites
             .iter()
             .enumerate()
-            .map(|(i, &[row, column])| ([i64::from(row), first(row.into()) + 2 * i64::from(column)], i))
+            .map(|(i, &[row, column, _])| ([i64::from(row), first(row.into()) + 2 * i64::from(column)], i))
             .collect();
         // Columns count from 1.
         let image = |x: i64| if x < 2 { 4 - x } else { x };
-        let beside = space
+        space
             .sites
             .iter()
-            .map(|&[row, column]| {
+            .map(|&[row, column, _]| {
                 let (row, x) = (i64::from(row), first(row.into()) + 2 * i64::from(column));
-                STEPS.map(|[down, across]| place.get(&[row + down, image(x + across)]).copied())
+                STEPS.map(|[down, across]| place.get(&[row + down, image(x + across)]).copied()).to_vec()
             })
-            .collect();
-        Self { beside }
+            .collect()
     }
 
     /// The neighbours of a site that may change.
@@ -43,12 +52,13 @@ impl Hexagons {
 
     /// The site after a step from another.
     pub fn step(&self, site: usize, direction: usize) -> Option<usize> {
-        self.beside[site][direction]
+        let steps = &self.beside[site];
+        steps.get(direction % steps.len().max(1)).copied().flatten()
     }
 
-    /// One of the six directions.
-    pub fn direction(dice: &mut Dice) -> usize {
-        dice.below(6) as usize
+    /// One of the directions, of which a sheet has six.
+    pub fn direction(&self, dice: &mut Dice) -> usize {
+        dice.below(self.directions as u64) as usize
     }
 
     /// All sites that at most `radius` steps lead to, that itself first.
@@ -101,9 +111,9 @@ mod tests {
     /// Against distances in a sheet of seven rows of five, in diameters: six neighbours inside, fewer at edges, images across the axis.
     #[test]
     fn neighbours_are_a_diameter_away() {
-        let space = Space { sites: (0..35).map(|k| [1 + k / 5, 1 + k % 5]).collect(), letters: 2 };
-        let hexagons = Hexagons::new(&space);
-        let place = |&[row, column]: &[u32; 2]| {
+        let space = Space::sheet((0..35).map(|k| [1 + k / 5, 1 + k % 5]), 2);
+        let beside = Beside::new(&space);
+        let place = |&[row, column, _]: &[u32; 3]| {
             let x = f64::from(column) - if row % 2 == 0 { 0.5 } else { 1.0 };
             [x, f64::from(row) * 0.75_f64.sqrt()]
         };
@@ -112,7 +122,7 @@ mod tests {
             let touches = |b: &[f64; 2]| {
                 [1.0, -1.0].into_iter().any(|side| ((a[0] - side * b[0]).hypot(a[1] - b[1]) - 1.0).abs() < 1e-9)
             };
-            let mut found: Vec<usize> = hexagons.neighbours(i).collect();
+            let mut found: Vec<usize> = beside.neighbours(i).collect();
             found.sort_unstable();
             found.dedup();
             let expected: Vec<usize> = (0..35).filter(|&j| j != i && touches(&places[j])).collect();
@@ -120,17 +130,17 @@ mod tests {
         }
         // Row 4, column 3.
         let middle = 17;
-        assert_eq!([0, 1, 2].map(|radius| hexagons.disc(middle, radius).len()), [1, 7, 19]);
-        let line = hexagons.line(middle, 2, 3);
+        assert_eq!([0, 1, 2].map(|radius| beside.disc(middle, radius).len()), [1, 7, 19]);
+        let line = beside.line(middle, 2, 3);
         assert_eq!(line.iter().map(|&k| places[k][0] - places[middle][0]).collect::<Vec<_>>(), [0.0, 0.5, 1.0]);
     }
 
     #[test]
     fn a_block_moves_by_one_step() {
-        let space = Space { sites: (0..16).map(|k| [1 + k / 4, 1 + k % 4]).collect(), letters: 2 };
-        let hexagons = Hexagons::new(&space);
+        let space = Space::sheet((0..16).map(|k| [1 + k / 4, 1 + k % 4]), 2);
+        let beside = Beside::new(&space);
         let choice: Choice = (0..16).map(|k| u8::from(k == 5)).collect();
-        let moved = hexagons.shift(&choice, &[5, 9, 6], 0);
+        let moved = beside.shift(&choice, &[5, 9, 6], 0);
         // Site 5 went to 6, 6 to 7, 9 to 10.
         assert_eq!((0..16).filter(|&k| moved[k] == 1).collect::<Vec<_>>(), [5, 6]);
     }
