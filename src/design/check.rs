@@ -190,7 +190,12 @@ fn sheet(scope: &Scope, file: &CrystalFile) -> Result<HexagonalSheet, DesignErro
     }
     packing.choice("packing", &[("hexagonal-2d", ()), ("hcp", ()), ("fcc-111", ())])?;
     scope.forbid(
-        &[("layers", &file.layers), ("cells", &file.cells), ("axis_layer", &file.axis_layer)],
+        &[
+            ("layers", &file.layers),
+            ("cells", &file.cells),
+            ("axis_layer", &file.axis_layer),
+            ("outline", &file.outline),
+        ],
         "a sheet",
         "Its size is rows and half_width.",
     )?;

@@ -29,7 +29,7 @@ pub(super) struct DesignFile {
 }
 
 section!(CrystalFile: Written {
-    packing, diameter, rows, half_width, layers, cells, axis_layer, sides, host, law, constants, friction,
+    packing, diameter, rows, half_width, layers, cells, axis_layer, outline, sides, host, law, constants, friction,
     hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening
 });
 section!(ImpactFile: Written { kind, force, duration });
@@ -65,6 +65,7 @@ const OWN: &[&str] = &[
     "crystal.half_width = 16.5",
     "crystal.layers = 24",
     "crystal.cells = [14, 8]",
+    "crystal.outline = \"round\"",
     "crystal.axis_layer = 4",
     "crystal.sides = \"mirror\"",
     "crystal.host = \"stainless-440c\"",

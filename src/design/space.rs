@@ -8,7 +8,7 @@ use super::lens::{Lying, SYMMETRIES, request};
 use super::region::{self, Keys, MOST_FOCI, how, share};
 use super::{DesignError, SpaceDesign};
 use crate::document::{Entry, Scope};
-use crate::lattice::{Block, BlockError, BlockSide, Cell, Layered};
+use crate::lattice::{Block, BlockError, BlockSide, Cell, Layered, Outline};
 use crate::lens::{Body, Continued, LensError, LensRequest, Raster, Stack, Symmetry, propose_body};
 use crate::material::Material;
 use crate::target::{Focus, Region, Solid, Target};
@@ -66,7 +66,25 @@ fn block(scope: &Scope, file: &CrystalFile) -> Result<Block, DesignError> {
     crate::memory::suffices(sites, crate::memory::DESIGN_SITE)
         .map_err(|rule| scope.fail(&rule, "Choose fewer layers or cells, or run it where there is more."))?;
     let cell = Cell::<3>::named(packing).ok_or_else(|| scope.fail("has no such packing", ""))?;
-    Block::new(cell, diameter, layers, [wide, high], axis_layer, sides).map_err(|error| match error {
+    let radius = 0.5 * f64::from(wide);
+    let outline = match scope.optional("outline", &file.outline) {
+        None => Outline::All,
+        Some(outline) => {
+            let all =
+                [("rectangle", Outline::All), ("round", Outline::Disk(radius)), ("hexagon", Outline::Hexagon(radius))];
+            let chosen = outline.choice("outline", &all)?;
+            if chosen != Outline::All && sides != [BlockSide::Free; 2] {
+                return Err(entry.fail("is not free, and the outline is not a rectangle", "Write sides = \"free\"."));
+            }
+            chosen
+        }
+    };
+    let block = Block::new(cell, diameter, layers, [wide, high], axis_layer, sides);
+    block.and_then(|block| block.within(outline)).map_err(|error| match error {
+        BlockError::Outline => cells.fail(
+            &format!("does not hold an outline that reaches {radius} D from the axis"),
+            "Add cells along y: each is √3 D wide.",
+        ),
         BlockError::Mirror => entry.fail(
             "has a mirror along y, where a close packing is not its own image",
             "Write period, wall or free for y, like sides = [\"mirror\", \"period\"].",

@@ -9,7 +9,7 @@ use super::Layout;
 use super::error::{LayoutFileError, Source};
 use super::read::{EXACT, ROUNDED, START};
 use crate::input;
-use crate::lattice::{Block, Layered};
+use crate::lattice::{Block, Layered, Outline};
 use crate::material::{self, Material};
 use crate::output::marked;
 
@@ -22,10 +22,15 @@ pub fn write_in_space(layout: &Layout<Block>) -> String {
     let mut text = String::from("# granulens layout, format 1; simulated half, x >= 0; lengths in metres\n");
     let _ = writeln!(
         text,
-        "# {}, diameter {} m, {} layers of {wide} by {high} cells, axis through a sphere of layer {}; layer 1 is struck",
+        "# {}, diameter {} m, {} layers of {wide} by {high} cells{}, axis through a sphere of layer {}; layer 1 is struck",
         block.cell().name(),
         block.diameter(),
         block.layers(),
+        match block.outline() {
+            Outline::All => "",
+            Outline::Disk(_) => ", round",
+            Outline::Hexagon(_) => ", a hexagon",
+        },
         block.axis_layer()
     );
     let _ = writeln!(text, "{}", COLUMNS.join(","));

@@ -1,10 +1,12 @@
 //! A close-packed crystal in space about the axis of a lens, held as its half x ≥ 0.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Cell, CrystalSite, Layered};
+use super::crystal::encloses;
+use super::{Cell, CrystalSite, Layered, Outline};
 
 /// How a block ends along an axis across the wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +36,12 @@ pub enum BlockError {
     /// A mirror across an axis along which the structure has none.
     #[error("y has no mirror: a close packing is not its own image there")]
     Mirror,
+    /// An outline between sides that are not free.
+    #[error("a round or hexagonal crystal has free sides")]
+    Sides,
+    /// An outline that reaches beyond the cells, or holds no sphere of a layer.
+    #[error("an outline must lie within the cells and hold spheres of every layer")]
+    Outline,
 }
 
 /// A crystal of close-packed layers across the wave, HCP or FCC along (111), symmetric about the plane x = 0, of which the half x ≥ 0
@@ -54,6 +62,7 @@ pub struct Block {
     cells: [u32; 2],
     axis_layer: u32,
     sides: [BlockSide; 2],
+    outline: Outline,
     sites: Arc<[CrystalSite<3>]>,
     copies: Arc<[u8]>,
     /// Where each layer begins, and where the last ends.
@@ -142,7 +151,56 @@ impl Block {
             starts.push(sites.len());
         }
         let (sites, copies, starts) = (sites.into(), copies.into(), starts.into());
-        Ok(Self { cell, diameter, cells, axis_layer, sides, sites, copies, starts })
+        Ok(Self { cell, diameter, cells, axis_layer, sides, outline: Outline::All, sites, copies, starts })
+    }
+
+    /// Of the same crystal what lies within an outline about the axis, with free sides. About a sphere's centre close packings keep three
+    /// planes of symmetry at 60 degrees, and so does a disk, or a hexagon whose corners lie along x.
+    ///
+    /// # Errors
+    /// Sides that are not free; an outline that reaches beyond the cells, or holds nothing of a layer.
+    pub fn within(self, outline: Outline) -> Result<Self, BlockError> {
+        let reach = match outline {
+            Outline::All => return Ok(self),
+            Outline::Hexagon(radius) => [radius, 0.75_f64.sqrt() * radius],
+            Outline::Disk(radius) => [radius; 2],
+        };
+        if self.sides != [BlockSide::Free; 2] {
+            return Err(BlockError::Sides);
+        }
+        let most = self.half_widths().map(|half| half / self.diameter * (1.0 + 1e-9));
+        if !(reach[0] <= most[0] && reach[1] <= most[1]) {
+            return Err(BlockError::Outline);
+        }
+        let (mut sites, mut copies, mut starts) = (Vec::new(), Vec::new(), vec![0]);
+        for layer in 1..=self.layers() {
+            let held = |&i: &usize| encloses(outline, &self.sites[i].centre.map(|at| at / self.diameter));
+            for (i, column) in self.layer(layer).filter(held).zip(1..) {
+                sites.push(CrystalSite { column, ..self.sites[i] });
+                copies.push(self.copies[i]);
+            }
+            if starts.last() == Some(&sites.len()) {
+                return Err(BlockError::Outline);
+            }
+            starts.push(sites.len());
+        }
+        Ok(Self { outline, sites: sites.into(), copies: copies.into(), starts: starts.into(), ..self })
+    }
+
+    /// What of its cells there is.
+    pub fn outline(&self) -> Outline {
+        self.outline
+    }
+
+    /// Radius of the disk of the area of its cross-section (m).
+    pub fn disk(&self) -> f64 {
+        let [x, y] = self.half_widths();
+        match self.outline {
+            Outline::All => (4.0 * x * y / PI).sqrt(),
+            // An area of 3/2 √3 R².
+            Outline::Hexagon(radius) => radius * self.diameter * (1.5 * 3.0_f64.sqrt() / PI).sqrt(),
+            Outline::Disk(radius) => radius * self.diameter,
+        }
     }
 
     /// Structure.
@@ -322,6 +380,36 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A disk and a hexagon about a sphere are their own images when they are turned by 120 degrees; a layer of a hexagon of circumradius 3 D about
+    /// one of its spheres has 1 + 6 + 12 + 18 of them.
+    #[test]
+    fn outlines_keep_three_planes_of_symmetry() {
+        for name in ["hcp", "fcc-111"] {
+            for outline in [Outline::Disk(3.4), Outline::Hexagon(3.0)] {
+                let block = block(name, 3, [BlockSide::Free; 2]).within(outline).unwrap();
+                let turned = |[x, y, z]: [f64; 3]| {
+                    let (sine, cosine) = (0.75_f64.sqrt(), -0.5);
+                    [(x * cosine - y * sine).abs(), x * sine + y * cosine, z]
+                };
+                for site in block.sites() {
+                    let to = turned(site.centre);
+                    let is_there = |other: &CrystalSite<3>| (0..3).all(|k| (other.centre[k] - to[k]).abs() < 1e-9);
+                    assert!(block.sites().iter().any(is_there), "{name} {outline:?} {site:?}");
+                    assert_eq!(block.index(site.layer, site.column).map(|i| &block.sites()[i]), Some(site));
+                }
+                if outline == Outline::Hexagon(3.0) {
+                    let copies =
+                        |layer| block.copies()[block.layer(layer)].iter().map(|&c| usize::from(c)).sum::<usize>();
+                    assert_eq!(copies(3), 37);
+                }
+            }
+        }
+        let free = [BlockSide::Free; 2];
+        assert_eq!(block("hcp", 3, [BlockSide::Period; 2]).within(Outline::Disk(3.0)), Err(BlockError::Sides));
+        assert_eq!(block("hcp", 3, free).within(Outline::Disk(3.6)), Err(BlockError::Outline));
+        assert_eq!(block("hcp", 3, free).within(Outline::Disk(f64::NAN)), Err(BlockError::Outline));
     }
 
     #[test]

@@ -201,7 +201,8 @@ fn within<const D: usize>(place: &[f64; D], widths: &[Width]) -> bool {
     })
 }
 
-fn encloses<const D: usize>(outline: Outline, place: &[f64; D]) -> bool {
+/// Whether a place (in diameters) is within it.
+pub(super) fn encloses<const D: usize>(outline: Outline, place: &[f64; D]) -> bool {
     let x = if D > 1 { place[0] } else { 0.0 };
     let y = if D > 2 { place[1] } else { 0.0 };
     match outline {

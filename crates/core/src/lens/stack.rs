@@ -18,8 +18,7 @@ pub struct Stack {
 impl Stack {
     /// Of a block for a body of revolution: it ends at the circle of the area of its cross-section.
     pub fn round(block: &Block) -> Self {
-        let [x, y] = block.half_widths();
-        Self { half_width: (4.0 * x * y / std::f64::consts::PI).sqrt(), ..Self::across(block) }
+        Self { half_width: block.disk(), ..Self::across(block) }
     }
 
     /// Of a block for a lens that is the same all along y.

@@ -238,3 +238,37 @@ fn a_lens_of_revolution_in_lanes_is_within_the_tolerances_of_another_integrator(
         assert!(off < 1e-8, "sphere {k}: {off:e}");
     }
 }
+
+/// About a sphere a round or hexagonal HCP or FCC-111 crystal with a revolved lens keeps three planes of symmetry at 60 degrees, and so does what
+/// happens in it: spheres that a turn by 120 degrees takes into each other carry the same energy, to the growth of rounding, though the
+/// simulation knows of one plane alone.
+#[test]
+fn a_round_crystal_moves_alike_in_three_directions() {
+    for (name, outline) in [("hcp", Outline::Disk(5.0)), ("fcc-111", Outline::Hexagon(5.0))] {
+        let cell = Cell::<3>::named(name).unwrap();
+        let block = Block::new(cell, DIAMETER, 9, [10, 6], 3, [BlockSide::Free; 2]).unwrap().within(outline).unwrap();
+        let brass = |site: &CrystalSite<3>| {
+            let [x, y, _] = site.centre;
+            usize::from((3..=5).contains(&site.layer) && x.hypot(y) < 2.6 * DIAMETER)
+        };
+        let spheres = block.sites().iter().map(|site| sphere(site, brass(site))).collect();
+        let sample = Sample { materials: vec![material("440c"), material("brass")], spheres };
+        let mirrors = vec![Mirror { axis: 0, position: 0.0, inward: 1.0 }];
+        let impact = impact(block.layer(1).collect(), mirrors, Vec::new());
+        // Spheres of the rim have fewer contacts below them to carry it.
+        let pulse = ForcePulse { force: 8e3, ..impact.pulse };
+        let energies = run(&sample, &Impact { window: 60e-6, pulse, ..impact }).max_kinetic;
+        let most = energies.iter().copied().fold(0.0, f64::max);
+        let mut compared = 0;
+        for (site, energy) in block.sites().iter().zip(&energies).filter(|(_, energy)| **energy > 1e-6 * most) {
+            let ([x, y, z], sine) = (site.centre, 0.75_f64.sqrt());
+            let to = [(-0.5 * x - sine * y).abs(), sine * x - 0.5 * y, z];
+            let near = |other: &CrystalSite<3>| (0..3).all(|k| (other.centre[k] - to[k]).abs() < 1e-6 * DIAMETER);
+            let turned = block.sites().iter().position(near).unwrap();
+            let off = difference(energies[turned], *energy, 0.0);
+            assert!(off < 1e-8, "{name} {site:?}: {off:e}");
+            compared += 1;
+        }
+        assert!(compared > 300, "{compared}");
+    }
+}
