@@ -120,9 +120,10 @@ impl<'a> Slices<'a> {
         let (wide, high) = (2.0 * self.half_width / diameter * pixel, deepest * pixel);
         let (left, top, gap) = (30.0, 54.0, 36.0);
         let space = if bar.is_some() { 100.0 } else { 0.0 };
-        let width = (left + panels.len() as f64 * (wide + pixel + gap) + space).max(340.0);
-        let mut svg = Svg::new(width, top + high + 2.0 * pixel + 20.0, self.name);
         let title = format!("{}: section along the axis, |y| < 0.45 D", self.name);
+        // Bold letters of this size are some eight pixels wide.
+        let width = (left + panels.len() as f64 * (wide + pixel + gap) + space).max(8.0 * title.len() as f64 + left);
+        let mut svg = Svg::new(width, top + high + 2.0 * pixel + 20.0, self.name);
         svg.text([left, 22.0], 14.0, Anchor::Start, r#"font-weight="bold""#, &title);
         for (k, (name, paint)) in panels.iter().enumerate() {
             let middle = left + k as f64 * (wide + pixel + gap) + 0.5 * (wide + pixel);

@@ -4,6 +4,7 @@
 use granulens::Context;
 use granulens::contact::LawKind;
 use granulens::dem::{ForcePulse, Stop};
+use granulens::design::AnyDesign;
 use granulens::evaluate::{Blow, Case, Detail, Evaluated, Evaluator, Flaw, Overrides, Plan, evaluate};
 use granulens::layout::Layout;
 use granulens::score::{Measure, Needs, Scores};
@@ -366,7 +367,9 @@ fn a_study_judges_under_each_law() {
     let layout = layout(&study);
     let both = scores(&study, &layout, &study.cases(), Detail::Energies);
     let mut other = plain.study();
-    other.design.law = LawKind::MdrStatic;
+    if let AnyDesign::Plane(design) = &mut other.design {
+        design.law = LawKind::MdrStatic;
+    }
     let alone = scores(&other, &layout, &other.cases(), Detail::Energies);
     assert_eq!(both[1], alone[0]);
     assert!((both[0].contrast.unwrap() / both[1].contrast.unwrap() - 1.0).abs() > 1e-3);
