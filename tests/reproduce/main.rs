@@ -53,10 +53,16 @@ fn the_best_layouts_are_as_good_as_is_said() {
     assert!(deviations.is_empty(), "{deviations:#?}\n{}", markdown(&findings));
     let scored: Vec<&Part> = findings.iter().flat_map(|finding| finding.parts.as_ref().unwrap()).collect();
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/optimum");
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let name = entry.unwrap().file_name().into_string().unwrap();
-        if name.ends_with(".csv") && !name.ends_with("-start.csv") && name != "figures.csv" {
-            assert!(scored.iter().any(|part| part.what == format!("{name}, C")), "{name} is not scored");
+    let mut folders = vec![("".to_owned(), std::path::PathBuf::from(folder))];
+    while let Some((above, folder)) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let entry = entry.unwrap();
+            let name = format!("{above}{}", entry.file_name().into_string().unwrap());
+            if entry.path().is_dir() {
+                folders.push((format!("{name}/"), entry.path()));
+            } else if name.ends_with(".csv") && !name.ends_with("-start.csv") && name != "figures.csv" {
+                assert!(scored.iter().any(|part| part.what == format!("{name}, C")), "{name} is not scored");
+            }
         }
     }
 }
