@@ -38,12 +38,13 @@ const ONE: Files = files![
     "four-rows-5-29-protected.csv",
     "four-rows-5-29-second.csv",
     "four-rows-5-29.csv",
+    "laws/four-rows-5-29-laws.csv",
     "real/scattered.csv",
     "two-rows-5-25.csv",
 ];
 
 /// Those for five.
-const FIVE: Files = files!["four-robust.csv"];
+const FIVE: Files = files!["five-rows-5-25-robust.csv", "four-robust.csv"];
 
 /// Those of other targets and other blows, each in a folder called as its design.
 const OTHERS: &[(&str, &str, Files)] = &[
