@@ -21,6 +21,7 @@ macro_rules! files {
 
 /// Those for one impact.
 const ONE: Files = files![
+    "five-rows-5-25-3.csv",
     "five-rows-5-25-protected.csv",
     "five-rows-5-25.csv",
     "five-rows-5-29-basin.csv",
