@@ -12,4 +12,5 @@ mod loads;
 mod reference;
 mod restart;
 mod rolling;
+mod schemes;
 mod rigs;

@@ -1,6 +1,7 @@
 //! Stored and taken up again: the same bits.
 
 use granulens_core::contact::LawKind;
+use granulens_core::dem::Integrator;
 use granulens_core::dem::rig::{Arrival, Body, CheckpointError, Curve, Flat, Load, LoadKind, Rig, Simulation};
 
 use crate::rigs::{DIAMETER, GO, hexagonal, rig};
@@ -36,6 +37,32 @@ fn start() -> Simulation<2> {
 
 #[test]
 fn a_run_taken_up_at_any_step_ends_in_the_same_bits() {
+    taken_up(start);
+}
+
+/// Adams's scheme remembers accelerations, of flats too.
+#[test]
+fn by_adams_too() {
+    taken_up(|| Simulation::by(Integrator::Adams, busy(), 2e-7).unwrap().watching(arrivals()));
+    let mut first = start();
+    first.advance(100, &GO).unwrap();
+    let mut other = Simulation::by(Integrator::Adams, busy(), 2e-7).unwrap().watching(arrivals());
+    assert_eq!(other.take_up(&first.checkpoint()), Err(CheckpointError::Other("scheme")));
+    // Spins and a cluster.
+    let mut rig = crate::bed::bed(0.7, 0.8);
+    rig.drag = 0.01;
+    let start = || Simulation::by(Integrator::Adams, rig.clone(), 0.02).unwrap();
+    let mut whole = start();
+    whole.advance(300, &GO).unwrap();
+    let middle = whole.checkpoint();
+    whole.advance(300, &GO).unwrap();
+    let mut second = start();
+    second.take_up(&middle).unwrap();
+    second.advance(300, &GO).unwrap();
+    assert!(second.checkpoint() == whole.checkpoint());
+}
+
+fn taken_up(start: impl Fn() -> Simulation<2>) {
     let mut whole = start();
     whole.advance(2000, &GO).unwrap();
     let end = whole.checkpoint();

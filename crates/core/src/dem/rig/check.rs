@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::pairs::Finder;
 use super::{Body, LoadKind, Rig};
+use crate::dem::Integrator;
 
 /// A rig that cannot be set in motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +41,8 @@ pub enum RigError {
         /// How many of its kind there are.
         count: usize,
     },
+    /// A scheme that rigs do not know.
+    Scheme(Integrator),
     /// The step is not positive, or too large for the contacts present at the start.
     Step {
         /// The step (s).
@@ -81,6 +84,9 @@ impl RigError {
             }
             Self::Missing { body, count } => {
                 format!("a load or bar acts on {}, and there are only {count}", name(*body))
+            }
+            Self::Scheme(scheme) => {
+                format!("rigs are advanced by verlet or adams, not by {scheme}, which asks for forces several times a step")
             }
             Self::Step { step, limit } => {
                 format!("a step of {step:.3e} s cannot be used; it must be positive and below {limit:.3e} s")

@@ -9,9 +9,10 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::Rig;
+use crate::dem::Integrator;
 
 const MAGIC: &[u8; 20] = b"granulens checkpoint";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// The whole state of a run, flattened to numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -21,6 +22,9 @@ pub(super) struct State {
     pub count: u64,
     /// Arrays of spheres and flats, in the order of `engine`.
     pub bodies: Vec<Vec<f64>>,
+    pub integrator: Integrator,
+    /// Accelerations one and two steps ago, where the scheme asks for them, in the order of `machine/past`.
+    pub past: Vec<Vec<f64>>,
     pub work_in: f64,
     pub absorbed: f64,
     pub at_hand: f64,

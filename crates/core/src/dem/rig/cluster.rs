@@ -43,6 +43,21 @@ pub struct ClusterState<const D: usize> {
     pub(super) spin_rate: f64,
 }
 
+/// What a scheme adds to a cluster's drift: to its displacement over the step and its angle over it, to its predicted velocity and spin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ahead<const D: usize> {
+    pub moved: [f64; D],
+    pub velocity: [f64; D],
+    pub angle: f64,
+    pub spin: f64,
+}
+
+impl<const D: usize> Default for Ahead<D> {
+    fn default() -> Self {
+        Self { moved: [0.0; D], velocity: [0.0; D], angle: 0.0, spin: 0.0 }
+    }
+}
+
 impl<const D: usize> ClusterState<D> {
     pub(super) const NUMBERS: usize = 4 * D + 4;
 
@@ -97,17 +112,17 @@ impl<const D: usize> ClusterState<D> {
         &mut self,
         rig: &Rig<D>,
         cluster: &Cluster<D>,
-        h: f64,
+        (h, ahead): (f64, &Ahead<D>),
         bodies: &mut Bodies<D>,
         (trial, trial_turn): (&mut [[f64; D]], &mut Turns<D>),
         lever: &[f64],
     ) {
         for k in 0..D {
-            self.moved[k] += h * (self.velocity[k] + 0.5 * h * self.acceleration[k]);
+            self.moved[k] += h * (self.velocity[k] + 0.5 * h * self.acceleration[k] + ahead.moved[k]);
         }
-        self.angle += h * (self.spin + 0.5 * h * self.spin_rate);
-        let velocity = std::array::from_fn(|k| self.velocity[k] + h * self.acceleration[k]);
-        let spin = [0.0, 0.0, self.spin + h * self.spin_rate];
+        self.angle += h * (self.spin + 0.5 * h * self.spin_rate + ahead.angle);
+        let velocity = std::array::from_fn(|k| self.velocity[k] + h * self.acceleration[k] + ahead.velocity[k]);
+        let spin = [0.0, 0.0, self.spin + h * self.spin_rate + ahead.spin];
         for &i in &cluster.members {
             let (arm, centre) = (self.arm(rig, cluster, i), rig.sample.spheres[i].centre);
             for k in 0..D {
@@ -120,8 +135,16 @@ impl<const D: usize> ClusterState<D> {
         }
     }
 
-    /// New velocities under the forces on the members, which follow. With `h` zero only forces and accelerations are set.
-    pub(super) fn kick(&mut self, rig: &Rig<D>, cluster: &Cluster<D>, h: f64, sums: &Sums<D>, bodies: &mut Bodies<D>) {
+    /// New velocities under the forces on the members, which follow. With `h` zero only forces and accelerations are set. `added` is what
+    /// the scheme adds to the k-th velocity, the last of which is the spin, under a new acceleration.
+    pub(super) fn kick(
+        &mut self,
+        rig: &Rig<D>,
+        cluster: &Cluster<D>,
+        (h, added): (f64, impl Fn(usize, f64) -> f64),
+        sums: &Sums<D>,
+        bodies: &mut Bodies<D>,
+    ) {
         (self.force, self.torque) = ([0.0; D], 0.0);
         for &i in &cluster.members {
             let arm = self.arm(rig, cluster, i);
@@ -132,12 +155,12 @@ impl<const D: usize> ClusterState<D> {
         }
         for k in 0..D {
             let new = self.force[k] / cluster.mass + rig.gravity[k];
-            self.velocity[k] += 0.5 * h * (self.acceleration[k] + new);
+            self.velocity[k] += 0.5 * h * (self.acceleration[k] + new) + added(k, new);
             self.acceleration[k] = new;
         }
         if cluster.turns {
             let new = self.torque / cluster.inertia;
-            self.spin += 0.5 * h * (self.spin_rate + new);
+            self.spin += 0.5 * h * (self.spin_rate + new) + added(D, new);
             self.spin_rate = new;
         }
         let spin = [0.0, 0.0, self.spin];

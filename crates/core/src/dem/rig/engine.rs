@@ -8,16 +8,19 @@ use super::cluster::ClusterState;
 use super::contacts::{Account, Facing, Kept, NearFace, Strain, Sums};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
-use super::machine::Machine;
+use super::machine::{Machine, Past};
 use super::pairs::{Near, pair};
 use super::view::Touching;
 use super::{Body, Rig};
-use crate::dem::ContactRecord;
+use crate::dem::{ContactRecord, Integrator};
 
 /// A machine of any law.
 pub(super) trait Engine<const D: usize>: Send {
     fn begin(&mut self, rig: &Rig<D>);
     fn advance(&mut self, rig: &Rig<D>);
+    /// Goes on by a scheme, from a start or a state that is taken up.
+    fn go_by(&mut self, integrator: Integrator);
+    fn integrator(&self) -> Integrator;
     fn count(&self) -> u64;
     fn bodies(&self) -> &Bodies<D>;
     fn sums(&self) -> &Sums<D>;
@@ -51,6 +54,12 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
     }
     fn advance(&mut self, rig: &Rig<D>) {
         Machine::advance(self, rig);
+    }
+    fn go_by(&mut self, integrator: Integrator) {
+        Machine::go_by(self, integrator);
+    }
+    fn integrator(&self) -> Integrator {
+        if self.past.is_some() { Integrator::Adams } else { Integrator::Verlet }
     }
     fn count(&self) -> u64 {
         self.count
@@ -232,6 +241,8 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
                 flat(&self.sums.flat),
                 b.clusters.iter().flat_map(ClusterState::numbers).collect(),
             ],
+            integrator: self.integrator(),
+            past: self.past.as_ref().map_or(Vec::new(), Past::numbers),
             work_in: self.work_in,
             absorbed: self.absorbed,
             at_hand: self.at_hand,
@@ -351,6 +362,9 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             let parts = clusters.chunks(ClusterState::<D>::NUMBERS);
             b.clusters = parts.map(ClusterState::from_numbers).collect();
         }
-        fits
+        match &mut self.past {
+            Some(past) => fits && past.take_up(&state.past),
+            None => fits && state.past.is_empty(),
+        }
     }
 }

@@ -156,12 +156,13 @@ pub(super) fn guard<const D: usize>(
             return Err(RigStop::NotFinite { body: Body::Flat(f), time });
         }
     }
+    let stability = engine.integrator().stability();
     let fine = rig.resolution.map_or(f64::INFINITY, |most| most / step * (most / step));
-    for Strain { bodies, ratio, limit, stiffness } in engine.strains(bearable::<D>(step).min(fine)) {
+    for Strain { bodies, ratio, limit, stiffness } in engine.strains(bearable::<D>(step / stability).min(fine)) {
         if ratio > limit {
             return Err(RigStop::Overlap { bodies, ratio, limit, time });
         }
-        let limit = stable_step::<D>(stiffness, lighter(rig, bodies));
+        let limit = stability * stable_step::<D>(stiffness, lighter(rig, bodies));
         if step > limit {
             return Err(RigStop::Step { step, limit, stiffness, bodies, time });
         }

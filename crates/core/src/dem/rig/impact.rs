@@ -6,7 +6,7 @@ use crate::dem::{Impact, Integrator, Ledger, Record, Stop, steps_in};
 use crate::sample::Sample;
 
 /// Follows an impact as [`simulate`](crate::dem::simulate) does, with friction if asked for, and with contacts that come and
-/// go. Always by velocity Verlet, which needs half the step of the multistep scheme for the same accuracy. Losses by friction count as dissipated; the springs of friction as stored.
+/// go. By the impact's scheme and step; where that is Runge-Kutta's, by velocity Verlet. Losses by friction count as dissipated; the springs of friction as stored.
 ///
 /// # Errors
 /// See [`RigError`]. A run that a guard stops is no error: its record says why.
@@ -37,8 +37,9 @@ pub fn simulate_as_rig<const D: usize>(
         rig.velocity[i][D - 1] = speed;
     }
     let mass = rig.mass.clone();
-    let step = rig_step(impact.integrator, impact.step);
-    let mut simulation = Simulation::new(rig, step)?.watching(vec![Arrival::OwnMaximum(0.01)]);
+    let step = impact.step;
+    let integrator = if impact.integrator == Integrator::Rk4 { Integrator::Verlet } else { impact.integrator };
+    let mut simulation = Simulation::by(integrator, rig, step)?.watching(vec![Arrival::OwnMaximum(0.01)]);
     let (mut exit_momentum, mut exit_force) = (0.0_f64, 0.0_f64);
     let stop = simulation
         .follow(steps_in(impact.window, step), context, |view| {
@@ -83,7 +84,7 @@ pub fn simulate_as_rig<const D: usize>(
     })
 }
 
-/// The step (s) by which a rig, which knows velocity Verlet only, follows what was planned for an integrator and a step.
+/// The step (s) by which velocity Verlet follows what was planned for an integrator and a step.
 pub fn rig_step(integrator: Integrator, step: f64) -> f64 {
     if integrator == Integrator::Adams { 0.5 * step } else { step }
 }

@@ -8,7 +8,7 @@
 //! - `flat`: rigid faces, fixed, moved or free; `curve`: what a load is over time
 //! - `law`: which law holds between which bodies; `dashpot`: springs and dashpots
 //! - `pairs`: who is near whom, with a skin; `bodies`, `turns`, `contacts`: the state and the forces, as parallel arrays
-//! - `machine`: one velocity-Verlet step; `engine`: a machine whatever its law
+//! - `machine`: one step, by velocity Verlet or Adams's scheme; `engine`: a machine whatever its law
 //! - `simulation`: from start to end; `check`, `guard`: what is refused and what stops a run; `view`: what can be looked at
 //! - `felt`, `ledger`: what each sphere felt, and where the energy went, by mechanism
 //! - `impact`: an impact on a crystal as a rig, with friction

@@ -15,7 +15,7 @@ use super::view::View;
 use super::{Body, LawBook, Rig};
 use crate::Context;
 use crate::dem::share::MANY;
-use crate::dem::{ContactRecord, same, stable_step};
+use crate::dem::{ContactRecord, Integrator, same, stable_step};
 
 /// A rig in motion.
 pub struct Simulation<const D: usize> {
@@ -31,14 +31,30 @@ pub struct Simulation<const D: usize> {
 const WATCH: u64 = 64;
 
 impl<const D: usize> Simulation<D> {
-    /// Sets a rig in motion, with steps of `step` (s).
+    /// Sets a rig in motion, with steps of `step` (s) of velocity Verlet.
     ///
     /// # Errors
     /// See [`RigError`].
     pub fn new(rig: Rig<D>, step: f64) -> Result<Self, RigError> {
+        Self::by(Integrator::Verlet, rig, step)
+    }
+
+    /// Sets a rig in motion by velocity Verlet or by Adams's scheme, with steps of `step` (s). Adams's is of fourth order while forces are
+    /// smooth, and by it a fall under gravity is exact too; of second order in a step in which a contact begins or ends, yields, or begins to slide, and
+    /// wherever springs of friction act, whose ways are found from the mean of two velocities. It is stable up to
+    /// [`Integrator::stability`] of Verlet's step.
+    ///
+    /// # Errors
+    /// See [`RigError`]; [`RigError::Scheme`] for Runge-Kutta's, which asks for forces several times a step.
+    pub fn by(integrator: Integrator, rig: Rig<D>, step: f64) -> Result<Self, RigError> {
+        if integrator == Integrator::Rk4 {
+            return Err(RigError::Scheme(integrator));
+        }
         check(&rig, step)?;
         let mut engine = engine(&rig, step);
         engine.begin(&rig);
+        engine.go_by(integrator);
+        let slowed = step / integrator.stability();
         let overlapping = (0..engine.contacts()).filter_map(|c| engine.touching(&rig, c));
         let reach = |bodies: [Body; 2]| {
             let radii = bodies.iter().filter_map(|body| match body {
@@ -53,8 +69,9 @@ impl<const D: usize> Simulation<D> {
                 return Err(RigError::Overlap { bodies, overlap });
             }
         }
-        for strain in engine.strains(bearable::<D>(step)) {
-            let limit = stable_step::<D>(strain.stiffness, lighter(&rig, strain.bodies));
+        for strain in engine.strains(bearable::<D>(slowed)) {
+            let stable = stable_step::<D>(strain.stiffness, lighter(&rig, strain.bodies));
+            let limit = integrator.stability() * stable;
             if step > limit {
                 return Err(RigError::Step { step, limit });
             }
@@ -136,6 +153,10 @@ impl<const D: usize> Simulation<D> {
     pub fn step(&self) -> f64 {
         self.step
     }
+    /// By which scheme.
+    pub fn integrator(&self) -> Integrator {
+        self.engine.integrator()
+    }
     /// The present state.
     pub fn view(&self) -> View<'_, D> {
         View { rig: &self.rig, engine: &*self.engine, step: self.step }
@@ -191,7 +212,7 @@ impl<const D: usize> Simulation<D> {
         state.to_bytes()
     }
 
-    /// Takes up a run where [`checkpoint`](Self::checkpoint) left it: it goes on to the same bits. Rig, step and what is
+    /// Takes up a run where [`checkpoint`](Self::checkpoint) left it: it goes on to the same bits. Rig, step, scheme and what is
     /// watched must be the same.
     ///
     /// # Errors
@@ -204,6 +225,9 @@ impl<const D: usize> Simulation<D> {
         if state.step != self.step {
             return Err(CheckpointError::Other("step"));
         }
+        if state.integrator != self.engine.integrator() {
+            return Err(CheckpointError::Other("scheme"));
+        }
         let mut felt = self.felt.clone();
         let watched = match (&mut felt, state.felt.take()) {
             (None, None) => true,
@@ -214,6 +238,7 @@ impl<const D: usize> Simulation<D> {
             return Err(CheckpointError::Other("set of arrivals"));
         }
         let mut engine = engine(&self.rig, self.step);
+        engine.go_by(state.integrator);
         if !engine.load(&self.rig, state) {
             return Err(CheckpointError::Damaged);
         }

@@ -1,20 +1,23 @@
-//! One velocity-Verlet step of a rig.
+//! One step of a rig, by velocity Verlet or by Adams's scheme, which adds to it.
 //!
 //! The predicted velocity v + h a stands in the force, as everywhere in [`dem`](crate::dem), so that the step is of second
 //! order although forces depend on velocities. Bars and drag answer the new velocity implicitly (Crank and Nicolson), so that
 //! a stiff bar limits no step.
 //!
-//! - `motion`: drift and kick of all bodies
+//! - `motion`: drift and kick of all bodies; `past`: what Adams's scheme adds to both
 //! - `acts`: what loads do to bodies during a step
 
 mod acts;
 mod motion;
+mod past;
 
 use std::ops::Range;
 
 use acts::{Act, Loaded};
+pub(super) use past::Past;
 
 use super::bodies::{Bodies, dot};
+use super::cluster::Ahead;
 use super::contacts::{Contacts, Excess, Predicted, Sums};
 use super::law::{Binder, Bonding};
 use super::ledger::EnergyLedger;
@@ -47,6 +50,8 @@ pub(super) struct Machine<const D: usize, L: Bonding, B> {
     /// What the scheme held back at the start (J).
     pub held_back: f64,
     turning: bool,
+    /// Accelerations before, with Adams's scheme.
+    pub past: Option<Past>,
     /// Bodies under loads or incoming pulses.
     loaded: Vec<Loaded>,
     acts: Vec<Act<D>>,
@@ -71,6 +76,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             at_hand: 0.0,
             held_back: 0.0,
             turning,
+            past: None,
             count: 0,
             loaded: acts::loaded(rig),
             acts: Vec::new(),
@@ -123,11 +129,16 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         let h = self.step;
         self.plan_acts(rig);
         let mut strayed = self.drift(h);
+        strayed |= self.drift_by_past(h);
         self.apply_acts(rig, h);
         for (c, cluster) in rig.clusters.iter().enumerate() {
             let mut state = self.bodies.clusters[c];
+            let ahead = self
+                .past
+                .as_mut()
+                .map_or_else(Ahead::default, |past| past.cluster_ahead(c, &state.acceleration, state.spin_rate));
             let predicted = (&mut self.trial[..], &mut self.trial_turn);
-            state.drift(rig, cluster, h, &mut self.bodies, predicted, &self.contacts.lever);
+            state.drift(rig, cluster, (h, &ahead), &mut self.bodies, predicted, &self.contacts.lever);
             self.bodies.clusters[c] = state;
         }
         strayed |= self.driven_strayed(rig);
@@ -146,9 +157,13 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         );
         let impulses = self.part_impulses();
         self.kick(rig, h);
+        self.kick_by_past(rig, h);
         self.give_impulses(rig, h, &impulses);
         self.finish_acts(rig, h);
         self.move_clusters(rig, h);
+        if let Some(past) = &mut self.past {
+            past.accept();
+        }
         // Its room is used again.
         self.sums.excess = impulses;
         self.count += 1;
@@ -174,7 +189,9 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
     fn move_clusters(&mut self, rig: &Rig<D>, h: f64) {
         for (c, cluster) in rig.clusters.iter().enumerate() {
             let mut state = self.bodies.clusters[c];
-            state.kick(rig, cluster, h, &self.sums, &mut self.bodies);
+            let past = self.past.as_ref();
+            let added = |k: usize, new: f64| past.map_or(0.0, |past| past.cluster_behind::<D>(c, k, new));
+            state.kick(rig, cluster, (h, added), &self.sums, &mut self.bodies);
             self.bodies.clusters[c] = state;
         }
     }
@@ -190,7 +207,9 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             held_back: -self.held_back,
             ..EnergyLedger::default()
         };
-        let (bodies, eighth) = (&self.bodies, 0.125 * self.step * self.step);
+        // What Verlet holds back while forces act, and Adams does not.
+        let eighth = if self.past.is_some() { 0.0 } else { 0.125 * self.step * self.step };
+        let bodies = &self.bodies;
         for (state, cluster) in bodies.clusters.iter().zip(&rig.clusters) {
             ledger.kinetic += state.kinetic(cluster);
             ledger.held_back += eighth * cluster.mass * dot(&state.acceleration, &state.acceleration);

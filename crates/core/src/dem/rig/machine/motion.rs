@@ -52,7 +52,7 @@ fn kick<const D: usize, const DAMPED: bool>(
 
 /// Whether a body has moved farther than its leeway since near pairs were last looked for.
 #[inline(always)]
-fn strayed<const D: usize>(now: &[f64; D], seen: &[f64; D], leeway: f64) -> bool {
+pub(super) fn strayed<const D: usize>(now: &[f64; D], seen: &[f64; D], leeway: f64) -> bool {
     let mut squared = 0.0;
     for k in 0..D {
         squared += (now[k] - seen[k]) * (now[k] - seen[k]);
