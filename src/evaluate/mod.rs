@@ -269,3 +269,23 @@ const UNREACHED: f64 = 1e-6;
 
 /// Overlap over δ_p up to which the plastic laws were fitted (Burgoyne 2016, section 2.1.1).
 const FITTED_DEPTH: f64 = 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each doubt is told above its limit and not below it, with the number that it is about.
+    #[test]
+    fn doubts_are_told_above_their_limits_only() {
+        let words = |doubts: Doubts| doubts.words("this layout").join("\n");
+        let overlap = |ratio: f64| words(Doubts { overlap: [ratio * 6.35e-3, ratio], ..Doubts::default() });
+        assert_eq!(overlap(0.99 * OVERLAP_WARNING), "");
+        assert!(overlap(0.2).contains("overlaps reach 1.27 mm (20.0 % of the diameter)"), "{}", overlap(0.2));
+        let depth = |depth: f64| words(Doubts { depth, ..Doubts::default() });
+        assert_eq!(depth(0.99 * FITTED_DEPTH), "");
+        assert!(depth(12.5).contains("overlaps reach 12.5 delta_p"), "{}", depth(12.5));
+        let unreached = |unreached: usize| words(Doubts { unreached, ..Doubts::default() });
+        assert_eq!(unreached(0), "");
+        assert!(unreached(3).contains("reaches 3 of the spheres"), "{}", unreached(3));
+    }
+}

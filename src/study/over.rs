@@ -57,3 +57,27 @@ pub(super) fn of_runs(study: &Study, runs: &[Evaluated], stats: &LayoutStats) ->
     let entry = Entry::new(String::new(), String::new(), &study.by_impact(runs));
     entry.stop.is_none().then(|| summary(&entry, stats, study.objective.over))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Under the worst impact every measure is what is worst for what is asked of it: the least of what is to be great, the greatest of what is to be
+    /// small. In the mean it is neither.
+    #[test]
+    fn the_worst_impact_counts_for_every_measure() {
+        let scores = |number: f64| {
+            let mut scores = Scores::default();
+            Measure::ALL.iter().for_each(|&measure| scores.set(measure, Some(number)));
+            scores
+        };
+        let entry = Entry::new(String::new(), String::new(), &[]);
+        let entry = Entry { impacts: vec![scores(2.0), scores(5.0), scores(3.0)], ..entry };
+        let all = |over| summary(&entry, &LayoutStats::default(), over);
+        for &measure in Measure::ALL.iter().filter(|measure| measure.needs() != Needs::Layout) {
+            let worst = if measure.better() == Better::Greater { 2.0 } else { 5.0 };
+            assert_eq!(all(Over::Worst).get(measure), Some(worst), "{}", measure.name());
+            assert_eq!(all(Over::Mean).get(measure), Some(10.0 / 3.0), "{}", measure.name());
+        }
+    }
+}

@@ -279,6 +279,62 @@ fn several_foci_are_all_reported() {
     assert_eq!(claims.len(), report::claims(&synthetic::outcome()).len());
 }
 
+/// Tables hold what was recorded and scored, to the bit, and the scale of a map is in the unit that stands beside it.
+#[test]
+fn numbers_are_those_of_the_record() {
+    let outcome = synthetic::outcome();
+    let files = files(&outcome);
+    let rows = |name: &str| -> (Vec<String>, Vec<Vec<String>>) {
+        let mut lines = files[name].lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<String>>());
+        (lines.next().unwrap(), lines.collect())
+    };
+    let (head, spheres) = rows("spheres.csv");
+    let column = |name: &str| head.iter().position(|column| column == name).unwrap();
+    let sites = outcome.sites.len();
+    for (k, row) in spheres.iter().enumerate() {
+        let (arrangement, site) = (&outcome.arrangements[k / sites], k % sites);
+        assert_eq!(row[0], arrangement.name);
+        assert_eq!(row[column("material")], outcome.materials[usize::from(arrangement.layout[site])]);
+        let record = &arrangement.record;
+        for (name, value) in [
+            ("row", f64::from(outcome.sites[site].row)),
+            ("x", outcome.sites[site].x),
+            ("z", outcome.sites[site].z),
+            ("max_kinetic_J", record.max_kinetic[site]),
+            ("max_net_force_N", record.max_net_force[site]),
+            ("dissipated_J", record.dissipated[site]),
+        ] {
+            assert_eq!(row[column(name)].parse::<f64>().unwrap(), value, "{name} of row {k}");
+        }
+    }
+    let (head, numbers) = rows("numbers.csv");
+    let json: serde_json::Value = serde_json::from_str(&files["numbers.json"]).unwrap();
+    for (k, (row, arrangement)) in numbers.iter().zip(&outcome.arrangements).enumerate() {
+        let scores = &arrangement.scores;
+        assert_eq!(row[0], arrangement.name);
+        for (name, value) in [
+            ("focal_mean_J", Some(scores.focal_mean)),
+            ("protected_mean_J", Some(scores.protected_mean)),
+            ("contrast", Some(scores.focal_mean / scores.protected_mean)),
+            ("focal_gain", scores.focal_gain),
+            ("protection", scores.protection),
+        ] {
+            let place = head.iter().position(|column| column == name).unwrap();
+            let told = row[place].parse::<f64>().ok();
+            let same = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+            assert!(told.zip(value).map_or(told == value, |(a, b)| same(a, b)), "{name} of {}", row[0]);
+            let stored = json["arrangements"][k]["scores"][name].as_f64().or(json["arrangements"][k][name].as_f64());
+            assert_eq!(stored, told, "{name} of {} in JSON", row[0]);
+        }
+    }
+    let map = &files["forces.svg"];
+    let scale = &map[..map.find("greatest net force (kN)").unwrap()];
+    let tick = scale.split("</text>").filter_map(|part| part.rsplit('>').next()?.parse::<f64>().ok()).last().unwrap();
+    let lens = &outcome.arrangements[0].record.max_net_force;
+    let high = 1e-3 * lens.iter().copied().filter(|force| force.is_finite()).fold(0.0, f64::max);
+    assert!(tick > 0.1 * high && tick <= 1.001 * high, "{tick} kN on the scale, {high} kN at most");
+}
+
 #[test]
 fn numbers_hold_every_arrangement_with_units() {
     let outcome = synthetic::outcome();

@@ -1,6 +1,7 @@
 //! What is recorded: events as they happen, regions, sampled maxima and losses.
 
 use granulens::contact::{Constants, Pair};
+use granulens::dem::rig::Simulation;
 use granulens::material::find;
 
 use super::*;
@@ -194,4 +195,110 @@ fn regions_share_the_energies() {
     for (a, b) in contacts.column("a").iter().zip(contacts.column("b")) {
         assert!(chosen.contains(a) || chosen.contains(b), "{a} {b}");
     }
+}
+
+/// A sheet that a heavy flat falls on and shears, with all records.
+const TABLES: &str = r#"
+name = "tables"
+[crystal]
+packing = "hexagonal"
+diameter = "6 mm"
+layers = 6
+x = ["0 D", "5 D"]
+material = "brass"
+[law]
+kind = "thesis"
+[friction]
+coefficient = 0.3
+spring = "mindlin"
+[gravity]
+acceleration = "9.81 m/s2"
+[[flat]]
+name = "ram"
+point = ["0 m", "-3 mm"]
+normal = [0.0, 1.0]
+mass = "0.1 kg"
+velocity = ["2 m/s", "8 m/s"]
+[run]
+window = "60 us"
+step = "0.1 us"
+[record]
+quantities = ["position", "displacement", "velocity", "force", "dissipated"]
+contacts = "all"
+"#;
+
+/// Tables hold what the state is, column by column: a run beside, to the same bits, whose contacts, spheres and energies are looked at by name.
+#[test]
+fn columns_hold_the_state_of_their_name() {
+    let Ok(Setup::Two(bench)) = Setup::parse(shipped("rig.toml"), TABLES) else { panic!() };
+    let ran = Ran::of(&bench);
+    let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step).unwrap();
+    simulation.advance(bench.plan.steps(), &Context::default()).unwrap();
+    let (view, ledger) = (simulation.view(), simulation.ledger());
+    let contacts = ran.series("contacts.csv");
+    let end = *contacts.column("time_s").last().unwrap();
+    let first = contacts.column("time_s").iter().position(|&time| time == end).unwrap();
+    let touching: Vec<_> = view.contacts().collect();
+    assert!(touching.len() > 10 && contacts.column("time_s").len() - first == touching.len());
+    for (row, contact) in touching.iter().enumerate() {
+        for (column, value) in [
+            ("nx", contact.normal[0]),
+            ("nz", contact.normal[1]),
+            ("overlap_m", contact.overlap),
+            ("closing_m_s", contact.closing_speed),
+            ("force_N", contact.force),
+            ("tangential_N", contact.tangential),
+            ("overlap_max_m", contact.overlap_max),
+            ("force_max_N", contact.force_max),
+            ("stored_J", contact.stored),
+            ("dissipated_J", contact.dissipated),
+        ] {
+            assert_eq!(contacts.column(column)[first + row], value, "{column} of contact {row}");
+        }
+    }
+    let spheres = ran.series("spheres.csv");
+    let count = bench.rig.mass.len();
+    let last = spheres.column("time_s").len() - count;
+    for i in 0..count {
+        for (column, value) in [
+            ("sphere", (i + 1) as f64),
+            ("x_m", view.position(i)[0]),
+            ("z_m", view.position(i)[1]),
+            ("ux_m", view.displacement(i)[0]),
+            ("uz_m", view.displacement(i)[1]),
+            ("vx_m_s", view.velocity(i)[0]),
+            ("vz_m_s", view.velocity(i)[1]),
+            ("Fx_N", view.net_force(i)[0]),
+            ("Fz_N", view.net_force(i)[1]),
+            ("dissipated_J", simulation.dissipated()[i]),
+        ] {
+            assert_eq!(spheres.column(column)[last + i], value, "{column} of sphere {}", i + 1);
+        }
+    }
+    let energies = ran.series("energies.csv");
+    for (column, value) in [
+        ("work_in_J", ledger.work_in),
+        ("kinetic_J", ledger.kinetic),
+        ("stored_J", ledger.stored),
+        ("tangential_stored_J", ledger.tangential_stored),
+        ("potential_J", ledger.potential),
+        ("dissipated_J", ledger.dissipated),
+        ("friction_J", ledger.friction),
+        ("absorbed_J", ledger.absorbed),
+    ] {
+        assert_eq!(*energies.column(column).last().unwrap(), value, "{column}");
+    }
+    let flats = ran.series("flats.csv");
+    for (column, value) in [("ram_moved_m", view.flat(0).moved[1]), ("ram_velocity_m_s", view.flat(0).velocity[1])] {
+        assert_eq!(*flats.column(column).last().unwrap(), value, "{column}");
+    }
+    // What is drawn is in the unit that stands beside it: the highest number on the axis is a round one below the greatest force.
+    granulens::report::draw_trial(ran.folder.path()).unwrap();
+    let drawn = std::fs::read_to_string(ran.folder.path().join("flats.svg")).unwrap();
+    let greatest = 1e-3 * flats.column("ram_force_N").iter().copied().fold(0.0, f64::max);
+    let numbers = drawn.split("</text>").filter_map(|part| part.rsplit('>').next()?.parse::<f64>().ok());
+    let along_y: Vec<f64> =
+        numbers.scan(f64::NEG_INFINITY, |last, x| (x > std::mem::replace(last, x)).then_some(x)).collect();
+    let top = along_y.last().unwrap();
+    assert!(drawn.contains("force (kN)") && *top > 0.5 * greatest && *top < 1.06 * greatest, "{along_y:?} {greatest}");
 }

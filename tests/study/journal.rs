@@ -1,9 +1,11 @@
 //! Journals that are torn, damaged, foreign, or of other settings.
 
+use granulens::Context;
+use granulens::evaluate::Plan;
 use granulens::search::Dice;
-use granulens::study::Journal;
+use granulens::study::{Journal, Study, run};
 
-use crate::{DESIGN, Desk, STUDY};
+use crate::{DESIGN, Desk, STUDY, Told};
 
 #[test]
 fn a_flipped_bit_is_found_and_its_evaluation_done_anew() {
@@ -61,6 +63,29 @@ fn evaluations_of_other_settings_are_not_used() {
     let (_, told) = desk.run().unwrap();
     assert_eq!(told.simulated, 200);
     assert!(told.warnings[0].contains("200 evaluations of the journal belong to other settings"));
+}
+
+/// Step and window need not stand in the design: those that are given to a study count too, each by itself.
+#[test]
+fn evaluations_of_another_step_or_window_are_not_used() {
+    let desk = Desk::new(&STUDY.replace("600", "100"));
+    desk.run().unwrap();
+    let study = desk.study();
+    let window = Plan::new(&study.design, study.overrides(0), &study.palette).unwrap().window;
+    let longer = Study { window: Some(1.5 * window), ..study.clone() };
+    let mut told = Told::default();
+    run(&longer, &desk.path("journal.jsonl"), &Context::default(), &mut told).unwrap();
+    assert_eq!(told.simulated, 100);
+    assert!(
+        told.warnings[0].contains("100 evaluations of the journal belong to other settings"),
+        "{:?}",
+        told.warnings
+    );
+    let mut finer = study;
+    finer.rungs[0].step = Some(2e-7);
+    let mut told = Told::default();
+    run(&finer, &desk.path("journal.jsonl"), &Context::default(), &mut told).unwrap();
+    assert_eq!(told.simulated, 100);
 }
 
 /// A comment, an empty line, another order of keys: the design says the same, and nothing is evaluated anew.

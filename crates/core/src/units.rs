@@ -244,6 +244,58 @@ mod tests {
         assert_eq!(Density.parse("7.65 g/cm3"), Ok(7650.0));
     }
 
+    /// Every unit by its definition (BIPM 2019, the SI brochure; the inch is 25.4 mm), and all that are known.
+    #[test]
+    fn every_unit_is_what_it_is_defined_as() {
+        use super::Dimension::*;
+        let degree = std::f64::consts::PI / 180.0;
+        let defined: &[(super::Dimension, &[(&str, f64)])] = &[
+            (
+                Length,
+                &[
+                    ("nm", 1e-9),
+                    ("um", 1e-6),
+                    ("µm", 1e-6),
+                    ("μm", 1e-6),
+                    ("mm", 1e-3),
+                    ("cm", 1e-2),
+                    ("m", 1.0),
+                    ("in", 25.4e-3),
+                ],
+            ),
+            (Time, &[("ns", 1e-9), ("us", 1e-6), ("µs", 1e-6), ("μs", 1e-6), ("ms", 1e-3), ("s", 1.0)]),
+            (Force, &[("mN", 1e-3), ("N", 1.0), ("kN", 1e3), ("MN", 1e6)]),
+            (Pressure, &[("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6), ("GPa", 1e9)]),
+            // 1 g/cm³ = 10⁻³ kg / 10⁻⁶ m³.
+            (
+                Density,
+                &[("kg/m3", 1.0), ("kg/m^3", 1.0), ("kg/m³", 1.0), ("g/cm3", 1e3), ("g/cm^3", 1e3), ("g/cm³", 1e3)],
+            ),
+            (Angle, &[("rad", 1.0), ("deg", degree), ("°", degree)]),
+            (Speed, &[("mm/s", 1e-3), ("m/s", 1.0), ("km/s", 1e3)]),
+            (Mass, &[("mg", 1e-6), ("g", 1e-3), ("kg", 1.0)]),
+            (Energy, &[("uJ", 1e-6), ("mJ", 1e-3), ("J", 1.0), ("kJ", 1e3)]),
+            (Stiffness, &[("N/m", 1.0), ("kN/m", 1e3), ("MN/m", 1e6), ("GN/m", 1e9)]),
+            (Impedance, &[("kg/s", 1.0), ("N s/m", 1.0), ("t/s", 1e3)]),
+            (Acceleration, &[("mm/s2", 1e-3), ("m/s2", 1.0), ("m/s^2", 1.0), ("m/s²", 1.0)]),
+            (Rate, &[("1/s", 1.0), ("1/ms", 1e3), ("1/us", 1e6)]),
+            (Spin, &[("rad/s", 1.0), ("deg/s", degree)]),
+            (Fraction, &[("%", 1e-2)]),
+        ];
+        for (dimension, units) in defined {
+            for (unit, si) in *units {
+                let read = dimension.parse(&format!("3 {unit}")).unwrap();
+                assert!((read / (3.0 * si) - 1.0).abs() < 1e-15, "3 {unit} is {read}");
+            }
+            let known: Vec<&str> = dimension.units().iter().map(|unit| unit.0).collect();
+            let listed: Vec<&str> = units.iter().map(|unit| unit.0).collect();
+            assert!(
+                known.len() == listed.len() && known.iter().all(|unit| listed.contains(unit)),
+                "{known:?} {listed:?}"
+            );
+        }
+    }
+
     #[test]
     fn inches_come_in_fractions() {
         for (fraction, decimal) in

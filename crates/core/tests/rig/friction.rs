@@ -239,3 +239,40 @@ fn a_cluster_moves_as_a_rigid_body() {
     assert!(difference(impulse, 0.04 / (1.5 + 0.25 / 0.75), 0.0) < 1e-3, "{impulse}");
     assert!(simulation.ledger().residual().unwrap().abs() < 1e-5);
 }
+
+/// Friction at a member's surface turns the whole: a cluster of one sphere is that sphere, to rounding.
+#[test]
+fn a_cluster_feels_its_members_couples() {
+    let build = |cluster: bool| {
+        let mut rig = crate::rigs::rig(&[[0.0, 0.0], [0.6, 0.8]], LawKind::Hertz);
+        rig.laws = LawBook::Materials {
+            law: Law::Named(LawKind::Hertz),
+            constants: Constants::Code,
+            pairs: Vec::new(),
+            friction: Some(Friction::mindlin(0.3)),
+        };
+        rig.velocity[0] = [0.0, 2.0];
+        if cluster {
+            rig.clusters = vec![Cluster {
+                members: vec![1],
+                centre: [0.6 * DIAMETER, 0.8 * DIAMETER],
+                mass: rig.mass[1],
+                inertia: rig.inertia[1],
+                turns: true,
+                velocity: [0.0; 2],
+                spin: 0.0,
+            }];
+        }
+        run(rig, 5e-8, 2000)
+    };
+    let (alone, bound) = (build(false), build(true));
+    let spin = alone.view().spin(1)[2];
+    assert!(spin.abs() > 10.0, "{spin}");
+    assert!(difference(bound.view().cluster(0).spin, spin, 0.0) < 1e-9, "{} {spin}", bound.view().cluster(0).spin);
+    for i in [0, 1] {
+        for k in [0, 1] {
+            let (a, b) = (alone.view().velocity(i)[k], bound.view().velocity(i)[k]);
+            assert!((a - b).abs() < 1e-11, "sphere {i}: {a} {b}");
+        }
+    }
+}

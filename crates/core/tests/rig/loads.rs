@@ -1,8 +1,9 @@
 //! Loads, bars and flats on single bodies, against closed forms.
 
 use granulens_core::contact::LawKind;
-use granulens_core::dem::rig::{Bar, Body, Curve, Face, Flat, Load, LoadKind, Simulation};
+use granulens_core::dem::rig::{Bar, Body, Cluster, Curve, Face, Flat, Load, LoadKind, Simulation};
 
+use crate::reference::difference;
 use crate::rigs::{DIAMETER, GO, rig, run};
 
 /// A free sphere under each pulse: its final velocity is the impulse over the mass, exactly; its displacement after the pulse
@@ -171,4 +172,32 @@ fn a_ball_bounces_back_to_its_height() {
     assert!(highest.abs() < 0.5 * 9.81 * 1e-8 + 1e-6 * height, "{highest}");
     // Works are sums of trapezoids over 300 steps of a contact: (π/300)²/12 = 1e-5.
     assert!(simulation.ledger().residual().unwrap().abs() < 3e-5);
+}
+
+/// A plate and a cluster that fall by h have m g h less potential energy and as much kinetic: the balance is that of each sign, not of a sum.
+#[test]
+fn what_falls_turns_potential_into_kinetic_energy() {
+    let mut rig = rig(&[[9.0, 0.0], [19.0, 0.0], [20.0, 0.0]], LawKind::Hertz);
+    rig.gravity = [0.0, 9.81];
+    rig.flats =
+        vec![Flat { mass: 2.0, velocity: [0.0, 0.5], held: [false; 2], ..Flat::wall("ram", [0.0, -1.0], [0.0, 1.0]) }];
+    rig.clusters = vec![Cluster {
+        members: vec![1, 2],
+        centre: [19.5 * DIAMETER, 0.0],
+        mass: 0.3,
+        inertia: 1e-6,
+        turns: true,
+        velocity: [0.0, -0.2],
+        spin: 0.0,
+    }];
+    let mass = rig.mass[0];
+    let simulation = run(rig, 1e-6, 1000);
+    let (view, ledger) = (simulation.view(), simulation.ledger());
+    let ways = [view.flat(0).moved[1], view.cluster(0).moved[1], view.displacement(0)[1]];
+    let lost: f64 = ways.iter().zip([2.0, 0.3, mass]).map(|(way, mass)| mass * 9.81 * way).sum();
+    assert!(ways[0] > 0.0 && ways[1] < 0.0 && lost > 1e-3);
+    assert!(difference(ledger.potential, -lost, 0.0) < 1e-12, "{ledger:?}");
+    let started = 0.5 * (2.0 * 0.5 * 0.5 + 0.3 * 0.2 * 0.2);
+    assert!(difference(ledger.kinetic, started + lost, 0.0) < 1e-9, "{ledger:?}");
+    assert!(ledger.residual().unwrap().abs() < 1e-12);
 }
