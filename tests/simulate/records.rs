@@ -199,6 +199,8 @@ fn regions_share_the_energies() {
 
 /// A sheet that a heavy flat falls on and shears, with all records.
 const TABLES: &str = r#"
+format = 1
+kind = "rig"
 name = "tables"
 [crystal]
 packing = "hexagonal"

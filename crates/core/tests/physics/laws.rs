@@ -192,6 +192,29 @@ fn force_is_the_slope_of_the_energy_for_every_law() {
     }
 }
 
+/// Beyond δ_max a contact that parts is clipped at F_max under the published laws: what it stores there rises by F_max.
+#[test]
+fn a_clipped_force_is_the_slope_of_the_energy_too() {
+    let mut clipped = Vec::new();
+    for &kind in LawKind::ALL {
+        let law = AnyLaw::new(kind, &pair("440c", "brass"));
+        for deepest in [4e-6, 4e-4] {
+            let (history, _) = pressed(&law, deepest, 500);
+            for share in [1.01, 1.05, 1.2] {
+                let (overlap, h) = (share * deepest, 1e-6 * deepest);
+                if law.force(overlap, -1e-12, &history) == history.force_max {
+                    let slope = (law.stored(overlap + h, &history) - law.stored(overlap - h, &history)) / (2.0 * h);
+                    assert!((slope / history.force_max - 1.0).abs() < 1e-6, "{kind} at {overlap}: {slope}");
+                    clipped.push(kind);
+                }
+            }
+        }
+    }
+    for kind in [LawKind::Thesis, LawKind::ThesisStatic, LawKind::HertzThesis] {
+        assert_eq!(clipped.iter().filter(|&&other| other == kind).count(), 6, "{kind}");
+    }
+}
+
 /// Histories that tell δ_max and F_max alone are completed: the contact goes on as it would have.
 #[test]
 fn memories_are_recalled_from_what_is_common_to_all_laws() {

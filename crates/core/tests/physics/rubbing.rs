@@ -67,6 +67,21 @@ fn a_glancing_collision_slides_by_coulombs_law() {
     assert!(momentum[0].abs() < 1e-12 * speed && (momentum[1] / speed - 1.0).abs() < 1e-12, "{momentum:?}");
 }
 
+/// Where part of the contact sticks, the spring's stiffness decides what becomes of the motion along it: as in a rig, whose friction is other code (and is held to an
+/// integration of its own, `rig::contacts`). Half the stiffness would move the second sphere's velocity by percents.
+#[test]
+fn a_sticking_collision_is_the_rigs() {
+    for (angle, mu) in [(0.2, 0.3), (0.4, 0.3), (0.6, 0.5)] {
+        let (sample, record) = glancing(angle, 0.5, mu);
+        let rig = simulate_as_rig(&sample, &impact(vec![(0, 0.5)], 60e-6), Some(Friction::mindlin(mu)), &GO).unwrap();
+        for k in 0..2 {
+            let (ours, theirs) = (record.velocity[1][k], rig.velocity[1][k]);
+            assert!((ours - theirs).abs() < 2e-4 * 0.5, "{angle} {mu}: {ours} {theirs}");
+        }
+        assert!(record.velocity[1][1] > 0.3 && record.stop.is_none() && rig.stop.is_none());
+    }
+}
+
 /// A steep collision sticks: spring and slip at the rim give back part of the tangential motion, and nothing is gained. With μ so
 /// large that nothing slips nothing is lost: Mindlin's spring is elastic where the overlap grows, and softens as it falls.
 #[test]

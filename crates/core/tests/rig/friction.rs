@@ -276,3 +276,27 @@ fn a_cluster_feels_its_members_couples() {
         }
     }
 }
+
+/// The same in space, whichever way the spheres slide: the second, which was at rest, leaves with an impulse whose tangential part is μ times its normal one, where
+/// they slide to the end (Maw, Barber and Fawcett 1976). The arms are shorter than the radius by half the overlap, and the normal turns by some 10⁻⁴.
+#[test]
+fn sliding_in_space_obeys_coulomb() {
+    for (coefficient, [x, y]) in [(0.1, [1.0, 0.0]), (0.1, [0.6, 0.8]), (0.3, [-0.8, 0.6])] {
+        let spheres =
+            [[0.0; 3], [0.0, 0.0, DIAMETER]].map(|centre| Sphere { centre, radius: 0.5 * DIAMETER, material: 0 });
+        let laws = LawBook::Materials {
+            law: Law::Named(LawKind::Hertz),
+            constants: Constants::Code,
+            pairs: Vec::new(),
+            friction: Some(Friction::mindlin(coefficient)),
+        };
+        let mut rig = Rig::new(Sample { materials: vec![material("440c")], spheres: spheres.to_vec() }, laws);
+        // Far above tan θ = (7/2) μ (1 + e), from where on they slide throughout.
+        rig.velocity[0] = [4.0 * x, 4.0 * y, 0.5];
+        let simulation = run(rig, 5e-8, 3000);
+        let velocity = simulation.view().velocity(1);
+        let along = x * velocity[0] + y * velocity[1];
+        assert!((along / (coefficient * velocity[2]) - 1.0).abs() < 5e-3, "{velocity:?}");
+        assert!((x * velocity[1] - y * velocity[0]).abs() < 1e-9, "{velocity:?}");
+    }
+}
