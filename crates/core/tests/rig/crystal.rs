@@ -325,6 +325,8 @@ fn no_gap_hides_a_contact() {
         // A plate that comes as fast is as an equal sphere that does.
         let mut one = rig(&[[0.0, 0.0]], LawKind::Hertz);
         one.velocity = vec![[0.0, speed]];
+        // The plate's hand does work that no balance knows.
+        one.residual_limit = f64::INFINITY;
         one.flats = vec![granulens_core::dem::rig::Flat {
             velocity: [0.0, -speed],
             ..granulens_core::dem::rig::Flat::wall("plate", [0.0, 0.5 * DIAMETER + gap], [0.0, -1.0])
