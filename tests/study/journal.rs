@@ -1,7 +1,6 @@
 //! Journals that are torn, damaged, foreign, or of other settings.
 
 use granulens::Context;
-use granulens::evaluate::Plan;
 use granulens::search::Dice;
 use granulens::study::{Journal, Study, run};
 
@@ -71,7 +70,7 @@ fn evaluations_of_another_step_or_window_are_not_used() {
     let desk = Desk::new(&STUDY.replace("600", "100"));
     desk.run().unwrap();
     let study = desk.study();
-    let window = Plan::new(&study.design, study.overrides(0), &study.palette).unwrap().window;
+    let window = study.plan(0).unwrap().window;
     let longer = Study { window: Some(1.5 * window), ..study.clone() };
     let mut told = Told::default();
     run(&longer, &desk.path("journal.jsonl"), &Context::default(), &mut told).unwrap();
