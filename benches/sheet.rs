@@ -4,10 +4,13 @@
 //! `--case NAME` for one case. With `--export FOLDER STEPS closed|impact SIZE` a crystal is written for LAMMPS, and
 //! where its spheres are after so many steps, for `benches/against_lammps.py`. What the figures mean: `benches/README.md`.
 
+mod clock;
+
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
+use clock::{peak_memory, processor_time};
 use granulens::contact::LawKind;
 use granulens::dem::rig::{Body, Curve, Law, LawBook, Load, LoadKind, Rig};
 use granulens::dem::sheet::{Grid, Sheet, Sides};
@@ -20,17 +23,6 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 const DIAMETER: f64 = 6.35e-3;
 const STEP: f64 = 5e-8;
-
-/// Time (s) that this process has been on a processor, on Linux; elsewhere time that passes.
-fn processor_time(begun: Instant) -> f64 {
-    let ticks = |thread: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
-        text.split(' ').next()?.parse::<f64>().ok()
-    };
-    let threads = std::fs::read_dir("/proc/self/task").ok();
-    let spent = threads.and_then(|list| list.flatten().map(ticks).sum::<Option<f64>>());
-    spent.map_or_else(|| begun.elapsed().as_secs_f64(), |nanoseconds| 1e-9 * nanoseconds)
-}
 
 /// A nearly square sheet of about so many spheres, its sides periodic.
 fn grid(spheres: usize, squeezed: bool) -> Grid {
@@ -129,13 +121,6 @@ fn rate(make: impl Fn() -> Sheet, designs: usize, threads: usize, millions: f64)
     sheet.advance(steps, threads).expect("a calm sheet");
     let work = 1e-6 * spheres as f64 * steps as f64;
     [work / (processor_time(begun) - before), work / begun.elapsed().as_secs_f64()]
-}
-
-/// Greatest memory of the process so far (bytes), on Linux.
-fn peak_memory() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    Some(1024.0 * line.split_whitespace().nth(1)?.parse::<f64>().ok()?)
 }
 
 fn main() {

@@ -89,6 +89,10 @@ impl Simulate {
         let folder = common.out.clone().unwrap_or_else(|| Path::new("simulations").join(&bench.name));
         let keeping = Keeping { resume: self.resume, every: Duration::from_secs_f64(self.checkpoint_every) };
         note(common, &format!("{} spheres; {}", bench.sites.len(), bench.method().words()));
+        if trial::is_large(bench) {
+            let threads = rayon::current_num_threads();
+            note(common, &format!("a large crystal, followed by its rows on {threads} threads; no tables of contacts"));
+        }
         if let Some(preload) = &bench.preload {
             note(common, &preload.to_string());
         }

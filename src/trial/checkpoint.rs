@@ -33,6 +33,18 @@ pub(super) struct Checkpoint {
     pub state: Vec<u8>,
 }
 
+/// Whether a run with this checksum and these seeds is one of the bench; if not, why.
+pub(super) fn is_of<const D: usize>(text: u32, seeds: &[u64], bench: &Bench<D>) -> Result<(), String> {
+    if text != crc32fast::hash(bench.text.as_bytes()) {
+        return Err("the file of the rig has changed since; what was begun cannot be gone on with".to_owned());
+    }
+    if seeds != bench.seeds {
+        let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
+        return Err(format!("the run was begun with other seeds ({}); give the same --seed", seeds.join(", ")));
+    }
+    Ok(())
+}
+
 impl Checkpoint {
     /// Of a run that has just been sampled, or is between samples. Streams are written out first.
     pub fn of<const D: usize>(
@@ -70,17 +82,7 @@ impl Checkpoint {
             return Err(Self::refused(path, reason));
         };
         let checkpoint: Self = unsealed(rest).ok_or_else(|| Self::refused(path, "the checkpoint is damaged"))?;
-        if checkpoint.text != crc32fast::hash(bench.text.as_bytes()) {
-            return Err(Self::refused(
-                path,
-                "the file of the rig has changed since; what was begun cannot be gone on with",
-            ));
-        }
-        if checkpoint.seeds != bench.seeds {
-            let seeds: Vec<String> = checkpoint.seeds.iter().map(u64::to_string).collect();
-            let reason = format!("the run was begun with other seeds ({}); give the same --seed", seeds.join(", "));
-            return Err(Self::refused(path, &reason));
-        }
+        is_of(checkpoint.text, &checkpoint.seeds, bench).map_err(|reason| Self::refused(path, &reason))?;
         Ok(checkpoint)
     }
 

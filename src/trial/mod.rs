@@ -7,11 +7,13 @@
 //! - `streams`: samples over time; `events`: what happens, when it happens; `tables`: what is written at the end; `series`: files read back, a column at a time
 //! - `frames`: every body and contact at every sample
 //! - `checkpoint`: state and lengths of the streams in one file
+//! - `large`: large crystals in space, followed by their rows
 //! - `summary`: what a run came to
 
 mod checkpoint;
 mod events;
 mod frames;
+mod large;
 mod series;
 mod streams;
 mod summary;
@@ -24,6 +26,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+pub use large::is_large;
 pub use series::{Series, SeriesError};
 pub use summary::{BodySummary, Recorded, Summary};
 
@@ -147,24 +150,38 @@ pub fn run<const D: usize>(
     context: &Context,
 ) -> Result<(Summary, Ending), TrialError> {
     let path = folder.join(CHECKPOINT);
-    let mut begun = match keeping.resume {
+    // What was begun by rows is gone on with by rows.
+    let by_rows = if keeping.resume { large::halved(&path)? } else { None };
+    let mut begun = match keeping.resume && by_rows.is_none() {
         true => Some(taken_up(bench, folder, &path)?),
         false => None,
     };
-    let mut halved = begun.as_ref().map_or_else(Halved::default, |checkpoint| checkpoint.halved.clone());
+    let mut tries_rows = begun.is_none();
+    let mut keeping = keeping;
+    let mut halved = by_rows.or(begun.as_ref().map(|checkpoint| checkpoint.halved.clone())).unwrap_or_default();
     let mut bench = bench.clone();
     bench.record.frames = begun.as_ref().map_or(bench.record.frames, |checkpoint| checkpoint.frames);
     loop {
         let bench = halved.of(&bench);
-        match once(&bench, folder, begun.take(), &halved, keeping.every, context)? {
+        let by_rows = if tries_rows { large::run(&bench, folder, keeping, &halved, context)? } else { None };
+        let done = match by_rows {
+            Some(done) => done,
+            None => {
+                tries_rows = false;
+                once(&bench, folder, begun.take(), &halved, keeping.every, context)?
+            }
+        };
+        match done {
             (_, Ending::Stopped(stop @ RigStop::Coarse { .. })) if halved.times < MOST_HALVINGS => {
                 let why = stop.words("s", &|body| bench.name_of(body));
                 halved = Halved { times: halved.times + 1, why };
+                keeping.resume = false;
                 fs::remove_file(&path).map_err(|error| TrialError::File { path: path.clone(), error })?;
             }
             done => {
                 if !matches!(done.1, Ending::Interrupted { .. }) {
                     fs::remove_file(&path).map_err(|error| TrialError::File { path, error })?;
+                    let _ = fs::remove_file(folder.join(CHECKPOINT).with_extension("new"));
                 }
                 return Ok(done);
             }

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use super::TrialError;
 use super::events::{self, Events, State};
 use super::frames::Frames;
-use crate::dem::rig::{Body, Simulation, Touching, View};
-use crate::setup::{Bench, Contacts, Intruder, Labels, Quantity, RecordPlan, spin_about_y};
+use crate::dem::rig::{Body, EnergyLedger, Simulation, Touching, View};
+use crate::setup::{Bench, Contacts, Intruder, Labels, Quantity, RecordPlan, Region, spin_about_y};
 
 /// Names of the axes in `D` dimensions.
 pub(super) const fn axes<const D: usize>() -> &'static [&'static str] {
@@ -19,6 +19,37 @@ pub(super) const fn axes<const D: usize>() -> &'static [&'static str] {
         2 => &["x", "z"],
         _ => &["x", "y", "z"],
     }
+}
+
+/// Columns of `energies.csv`.
+pub(super) const ENERGIES: &str =
+    "time_s,work_in_J,kinetic_J,stored_J,tangential_stored_J,potential_J,dissipated_J,friction_J,absorbed_J,residual";
+
+/// Those of `layers.csv`.
+pub(super) fn layer_header(layers: u32) -> String {
+    (1..=layers).fold("time_s".to_owned(), |text, layer| format!("{text},layer_{layer}_m_s"))
+}
+
+/// Those of `regions.csv`.
+pub(super) fn region_header(regions: &[Region]) -> String {
+    regions.iter().fold("time_s".to_owned(), |text, Region { name, .. }| {
+        format!("{text},{name}_velocity_m_s,{name}_kinetic_J,{name}_dissipated_J")
+    })
+}
+
+/// What stands in a line of `energies.csv` behind the time.
+pub(super) fn energies(ledger: &EnergyLedger) -> [f64; 9] {
+    [
+        ledger.work_in,
+        ledger.kinetic,
+        ledger.stored,
+        ledger.tangential_stored,
+        ledger.potential,
+        ledger.dissipated,
+        ledger.friction,
+        ledger.absorbed,
+        ledger.residual().unwrap_or(0.0),
+    ]
 }
 
 /// All files of one run that grow.
@@ -73,8 +104,7 @@ impl Streams {
         let along = |stem: &str, unit: &str| -> String {
             axes::<D>().iter().fold(String::new(), |text, axis| format!("{text},{stem}{axis}_{unit}"))
         };
-        let energies = "time_s,work_in_J,kinetic_J,stored_J,tangential_stored_J,potential_J,dissipated_J,friction_J,absorbed_J,residual";
-        let layers = (1..=bench.layers).fold("time_s".to_owned(), |text, layer| format!("{text},layer_{layer}_m_s"));
+        let layers = layer_header(bench.layers);
         let flats = rig.flats.iter().fold("time_s".to_owned(), |text, flat| {
             let name = &flat.name;
             format!("{text},{name}_moved_m,{name}_velocity_m_s,{name}_force_N")
@@ -92,10 +122,7 @@ impl Streams {
                 Quantity::Dissipated => ",dissipated_J".to_owned(),
             }
         });
-        let regions = record.regions.iter().fold("time_s".to_owned(), |text, region| {
-            let name = &region.name;
-            format!("{text},{name}_velocity_m_s,{name}_kinetic_J,{name}_dissipated_J")
-        });
+        let regions = region_header(&record.regions);
         let intruders = bench.intruders.iter().fold("time_s".to_owned(), |text, intruder| {
             let of = |stem: &str, unit: &str| along(&format!("{}_{stem}", intruder.name), unit);
             let angle = intruder.cluster.map_or(String::new(), |_| format!(",{}_angle_rad", intruder.name));
@@ -114,7 +141,7 @@ impl Streams {
         let mut in_layer = vec![0.0; bench.layers as usize];
         bench.sites.iter().for_each(|site| in_layer[site.layer as usize - 1] += 1.0);
         Ok(Self {
-            energies: stream("energies.csv", energies)?,
+            energies: stream("energies.csv", ENERGIES)?,
             layers: stream("layers.csv", &layers)?,
             flats,
             bars,
@@ -137,19 +164,7 @@ impl Streams {
     pub fn sample<const D: usize>(&mut self, simulation: &Simulation<D>) -> Result<(), TrialError> {
         let (view, rig, time) = (simulation.view(), simulation.rig(), simulation.time());
         let row = &mut self.row;
-        let ledger = simulation.ledger();
-        let energies = [
-            ledger.work_in,
-            ledger.kinetic,
-            ledger.stored,
-            ledger.tangential_stored,
-            ledger.potential,
-            ledger.dissipated,
-            ledger.friction,
-            ledger.absorbed,
-            ledger.residual().unwrap_or(0.0),
-        ];
-        self.energies.row(row, time, energies)?;
+        self.energies.row(row, time, energies(&simulation.ledger()))?;
 
         let mut sums = vec![0.0; self.in_layer.len()];
         for (i, [layer, _]) in self.places.iter().enumerate() {
@@ -341,18 +356,18 @@ pub(super) fn append(row: &mut String, values: impl IntoIterator<Item = f64>) {
 pub(super) struct Stream {
     path: PathBuf,
     file: BufWriter<File>,
-    length: u64,
+    pub length: u64,
 }
 
 impl Stream {
-    fn create(path: PathBuf, header: &str) -> Result<Self, TrialError> {
+    pub fn create(path: PathBuf, header: &str) -> Result<Self, TrialError> {
         let file = File::create(&path).map_err(|error| TrialError::File { path: path.clone(), error })?;
         let mut stream = Self { path, file: BufWriter::new(file), length: 0 };
         stream.line(header)?;
         Ok(stream)
     }
 
-    fn take_up(path: PathBuf, length: u64) -> Result<Self, TrialError> {
+    pub fn take_up(path: PathBuf, length: u64) -> Result<Self, TrialError> {
         let attempt = || -> io::Result<File> {
             let mut file = OpenOptions::new().write(true).open(&path)?;
             if file.metadata()?.len() < length {
@@ -375,14 +390,19 @@ impl Stream {
     }
 
     /// A time and values.
-    fn row(&mut self, row: &mut String, time: f64, values: impl IntoIterator<Item = f64>) -> Result<(), TrialError> {
+    pub fn row(
+        &mut self,
+        row: &mut String,
+        time: f64,
+        values: impl IntoIterator<Item = f64>,
+    ) -> Result<(), TrialError> {
         row.clear();
         let _ = write!(row, "{time:?}");
         append(row, values);
         self.line(row)
     }
 
-    fn flush(&mut self) -> Result<(), TrialError> {
+    pub fn flush(&mut self) -> Result<(), TrialError> {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().sync_data());
         flushed.map_err(|error| TrialError::File { path: self.path.clone(), error })
     }

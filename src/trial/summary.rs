@@ -122,7 +122,32 @@ pub struct Recorded {
     pub column: u32,
 }
 
+/// What a run has come to, in few numbers.
+pub(super) struct Reached {
+    pub time: f64,
+    pub steps: u64,
+    pub ledger: EnergyLedger,
+    pub max_speed: f64,
+}
+
 impl Summary {
+    /// Of a crystal without flats and other bodies.
+    pub(super) fn of<const D: usize>(bench: &Bench<D>, reached: &Reached, ending: &Ending) -> Self {
+        Self {
+            time_s: reached.time,
+            steps: reached.steps,
+            finished: !matches!(ending, Ending::Interrupted { .. }),
+            stop: match ending {
+                Ending::Stopped(stop) => Some(stop.words("s", &|body| bench.name_of(body))),
+                _ => None,
+            },
+            energies: reached.ledger,
+            residual: reached.ledger.residual(),
+            max_speed_m_s: reached.max_speed,
+            ..Self::beginning(bench)
+        }
+    }
+
     /// Of a run that has only begun.
     pub(super) fn beginning<const D: usize>(bench: &Bench<D>) -> Self {
         let recorded =
@@ -220,24 +245,13 @@ impl Summary {
                 }
             })?;
         }
-        Ok(Self {
-            time_s: simulation.time(),
+        let reached = Reached {
+            time: simulation.time(),
             steps: simulation.steps(),
-            finished: !matches!(ending, Ending::Interrupted { .. }),
-            stop: match ending {
-                Ending::Stopped(stop) => Some(stop.words("s", &|body| bench.name_of(body))),
-                _ => None,
-            },
-            energies: ledger,
-            residual: ledger.residual(),
-            gains,
-            warnings,
-            max_speed_m_s: simulation.greatest_speed().into_iter().take(bench.sites.len()).fold(0.0, f64::max),
-            flats,
-            intruders,
-            events: counts,
-            ..Self::beginning(bench)
-        })
+            ledger,
+            max_speed: simulation.greatest_speed().into_iter().take(bench.sites.len()).fold(0.0, f64::max),
+        };
+        Ok(Self { gains, warnings, flats, intruders, events: counts, ..Self::of(bench, &reached, ending) })
     }
 
     /// That of the trial in a folder.

@@ -8,14 +8,37 @@ use super::{TrialError, write};
 use crate::dem::rig::{Arrival, Body, Simulation};
 use crate::setup::{Bench, Labels};
 
+/// What each sphere felt at most, and when it was reached.
+pub(super) struct Peaks {
+    /// (m/s)
+    pub speed: Vec<f64>,
+    /// (N)
+    pub force: Vec<f64>,
+    /// (J)
+    pub dissipated: Vec<f64>,
+    /// By threshold (s).
+    pub arrivals: Vec<Vec<Option<f64>>>,
+}
+
+impl Peaks {
+    fn of<const D: usize>(simulation: &Simulation<D>, thresholds: usize) -> Self {
+        Self {
+            speed: simulation.greatest_speed(),
+            force: simulation.greatest_force(),
+            dissipated: simulation.dissipated(),
+            arrivals: (0..thresholds).map(|k| simulation.arrivals(k)).collect(),
+        }
+    }
+}
+
 /// Writes the tables of spheres, layers and contacts, and that of regions where there are any.
 pub(super) fn write_all<const D: usize>(
     folder: &Path,
     bench: &Bench<D>,
     simulation: &Simulation<D>,
 ) -> Result<(), TrialError> {
-    write(&folder.join("spheres-final.csv"), spheres(bench, simulation).as_bytes())?;
-    write(&folder.join("layers-final.csv"), layers(bench, simulation).as_bytes())?;
+    let peaks = Peaks::of(simulation, bench.record.arrivals.len());
+    write_peaks(folder, bench, &peaks, &|i| simulation.view().part(i))?;
     let mut contacts = contact_header::<D>() + "\n";
     let labels = bench.labels();
     for touching in simulation.view().contacts() {
@@ -23,10 +46,22 @@ pub(super) fn write_all<const D: usize>(
         contacts.push('\n');
     }
     write(&folder.join("contacts-final.csv"), contacts.as_bytes())?;
-    if !bench.record.regions.is_empty() {
-        write(&folder.join("regions-final.csv"), regions(bench, simulation).as_bytes())?;
-    }
     write(&folder.join("contacts-ever.csv"), contacts_ever(&labels, simulation).as_bytes())
+}
+
+/// Writes the tables of spheres and layers, and that of regions where there are any; `part` tells how much of a sphere is simulated.
+pub(super) fn write_peaks<const D: usize>(
+    folder: &Path,
+    bench: &Bench<D>,
+    peaks: &Peaks,
+    part: &dyn Fn(usize) -> f64,
+) -> Result<(), TrialError> {
+    write(&folder.join("spheres-final.csv"), spheres(bench, peaks).as_bytes())?;
+    write(&folder.join("layers-final.csv"), layers(bench, peaks).as_bytes())?;
+    if !bench.record.regions.is_empty() {
+        write(&folder.join("regions-final.csv"), regions(bench, peaks, part).as_bytes())?;
+    }
+    Ok(())
 }
 
 /// One line per contact of spheres that ever closed: its greatest overlap and force, and what it took.
@@ -43,11 +78,8 @@ fn contacts_ever<const D: usize>(labels: &Labels, simulation: &Simulation<D>) ->
 }
 
 /// One line per sphere: where it lay, what it is, what it felt at most, when the wave came. Empty where it did not.
-fn spheres<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> String {
-    let rig = simulation.rig();
-    let arrivals: Vec<_> = (0..bench.record.arrivals.len()).map(|k| simulation.arrivals(k)).collect();
-    let [speed, force, dissipated] =
-        [simulation.greatest_speed(), simulation.greatest_force(), simulation.dissipated()];
+fn spheres<const D: usize>(bench: &Bench<D>, peaks: &Peaks) -> String {
+    let (rig, Peaks { speed, force, dissipated, arrivals }) = (&bench.rig, peaks);
     let mut text = "sphere,layer,column".to_owned();
     axes::<D>().iter().for_each(|axis| text += &format!(",{axis}_m"));
     text += ",diameter_m,material,max_speed_m_s,max_kinetic_J,max_force_N,dissipated_J";
@@ -58,7 +90,7 @@ fn spheres<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> Stri
         append(&mut text, sphere.centre);
         let _ = write!(text, ",{:?},{}", 2.0 * sphere.radius, rig.sample.materials[sphere.material].name);
         append(&mut text, [speed[i], 0.5 * rig.mass[i] * speed[i] * speed[i], force[i], dissipated[i]]);
-        for times in &arrivals {
+        for times in arrivals {
             match times[i] {
                 Some(time) => append(&mut text, [time]),
                 None => text.push(','),
@@ -71,9 +103,8 @@ fn spheres<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> Stri
 
 /// One line per layer: how many spheres it has, what they dissipated, the fastest of them, and the mean of the arrivals that
 /// there were.
-fn layers<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> String {
-    let arrivals: Vec<_> = (0..bench.record.arrivals.len()).map(|k| simulation.arrivals(k)).collect();
-    let (speed, dissipated) = (simulation.greatest_speed(), simulation.dissipated());
+fn layers<const D: usize>(bench: &Bench<D>, peaks: &Peaks) -> String {
+    let Peaks { speed, dissipated, arrivals, .. } = peaks;
     let mut text = "layer,spheres,dissipated_J,max_speed_m_s".to_owned();
     bench.record.arrivals.iter().for_each(|arrival| text += &format!(",arrival_{}_s", threshold_name(*arrival)));
     text.push('\n');
@@ -83,7 +114,7 @@ fn layers<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> Strin
         let _ = write!(text, "{layer},{}", members.len());
         let lost: f64 = members.iter().map(|&i| dissipated[i]).sum();
         append(&mut text, [lost, members.iter().map(|&i| speed[i]).fold(0.0, f64::max)]);
-        for times in &arrivals {
+        for times in arrivals {
             let came: Vec<f64> = members.iter().filter_map(|&i| times[i]).collect();
             if came.is_empty() {
                 text.push(',');
@@ -98,10 +129,8 @@ fn layers<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> Strin
 
 /// One line per region: the mean of its spheres' greatest kinetic energies, as the scores of lenses have it, the greatest of
 /// their speeds and forces, and what their simulated parts dissipated.
-fn regions<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> String {
-    let (rig, view) = (simulation.rig(), simulation.view());
-    let [speed, force, dissipated] =
-        [simulation.greatest_speed(), simulation.greatest_force(), simulation.dissipated()];
+fn regions<const D: usize>(bench: &Bench<D>, peaks: &Peaks, part: &dyn Fn(usize) -> f64) -> String {
+    let (rig, Peaks { speed, force, dissipated, .. }) = (&bench.rig, peaks);
     let mut text = "region,spheres,mean_max_kinetic_J,max_speed_m_s,max_force_N,dissipated_J\n".to_owned();
     for region in &bench.record.regions {
         let members = &region.spheres;
@@ -109,7 +138,7 @@ fn regions<const D: usize>(bench: &Bench<D>, simulation: &Simulation<D>) -> Stri
         let most = |values: &[f64]| members.iter().map(|&i| values[i]).fold(0.0, f64::max);
         let _ = write!(text, "{},{}", region.name, members.len());
         let kinetic = sum(&|i| 0.5 * rig.mass[i] * speed[i] * speed[i]) / members.len() as f64;
-        append(&mut text, [kinetic, most(&speed), most(&force), sum(&|i| view.part(i) * dissipated[i])]);
+        append(&mut text, [kinetic, most(speed), most(force), sum(&|i| part(i) * dissipated[i])]);
         text.push('\n');
     }
     text

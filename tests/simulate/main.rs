@@ -7,12 +7,14 @@
 //! - `records`: events, regions, sampled maxima and losses
 //! - `cases`: small rigs that were wrong elsewhere, with the values that are right
 //! - `intruders`: bodies that strike, layouts as patterns, springs and dashpots
+//! - `large`: crystals that are followed by their rows
 //! - `steps`: the step that is chosen: guards, accuracy, restitution, laws that make energy
 //! - `refusals`: what a wrong rig file hears
 
 mod cases;
 mod felt;
 mod intruders;
+mod large;
 mod preload;
 mod records;
 mod refusals;

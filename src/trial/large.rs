@@ -1,0 +1,394 @@
+//! Large crystals in space, followed by their rows ([`bulk`](crate::dem::bulk)): the same files as of other rigs but for the tables of contacts, which
+//! would be longer than all else.
+//!
+//! Which rigs these are, [`impact_of`] says. Where such a crystal turns out to be none, because spheres meet that are no neighbours, the run is begun
+//! anew as any other rig's.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read as _, Write as _};
+use std::path::Path;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::checkpoint::is_of;
+use super::streams::{ENERGIES, Stream, append, energies, layer_header, region_header};
+use super::summary::Reached;
+use super::tables::{Peaks, write_peaks};
+use super::{CHECKPOINT, Ending, Halved, Keeping, SUMMARY, Summary, TrialError, begin, write};
+use crate::dem::bulk::{Arrivals, Bulk, MANY, Recording};
+use crate::dem::rig::{Arrival, Body, Curve, EnergyLedger, Law, LawBook, LoadKind, RigStop, sealed, unsealed};
+use crate::dem::{ForcePulse, Impact, Integrator, Period, Stop};
+use crate::real::Width;
+use crate::setup::{Bench, Contacts, Quantity};
+use crate::{Context, Progress};
+
+/// First line of the checkpoint of such a run.
+const OPENING: &[u8] = b"granulens large trial checkpoint 1\n";
+/// Most steps between two looks at the clock.
+const CHUNK: u64 = 16;
+
+/// The impact on a bench that is one large crystal in space: equal free spheres, one law without friction, no flats, walls, bars or gravity; one
+/// square force along z from the start on, spheres that move along z, or both; samples of motion alone. None of all others.
+pub fn impact_of(bench: &Bench<3>) -> Option<Impact> {
+    let (rig, record) = (&bench.rig, &bench.record);
+    let nothing_else = rig.clusters.is_empty()
+        && rig.flats.is_empty()
+        && rig.bars.is_empty()
+        && rig.gravity == [0.0; 3]
+        && rig.drag == 0.0
+        && !rig.squeezed
+        && !rig.held.iter().flatten().any(|&held| held)
+        && !rig.has_friction()
+        && !rig.velocity.iter().any(|&[x, y, _]| x != 0.0 || y != 0.0)
+        && rig.overlap_limit.is_none()
+        && bench.intruders.is_empty();
+    let spheres = &rig.sample.spheres;
+    let arrivals = matches!(record.arrivals[..], [] | [Arrival::Speed(_)] | [Arrival::OwnMaximum(0.01)]);
+    let motion_alone = arrivals
+        && spheres.iter().all(|sphere| sphere.radius == spheres[0].radius)
+        && record.contacts == Contacts::None
+        && record.events.is_empty()
+        && !record.frames
+        && record
+            .quantities
+            .iter()
+            .all(|q| matches!(q, Quantity::Position | Quantity::Displacement | Quantity::Velocity));
+    let LawBook::Materials { law: Law::Named(law), constants, pairs, .. } = &rig.laws else { return None };
+    if rig.sample.spheres.len() < MANY || !nothing_else || !motion_alone || !pairs.is_empty() {
+        return None;
+    }
+    let (mut pulse, mut struck) = (ForcePulse { force: 0.0, duration: 0.0 }, Vec::new());
+    match &rig.loads[..] {
+        [] => {}
+        [load] => {
+            let Curve::Square { peak, start: 0.0, duration } = load.curve else { return None };
+            if load.kind != LoadKind::Force || load.direction != [0.0, 0.0, 1.0] {
+                return None;
+            }
+            pulse = ForcePulse { force: peak, duration };
+            for body in &load.bodies {
+                let Body::Sphere(sphere) = *body else { return None };
+                struck.push(sphere);
+            }
+        }
+        _ => return None,
+    }
+    let moving = rig.velocity.iter().enumerate().filter(|(_, v)| v[2] != 0.0).map(|(i, v)| (i, v[2])).collect();
+    let period = |(axis, length): (usize, &Option<f64>)| length.map(|length| Period { axis, length });
+    Some(Impact {
+        mirrors: rig.mirrors.clone(),
+        periods: rig.periods.iter().enumerate().filter_map(period).collect(),
+        law: *law,
+        constants: *constants,
+        pulse,
+        slope: 0.0,
+        struck,
+        moving,
+        exit: Vec::new(),
+        integrator: Integrator::Verlet,
+        step: bench.plan.step,
+        window: bench.plan.window,
+    })
+}
+
+/// The crystal of such a bench in any dimension, at its start.
+fn crystal_of<const D: usize>(bench: &Bench<D>) -> Option<(&Bench<3>, Bulk)> {
+    let any: &dyn Any = bench;
+    let bench = any.downcast_ref::<Bench<3>>()?;
+    let arrivals = match bench.record.arrivals[..] {
+        [] => Arrivals::None,
+        [Arrival::Speed(speed)] => Arrivals::Speed(speed),
+        _ => Arrivals::OwnMaximum,
+    };
+    let recording = Recording { energies: true, arrivals };
+    let bulk = Bulk::new(&bench.rig.sample, &impact_of(bench)?, recording, Width::widest()).ok()?;
+    Some((bench, bulk))
+}
+
+/// Whether a bench is followed by its rows.
+pub fn is_large<const D: usize>(bench: &Bench<D>) -> bool {
+    let any: &dyn Any = bench;
+    any.downcast_ref::<Bench<3>>().is_some_and(|bench| impact_of(bench).is_some())
+}
+
+/// What stands before the state in a checkpoint.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    halved: Halved,
+    text: u32,
+    seeds: Vec<u64>,
+    lengths: BTreeMap<String, u64>,
+}
+
+/// All files that grow.
+struct Streams {
+    energies: Stream,
+    layers: Stream,
+    spheres: Option<Stream>,
+    regions: Option<Stream>,
+    row: String,
+}
+
+impl Streams {
+    fn open(
+        bench: &Bench<3>,
+        mut open: impl FnMut(&str, &str) -> Result<Stream, TrialError>,
+    ) -> Result<Self, TrialError> {
+        let quantities = bench.record.quantities.iter().map(|quantity| match quantity {
+            Quantity::Position => ",x_m,y_m,z_m",
+            Quantity::Displacement => ",ux_m,uy_m,uz_m",
+            _ => ",vx_m_s,vy_m_s,vz_m_s",
+        });
+        let spheres = format!("time_s,sphere,layer,column{}", quantities.collect::<String>());
+        let mut when = |wanted: bool, name: &str, header: &str| wanted.then(|| open(name, header)).transpose();
+        let spheres = when(!bench.record.spheres.is_empty(), "spheres.csv", &spheres)?;
+        let regions = when(!bench.record.regions.is_empty(), "regions.csv", &region_header(&bench.record.regions))?;
+        let energies = open("energies.csv", ENERGIES)?;
+        Ok(Self {
+            energies,
+            layers: open("layers.csv", &layer_header(bench.layers))?,
+            spheres,
+            regions,
+            row: String::new(),
+        })
+    }
+
+    fn all(&mut self) -> impl Iterator<Item = (&'static str, &mut Stream)> {
+        let some = [("spheres.csv", self.spheres.as_mut()), ("regions.csv", self.regions.as_mut())];
+        let always = [("energies.csv", &mut self.energies), ("layers.csv", &mut self.layers)];
+        always.into_iter().chain(some.into_iter().filter_map(|(name, stream)| Some((name, stream?))))
+    }
+
+    /// One sample of everything; what the energies are.
+    fn sample(&mut self, bench: &Bench<3>, bulk: &Bulk, layer_sizes: &[f64]) -> Result<EnergyLedger, TrialError> {
+        let (time, row) = (bulk.time(), &mut self.row);
+        let ledger = ledger(bulk);
+        self.energies.row(row, time, energies(&ledger))?;
+        let velocities = bulk.velocities();
+        let mut sums = vec![0.0; layer_sizes.len()];
+        for (site, velocity) in bench.sites.iter().zip(&velocities) {
+            sums[site.layer as usize - 1] += velocity[2];
+        }
+        self.layers.row(row, time, sums.iter().zip(layer_sizes).map(|(sum, count)| sum / count.max(1.0)))?;
+        if let Some(regions) = &mut self.regions {
+            let (weights, dissipated) = (bulk.weights(), bulk.dissipated());
+            let square = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>();
+            let values = bench.record.regions.iter().flat_map(|region| {
+                let of = |value: &dyn Fn(usize) -> f64| region.spheres.iter().map(|&i| value(i)).sum::<f64>();
+                [
+                    of(&|i| velocities[i][2]) / region.spheres.len() as f64,
+                    of(&|i| 0.5 * weights[i] * bench.rig.mass[i] * square(velocities[i])),
+                    of(&|i| weights[i] * dissipated[i]),
+                ]
+            });
+            regions.row(row, time, values)?;
+        }
+        let Some(spheres) = &mut self.spheres else { return Ok(ledger) };
+        for &i in &bench.record.spheres {
+            row.clear();
+            let site = bench.sites[i];
+            let _ = write!(row, "{time:?},{},{},{}", i + 1, site.layer, site.column);
+            let moved = bulk.displacement(i);
+            for quantity in &bench.record.quantities {
+                match quantity {
+                    Quantity::Position => {
+                        let rest = bench.rig.sample.spheres[i].centre;
+                        append(row, (0..3).map(|k| rest[k] + moved[k]));
+                    }
+                    Quantity::Displacement => append(row, moved),
+                    _ => append(row, velocities[i]),
+                }
+            }
+            spheres.line(row)?;
+        }
+        Ok(ledger)
+    }
+}
+
+/// Where the energy is, as of other rigs.
+fn ledger(bulk: &Bulk) -> EnergyLedger {
+    let ledger = bulk.ledger();
+    EnergyLedger {
+        work_in: ledger.work_in,
+        kinetic: ledger.kinetic,
+        stored: ledger.stored,
+        dissipated: ledger.dissipated,
+        held_back: bulk.held_back(),
+        at_hand: ledger.work_in,
+        ..EnergyLedger::default()
+    }
+}
+
+fn keep(path: &Path, bench: &Bench<3>, bulk: &Bulk, halved: &Halved, streams: &mut Streams) -> Result<(), TrialError> {
+    streams.all().try_for_each(|(_, stream)| stream.flush())?;
+    let lengths = streams.all().map(|(name, stream)| (name.to_owned(), stream.length)).collect();
+    let (text, seeds) = (crc32fast::hash(bench.text.as_bytes()), bench.seeds.clone());
+    let head = sealed(&Head { halved: halved.clone(), text, seeds, lengths });
+    let attempt = || -> std::io::Result<()> {
+        // Beside it first: the one before stays until this one is whole.
+        let beside = path.with_extension("new");
+        let mut file = BufWriter::with_capacity(1 << 20, File::create(&beside)?);
+        file.write_all(OPENING)?;
+        file.write_all(&(head.len() as u64).to_le_bytes())?;
+        file.write_all(&head)?;
+        bulk.save(&mut file)?;
+        file.into_inner().map_err(|error| error.into_error())?.sync_all()?;
+        std::fs::rename(&beside, path)
+    };
+    attempt().map_err(|error| TrialError::File { path: path.to_owned(), error })
+}
+
+/// The beginning of a checkpoint of this machine, and where the state begins; none where it is another's.
+fn head(path: &Path) -> Result<Option<(Head, BufReader<File>)>, TrialError> {
+    let at = |error| TrialError::File { path: path.to_owned(), error };
+    let Ok(file) = File::open(path) else { return Ok(None) };
+    let mut file = BufReader::with_capacity(1 << 20, file);
+    let mut opening = vec![0; OPENING.len()];
+    if file.read_exact(&mut opening).is_err() || opening != OPENING {
+        return Ok(None);
+    }
+    let mut length = [0; 8];
+    file.read_exact(&mut length).map_err(at)?;
+    let mut head = vec![0; u64::from_le_bytes(length).min(1 << 24) as usize];
+    file.read_exact(&mut head).map_err(at)?;
+    let damaged = || TrialError::Checkpoint { path: path.to_owned(), reason: "the checkpoint is damaged".to_owned() };
+    Ok(Some((unsealed(&head).ok_or_else(damaged)?, file)))
+}
+
+/// How often the step of the run in a checkpoint of this machine was halved; none where it is another's, or none at all.
+pub fn halved(path: &Path) -> Result<Option<Halved>, TrialError> {
+    Ok(head(path)?.map(|(head, _)| head.halved))
+}
+
+/// Takes up a run.
+fn restore(folder: &Path, path: &Path, bench: &Bench<3>, bulk: &mut Bulk) -> Result<Option<Streams>, TrialError> {
+    let refused = |reason: &str| TrialError::Checkpoint { path: path.to_owned(), reason: reason.to_owned() };
+    let Some((head, mut file)) = head(path)? else { return Ok(None) };
+    is_of(head.text, &head.seeds, bench).map_err(|reason| refused(&reason))?;
+    bulk.restore(&mut file).map_err(|error| refused(&error.to_string()))?;
+    let open = |name: &str, _: &str| Stream::take_up(folder.join(name), head.lengths.get(name).copied().unwrap_or(0));
+    Streams::open(bench, open).map(Some)
+}
+
+/// The guards of rigs on accuracy: contacts that are too stiff for the step, and energy that is left over.
+fn inaccurate(bench: &Bench<3>, bulk: &Bulk, ledger: Option<&EnergyLedger>) -> Option<RigStop> {
+    let time = bulk.time();
+    if let (Some(resolution), Some(stiffest)) = (bench.rig.resolution, bulk.stiffest()) {
+        let limit = resolution * (stiffest.reduced_mass / stiffest.stiffness).sqrt();
+        if bench.plan.step > limit * (1.0 + 1e-9) {
+            let (step, stiffness, bodies) = (bench.plan.step, stiffest.stiffness, stiffest.spheres.map(Body::Sphere));
+            return Some(RigStop::Coarse { step, limit, stiffness, bodies, time });
+        }
+    }
+    let limit = bench.rig.residual_limit;
+    let residual = ledger?.residual().filter(|residual| residual.abs() > limit)?;
+    Some(RigStop::Residual { residual, limit, time })
+}
+
+/// Runs a bench by its rows. None where it is none of these, or where spheres have met that are no neighbours.
+pub fn run<const D: usize>(
+    bench: &Bench<D>,
+    folder: &Path,
+    keeping: Keeping,
+    halved: &Halved,
+    context: &Context,
+) -> Result<Option<(Summary, Ending)>, TrialError> {
+    if !is_large(bench) {
+        return Ok(None);
+    }
+    let Some((bench, mut bulk)) = crystal_of(bench) else { return Ok(None) };
+    let path = folder.join(CHECKPOINT);
+    let mut layer_sizes = vec![0.0; bench.layers as usize];
+    bench.sites.iter().for_each(|site| layer_sizes[site.layer as usize - 1] += 1.0);
+    let mut streams = if keeping.resume {
+        match restore(folder, &path, bench, &mut bulk)? {
+            Some(streams) => streams,
+            None => return Ok(None),
+        }
+    } else {
+        begin(bench, folder)?;
+        let mut streams = Streams::open(bench, |name, header| Stream::create(folder.join(name), header))?;
+        streams.sample(bench, &bulk, &layer_sizes)?;
+        keep(&path, bench, &bulk, halved, &mut streams)?;
+        streams
+    };
+    let (total, every) = (bench.plan.steps(), bench.record.every);
+    let mut kept = Instant::now();
+    let mut ending = Ending::Complete;
+    while bulk.steps() < total {
+        let done = bulk.steps();
+        let sample = (done / every + 1) * every;
+        let until = sample.min((done / CHUNK + 1) * CHUNK).min(total);
+        let advanced = bulk.advance(until - done, context);
+        // The end of the window is a sample too.
+        let ledger = match bulk.steps() == sample || bulk.steps() == total {
+            true => Some(streams.sample(bench, &bulk, &layer_sizes)?),
+            false => None,
+        };
+        match advanced {
+            Ok(()) => {}
+            Err(Stop::Interrupted { time_s }) => {
+                keep(&path, bench, &bulk, halved, &mut streams)?;
+                ending = Ending::Interrupted { time: time_s };
+                break;
+            }
+            Err(Stop::Met { .. } | Stop::Leap { .. }) => {
+                std::fs::remove_file(&path).map_err(|error| TrialError::File { path, error })?;
+                return Ok(None);
+            }
+            Err(stop) => {
+                ending = Ending::Stopped(as_of_rigs(&stop, bulk.time()));
+                break;
+            }
+        }
+        if let Some(stop) = inaccurate(bench, &bulk, ledger.as_ref()) {
+            ending = Ending::Stopped(stop);
+            break;
+        }
+        if kept.elapsed() >= keeping.every {
+            keep(&path, bench, &bulk, halved, &mut streams)?;
+            kept = Instant::now();
+        }
+        context.tell(Progress::Steps { done: bulk.steps(), of: total });
+    }
+    streams.all().try_for_each(|(_, stream)| stream.flush())?;
+    let speed = bulk.max_speed();
+    let reached = Reached {
+        time: bulk.time(),
+        steps: bulk.steps(),
+        ledger: ledger(&bulk),
+        max_speed: speed.iter().copied().fold(0.0, f64::max),
+    };
+    if !matches!(ending, Ending::Interrupted { .. }) {
+        let arrivals = if bench.record.arrivals.is_empty() { Vec::new() } else { vec![bulk.arrivals()] };
+        let peaks = Peaks { speed, force: bulk.max_net_force(), dissipated: bulk.dissipated(), arrivals };
+        let weights = bulk.weights();
+        write_peaks(folder, bench, &peaks, &|i| weights[i])?;
+    }
+    let summary = Summary::of(bench, &reached, &ending);
+    write(&folder.join(SUMMARY), summary.json().as_bytes())?;
+    Ok(Some((summary, ending)))
+}
+
+/// A guard as other rigs have it.
+fn as_of_rigs(stop: &Stop, now: f64) -> RigStop {
+    let bodies = |spheres: [usize; 2]| spheres.map(|sphere| Body::Sphere(sphere - 1));
+    match *stop {
+        Stop::NotFinite { sphere, time_s } => RigStop::NotFinite { body: Body::Sphere(sphere - 1), time: time_s },
+        Stop::Overlap { spheres, overlap_ratio, limit, time_s } => {
+            RigStop::Overlap { bodies: bodies(spheres), ratio: overlap_ratio, limit, time: time_s }
+        }
+        Stop::Step { step_s, limit_s, stiffness, spheres, time_s } => {
+            RigStop::Step { step: step_s, limit: limit_s, stiffness, bodies: bodies(spheres), time: time_s }
+        }
+        Stop::Residual { residual } => RigStop::Residual { residual, limit: crate::dem::RESIDUAL_LIMIT, time: now },
+        // Those are not told as guards.
+        Stop::Leap { .. } | Stop::Interrupted { .. } | Stop::Beyond { .. } | Stop::Met { .. } => {
+            RigStop::Interrupted { time: now }
+        }
+    }
+}
