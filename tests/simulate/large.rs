@@ -71,7 +71,8 @@ fn a_large_crystal_has_the_records_of_any_rig() {
     }
     let energies = ours.series("energies.csv");
     let residuals = energies.column("residual");
-    assert!(residuals.iter().all(|residual| residual.abs() < 1e-4), "{residuals:?}");
+    // As good as the class that was asked for.
+    assert!(residuals.iter().all(|residual| residual.abs() < by_rows.rig.residual_limit), "{residuals:?}");
 }
 
 /// On one thread and on two, in one go and in pieces, each ended between samples and gone on with from a checkpoint.
