@@ -214,7 +214,8 @@ fn a_lens_in_space_is_built_layer_by_layer() {
     // Layer, x, y and material of both, to a hundredth of a millimetre.
     let place = |line: &String, [x, y, material]: [usize; 3], unit: f64| {
         let cells: Vec<&str> = line.split(',').collect();
-        let at = |k: usize| (cells[k].parse::<f64>().unwrap() * unit).round() as i64;
+        // Places along x are multiples of 3.175 mm, which a quarter keeps away from where rounding turns.
+        let at = |k: usize| (cells[k].parse::<f64>().unwrap() * unit + 0.25).round() as i64;
         (cells[0].parse::<u32>().unwrap(), at(x), at(y), cells[material].to_owned())
     };
     let mut built: Vec<_> = placed.iter().map(|line| place(line, [3, 4, 6], 1e2)).collect();
