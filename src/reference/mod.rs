@@ -25,6 +25,7 @@ use crate::dem::rig::SpringDashpot;
 use crate::lattice::Cell;
 use crate::lens::{Family, Raster};
 use crate::search::Method;
+use crate::study::STAGES;
 use crate::{bed, design, document, setup};
 
 /// A kind of file that people write.
@@ -262,7 +263,7 @@ enum Choices {
 impl Choices {
     fn names(&self) -> Vec<String> {
         let laws = || LawKind::ALL.iter().map(|law| law.name());
-        let methods = || Method::NAMES.iter().map(|(name, _)| *name);
+        let methods = || Method::all().map(Method::name);
         let names: Vec<&str> = match self {
             Self::Words(words) => words.iter().map(String::as_str).collect(),
             Self::Type(name) => match name.as_str() {
@@ -272,7 +273,7 @@ impl Choices {
                 "families" => Family::ALL.iter().map(|family| family.name()).collect(),
                 "rasters" => Raster::ALL.iter().map(|raster| raster.name()).collect(),
                 "methods" => methods().collect(),
-                "stage methods" => methods().chain(["climb", "rescore"]).collect(),
+                "stage methods" => methods().chain(STAGES.map(|(name, _)| name)).collect(),
                 "packings" => {
                     let chains = Cell::<1>::ALL.iter().map(|cell| cell.name());
                     let sheets = Cell::<2>::ALL.iter().map(|cell| cell.name());

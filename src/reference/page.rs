@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 
 use super::{FileKind, Key};
+use crate::search::Method;
+use crate::study::STAGES;
 
 /// The page docs/keys.md; a test holds the file to it.
 pub fn page() -> String {
@@ -26,6 +28,13 @@ pub fn page() -> String {
             text += "\n| key | takes | default | example | meaning |\n|---|---|---|---|---|\n";
             for key in &section.keys {
                 text += &row(key);
+            }
+            if kind == FileKind::Study && section.name == "stage" {
+                text += "\n| method | what it does |\n|---|---|\n";
+                let all = Method::all().map(|method| (method.name(), method.about())).chain(STAGES);
+                for (name, about) in all {
+                    let _ = writeln!(text, "| `{name}` | {about} |");
+                }
             }
         }
     }

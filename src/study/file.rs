@@ -308,7 +308,7 @@ impl Study {
                 format!("start: number {} differs from the first outside of rows, which do not change.", k + 1);
             return Err(source.fail("start", message));
         }
-        let asks = |stage: &Stage| matches!(stage.work, Work::Search(Method::Painter(_)));
+        let asks = |stage: &Stage| matches!(stage.work, Work::Search(method) if method.takes_painter());
         if let Some(k) = self.stages.iter().position(asks)
             && self.painter(&RayNotes::default()).is_none()
         {
@@ -447,7 +447,7 @@ fn read_stages(
         None => None,
     };
     if file.stage.is_empty() {
-        let name = file.method.as_deref().unwrap_or(Method::GeneticLocal.name());
+        let name = file.method.as_deref().unwrap_or(Method::USUAL.name());
         let method = name.parse().map_err(|error: MethodError| source.fail("method", format!("{error}.")))?;
         let Some(budget) = file.budget else {
             let message = "budget is missing: how many evaluations the study may do.".to_owned();

@@ -64,6 +64,7 @@ pub use rung::{Judged, Rung};
 pub use set::Tolerance;
 pub use settings::{ClaimError, claim, differs};
 pub use shard::{FoundShard, Merged, ShardDone, evaluate_shard, merge};
+pub(crate) use stage::OTHERS as STAGES;
 pub use stage::{Scoring, Stage, Work};
 pub use start::Start;
 pub use state::{Ended, Found, Front, GlanceState, Improvement, RungState, StageState, State, front_of};

@@ -14,7 +14,7 @@ use super::tolerance::{self, Loses};
 use super::why::Circumstances;
 use super::{Entry, Final, Improvement, Journal, Study, StudyError, baselines, finals};
 use crate::Context;
-use crate::search::{Choice, Dice, Loss, Method, Painter, Proof, Rounds, Search as _};
+use crate::search::{Choice, Dice, Loss, Painter, Proof, Rounds, Search as _};
 
 /// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
 const STALE: u32 = 1000;
@@ -274,13 +274,9 @@ impl Run<'_, '_> {
         let mut search = match stage.work {
             Work::Search(method) => {
                 let space = self.study.space();
-                let painter = match method {
-                    Method::Painter(_) => {
-                        self.study.painter(&self.rays).map(|painter| Painter { batch: stage.batch, ..painter })
-                    }
-                    Method::LevelSet => starts.first().map(|start| Painter::level_sets(&space, stage.order, start)),
-                    Method::Curves => starts.first().map(|start| Painter::curves(&space, stage.order, start)),
-                    _ => None,
+                let painter = match method.takes_painter() {
+                    true => self.study.painter(&self.rays).map(|painter| Painter { batch: stage.batch, ..painter }),
+                    false => starts.first().and_then(|start| method.fields(&space, stage.order, start)),
                 };
                 Some(Rounds::new(method, &space, starts.clone(), painter, seed))
             }

@@ -31,8 +31,20 @@ pub enum Work {
 /// The name of [`Work::Climb`].
 const CLIMB: &str = "climb";
 
+/// That of [`Work::Rescore`].
+const RESCORE: &str = "rescore";
+
 /// Layouts that a climb begins with where nobody says how many.
 const BASINS: usize = 4;
+
+/// Layouts that are evaluated anew where nobody says how many.
+const RESCORED: usize = 16;
+
+/// What stages do besides the methods of search, and in a line what that is.
+pub(crate) const OTHERS: [(&str, &str); 2] = [
+    (CLIMB, "annealing at low temperature, screened at a coarse step before scores at its own decide"),
+    (RESCORE, "the best layouts so far and a sample of the others, evaluated anew at the stage's step"),
+];
 
 /// Of the screened proposals of a climb about one in so many is judged.
 const JUDGED: u64 = 16;
@@ -43,7 +55,7 @@ impl Work {
         match self {
             Self::Search(method) => method.name(),
             Self::Climb => CLIMB,
-            Self::Rescore => "rescore",
+            Self::Rescore => RESCORE,
         }
     }
 }
@@ -142,7 +154,7 @@ pub(super) fn read(
         };
         let work = match file.method.as_str() {
             CLIMB => Work::Climb,
-            "rescore" => Work::Rescore,
+            RESCORE => Work::Rescore,
             name => match name.parse() {
                 Ok(method) => Work::Search(method),
                 Err(error @ MethodError::Unknown(_)) => {
@@ -178,12 +190,10 @@ pub(super) fn read(
                 "temperature must be the first and the last, from 1 down to more than 0, such as [0.002, 0.0005].";
             return Err(fail("temperature", message.to_owned()));
         }
-        let several =
-            matches!(work, Work::Search(Method::Genetic | Method::GeneticLocal | Method::Nsga) | Work::Rescore);
         let promote = file.promote.unwrap_or(match work {
             Work::Climb => BASINS,
-            _ if several => 16,
-            _ => 1,
+            Work::Rescore => RESCORED,
+            Work::Search(method) => method.starts(),
         });
         let sample = file.sample.unwrap_or(0);
         if work == Work::Rescore && k == 0 {
@@ -196,9 +206,13 @@ pub(super) fn read(
             return Err(fail("sample", "sample belongs to stages with method = \"rescore\".".to_owned()));
         }
         let order = file.order.unwrap_or(ORDER);
-        if file.order.is_some() && !matches!(work, Work::Search(Method::LevelSet | Method::Curves)) {
-            let message = "order belongs to stages with method = \"level-set\" or \"curves\".";
-            return Err(fail("order", message.to_owned()));
+        let taking = |takes: fn(Method) -> bool| {
+            let names: Vec<String> = Method::all().filter(|&m| takes(m)).map(|m| format!("\"{}\"", m.name())).collect();
+            names.join(" or ")
+        };
+        if file.order.is_some() && !matches!(work, Work::Search(method) if method.takes_order()) {
+            let message = format!("order belongs to stages with method = {}.", taking(Method::takes_order));
+            return Err(fail("order", message));
         }
         if !(2..=MOST_ORDER).contains(&order) {
             let message = format!("order = {order} must be 2 to {MOST_ORDER}: cosines each way, or knots of a curve.");

@@ -1,7 +1,28 @@
 //! Simulated annealing in batches.
 
+use super::method::{Again, Begin, ByTotal, Parameters, Round, Row};
+use super::rounds::BATCH;
 use super::{Choice, Dice, Search, Space, sane, shifted};
 use crate::real::Number;
+
+/// Changes that an annealing tries, times the number of flips.
+const CHANGES: usize = 10;
+
+/// Annealings, the first from the start, each later one from the best of all.
+pub(super) const METHOD: Row = Row {
+    name: "anneal",
+    about: "simulated annealing, begun anew from the best",
+    parameters: Parameters::Letters,
+    starts: 1,
+    takes_batch: false,
+    begin: |Begin { space, mut starts, seed, .. }| from(space, starts.swap_remove(0), seed),
+    improve: None,
+    again: Some(|Again { space, begun, seed, .. }| from(space, begun.so_far(space), seed)),
+};
+
+fn from(space: &Space, start: Choice, seed: u64) -> Round {
+    Box::new(ByTotal(Annealing::new(space, start, CHANGES * space.flips(), BATCH, seed)))
+}
 
 /// Moves by which the scale of losses is found, before anything is accepted.
 const PROBES: usize = 48;

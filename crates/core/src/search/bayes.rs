@@ -8,7 +8,17 @@ use linfa::Dataset;
 use linfa::traits::Fit;
 use ndarray::{Array1, Array2};
 
-use super::{Cma, Dice};
+use super::method::{BAYES, Row};
+use super::{Cma, Dice, Driver, painted};
+
+/// Over the parameters of a painter.
+pub(super) const METHOD: Row = Row {
+    name: BAYES,
+    about: "Bayesian optimisation of the lens family's parameters, for few and costly evaluations",
+    begin: |begin| painted::by(begin, Driver::Bayes),
+    takes_batch: true,
+    ..painted::METHOD
+};
 
 /// Points asked for before there is a process, for each parameter: with four of them two registers of eight.
 const FIRST: usize = 4;

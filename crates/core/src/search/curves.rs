@@ -1,6 +1,15 @@
 //! Choices between free curves: each letter but the first fills a band whose two faces run over the columns as they like.
 
-use super::{Choice, Space};
+use super::method::{Parameters, Row};
+use super::{Choice, Painter, Space, painted};
+
+/// CMA-ES over the faces of bands, one band for each letter but the first; from those that are nearest to the start.
+pub(super) const METHOD: Row = Row {
+    name: "curves",
+    about: "CMA-ES over bands between free curves, one for each material but the first",
+    parameters: Parameters::Fields(Painter::curves),
+    ..painted::METHOD
+};
 
 /// The bands of a space: faces by their heights at knots, which stand evenly over the columns.
 #[derive(Clone, Debug)]

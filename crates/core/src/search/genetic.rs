@@ -3,7 +3,31 @@
 use std::collections::HashSet;
 
 use super::breed::{brood, first};
-use super::{Choice, Dice, Search, Space, sane};
+use super::method::{Again, Begin, ByTotal, Parameters, Row};
+use super::rounds::BATCH;
+use super::{Choice, Dice, LocalSearch, Reach, Search, Space, sane};
+
+/// Genetic searches, one after the other, each from its own first population.
+pub(super) const GENETIC: Row = Row {
+    name: "genetic",
+    about: "a population that exchanges rectangles; begun anew when it has converged",
+    parameters: Parameters::Letters,
+    starts: 16,
+    takes_batch: false,
+    begin: |Begin { space, starts, seed, .. }| Box::new(ByTotal(Genetic::new(space, starts, seed))),
+    improve: None,
+    again: Some(|Again { space, seed, .. }| Box::new(ByTotal(Genetic::new(space, Vec::new(), seed)))),
+};
+
+/// Rounds of a genetic search and a local search from its best.
+pub(super) const AND_LOCAL: Row = Row {
+    name: "genetic+local",
+    about: "rounds of a genetic search and a local search from its best",
+    improve: Some(|space, best, loss, seed| {
+        Box::new(ByTotal(LocalSearch::new(space, best, Some(loss), BATCH, Reach::Flips, seed)))
+    }),
+    ..GENETIC
+};
 
 /// How many members; how many choices of the first population and of each generation are asked for; and after how many
 /// generations without a better best the search ends.

@@ -1,7 +1,16 @@
 //! Smooth choices: a low-order field for each letter, and on each site the letter whose field is highest.
 
 use super::cma::cholesky;
-use super::{Choice, Dice, Space};
+use super::method::{Parameters, Row};
+use super::{Choice, Dice, Painter, Space, painted};
+
+/// CMA-ES over the coefficients of level sets, the first from that which is nearest to the start.
+pub(super) const METHOD: Row = Row {
+    name: "level-set",
+    about: "CMA-ES over low-order fields, whose signs decide each sphere",
+    parameters: Parameters::Fields(Painter::level_sets),
+    ..painted::METHOD
+};
 
 /// Half waves each way of a random choice.
 const RANDOM_ORDER: usize = 5;

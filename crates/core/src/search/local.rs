@@ -1,6 +1,46 @@
 //! Changes of one site, then of two, in random order and in batches, until none improves.
 
+use super::method::{Again, Begin, ByTotal, Parameters, Round, Row};
+use super::rounds::BATCH;
 use super::{Choice, Dice, Proof, Search, Space, sane, shifted};
+
+/// Flips of single sites, then of two, from the start; then again and again from the best with rectangles and sites changed at random.
+pub(super) const FLIPS: Row = Row {
+    name: "local",
+    about: "flips of single spheres until none improves, then from the best changed at random",
+    parameters: Parameters::Letters,
+    starts: 1,
+    takes_batch: false,
+    begin: |begin| first(begin, Reach::Flips),
+    improve: None,
+    again: Some(|again| kicked(again, Reach::Flips)),
+};
+
+/// With exchanges of neighbours too.
+pub(super) const SWAPS: Row = Row {
+    name: "local-swaps",
+    about: "as local, with exchanges of two spheres side by side",
+    begin: |begin| first(begin, Reach::Swaps),
+    again: Some(|again| kicked(again, Reach::Swaps)),
+    ..FLIPS
+};
+
+/// With all pairs too.
+pub(super) const PAIRS: Row = Row {
+    name: "local-pairs",
+    about: "as local-swaps, then with flips of any two spheres",
+    begin: |begin| first(begin, Reach::Pairs),
+    again: Some(|again| kicked(again, Reach::Pairs)),
+    ..FLIPS
+};
+
+fn first(Begin { space, mut starts, seed, .. }: Begin<'_>, reach: Reach) -> Round {
+    Box::new(ByTotal(LocalSearch::new(space, starts.swap_remove(0), None, BATCH, reach, seed)))
+}
+
+fn kicked(Again { space, begun, dice, seed }: Again<'_>, reach: Reach) -> Round {
+    Box::new(ByTotal(LocalSearch::new(space, begun.kicked(space, dice), None, BATCH, reach, seed)))
+}
 
 /// How many sites a local search changes at a time, once no single one helps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

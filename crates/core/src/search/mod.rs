@@ -13,7 +13,7 @@
 //! - `bayes` (with the feature of that name): Bayesian optimisation of real parameters, for few and costly evaluations
 //! - `simplices`, `swarm`: other ways to search real parameters, by argmin; `lockstep`: its solvers by ask and tell
 //! - `nsga`: several losses at once; `front`: who dominates whom, volume and knee of a front, rank correlation
-//! - `rounds`: each of these as a method without an end
+//! - `method`: the table of these as methods, by name; `rounds`: a method without an end
 
 mod anneal;
 #[cfg(feature = "bayes")]
@@ -28,6 +28,7 @@ mod genetic;
 mod level_set;
 mod local;
 mod lockstep;
+mod method;
 mod nsga;
 mod painted;
 mod rounds;
@@ -44,9 +45,10 @@ pub use front::{front, hypervolume, knee, rank_correlation};
 pub use genetic::Genetic;
 pub use level_set::{Waves, level_set};
 pub use local::{LocalSearch, Reach};
+pub use method::{Method, MethodError, ORDER};
 pub use nsga::Nsga;
 pub use painted::{BATCH, Driver, Guess, Paint, Painted, Painter};
-pub use rounds::{Method, MethodError, ORDER, Rounds};
+pub use rounds::Rounds;
 pub use simplices::Simplices;
 pub use swarm::Swarm;
 
@@ -210,6 +212,10 @@ pub trait Search<L = f64> {
     /// What is known of the best choice's neighbours.
     fn proof(&self) -> Proof {
         Proof::None
+    }
+    /// How often it has begun anew by itself.
+    fn restarts(&self) -> u64 {
+        0
     }
 }
 

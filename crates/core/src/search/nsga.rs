@@ -4,7 +4,20 @@ use std::collections::HashSet;
 
 use super::breed::{brood, first};
 use super::front::{crowding, ranks};
+use super::method::{Begin, Parameters, Row};
 use super::{Choice, Dice, Loss, Search, Space, knee};
+
+/// For several losses.
+pub(super) const METHOD: Row = Row {
+    name: "nsga2",
+    about: "NSGA-II: a population towards the front of several objectives",
+    parameters: Parameters::Letters,
+    starts: 16,
+    takes_batch: false,
+    begin: |Begin { space, starts, seed, .. }| Box::new(Nsga::new(space, starts, seed)),
+    improve: None,
+    again: None,
+};
 
 /// How many members; how many choices of the first population and of each generation are asked for.
 const MEMBERS: usize = 96;

@@ -7,7 +7,34 @@ use std::sync::Arc;
 #[cfg(feature = "bayes")]
 use super::Bayes;
 use super::level_set::Waves;
+use super::method::{Begin, ByTotal, ORDER, Parameters, Round, Row};
 use super::{Bands, Choice, Cma, Dice, Search, Simplices, Space, Swarm, sane};
+
+/// CMA-ES over the parameters of a painter that whoever asks brings along.
+pub(super) const METHOD: Row = Row {
+    name: "lens-family",
+    about: "CMA-ES over the parameters of the design's lens family",
+    parameters: Parameters::Brought,
+    starts: 1,
+    takes_batch: false,
+    begin: |begin| by(begin, Driver::Cma),
+    improve: None,
+    again: None,
+};
+
+/// By random parameters, of which those are asked for that a guess likes best.
+pub(super) const SCREEN: Row = Row {
+    name: "lens-family-screen",
+    about: "random parameters of the lens family, of which rays choose what is simulated",
+    begin: |begin| by(begin, Driver::Screen),
+    ..METHOD
+};
+
+/// A painter's parameters searched by a driver.
+pub(super) fn by(Begin { space, starts, painter, seed }: Begin<'_>, driver: Driver) -> Round {
+    let painter = painter.unwrap_or_else(|| Painter::level_sets(space, ORDER, &starts[0]));
+    Box::new(ByTotal(Painted::new(painter, driver, seed)))
+}
 
 /// From parameters, of any finite values, to a choice.
 pub type Paint = dyn Fn(&[f64]) -> Choice + Send + Sync;
@@ -133,17 +160,6 @@ impl Painted {
         Self { painter, engine, dice, points: Vec::new(), asked: Vec::new(), best: None, restarts: 0 }
     }
 
-    /// How often it has begun anew.
-    pub fn restarts(&self) -> u64 {
-        match &self.engine {
-            Engine::Cma(_) | Engine::Screen => self.restarts,
-            Engine::Simplices(simplices) => simplices.restarts(),
-            Engine::Swarm(swarm) => swarm.restarts(),
-            #[cfg(feature = "bayes")]
-            Engine::Bayes(..) => 0,
-        }
-    }
-
     /// The first of halvings: of so many random points the sixteenth part whose choices are guessed to be best; the start with
     /// the first of them.
     fn screened(&mut self) -> Vec<Vec<f64>> {
@@ -212,5 +228,15 @@ impl Search for Painted {
 
     fn best(&self) -> Option<(&Choice, f64)> {
         self.best.as_ref().map(|(choice, _, loss)| (choice, *loss))
+    }
+
+    fn restarts(&self) -> u64 {
+        match &self.engine {
+            Engine::Cma(_) | Engine::Screen => self.restarts,
+            Engine::Simplices(simplices) => simplices.restarts(),
+            Engine::Swarm(swarm) => swarm.restarts(),
+            #[cfg(feature = "bayes")]
+            Engine::Bayes(..) => 0,
+        }
     }
 }

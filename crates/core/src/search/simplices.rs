@@ -4,7 +4,16 @@ use argmin::core::{IterState, State};
 use argmin::solver::neldermead::NelderMead;
 
 use super::lockstep::Lockstep;
-use super::{Dice, sane};
+use super::method::Row;
+use super::{Dice, Driver, painted, sane};
+
+/// Over the parameters of a painter.
+pub(super) const METHOD: Row = Row {
+    name: "lens-family-simplex",
+    about: "Nelder-Mead over the lens family's parameters, several simplices side by side",
+    begin: |begin| painted::by(begin, Driver::Simplices),
+    ..painted::METHOD
+};
 
 /// How many at a time: a register of them.
 const BESIDE: usize = 8;

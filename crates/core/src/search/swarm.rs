@@ -6,7 +6,16 @@ use rand_xoshiro_of_argmin::Xoshiro256PlusPlus;
 use rand_xoshiro_of_argmin::rand_core::SeedableRng;
 
 use super::lockstep::Lockstep;
-use super::{Dice, sane};
+use super::method::Row;
+use super::{Dice, Driver, painted, sane};
+
+/// Over the parameters of a painter.
+pub(super) const METHOD: Row = Row {
+    name: "lens-family-swarm",
+    about: "a particle swarm over the lens family's parameters",
+    begin: |begin| painted::by(begin, Driver::Swarm),
+    ..painted::METHOD
+};
 
 /// Particles: two registers of eight.
 const PARTICLES: usize = 16;

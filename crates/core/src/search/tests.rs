@@ -36,8 +36,8 @@ fn every_method_finds_the_optimum_of_a_space_that_can_be_enumerated() {
         let loss = rugged(100 + seed);
         let optimum = brute_force(&loss);
         // Painters and curves have spaces of their own, below.
-        let any = |(_, method): &(&str, Method)| !matches!(method, Method::Painter(_) | Method::Curves);
-        for (name, method) in Method::NAMES.iter().copied().filter(any) {
+        let any = |method: &Method| !method.takes_painter() && method.name() != "curves";
+        for (name, method) in Method::all().filter(any).map(|method| (method.name(), method)) {
             let mut search = Rounds::new(method, &space(2), vec![vec![0; 12]], None, seed);
             let mut asked = 0;
             while search.best().is_none_or(|(_, best)| best > optimum) {
@@ -65,7 +65,7 @@ fn curves_find_the_best_of_what_they_can_bound() {
     for seed in 1..=5 {
         let loss = rugged(100 + seed);
         let optimum = (0..2401).map(|k| loss(&between(k))).fold(f64::INFINITY, f64::min);
-        let mut search = Rounds::new(Method::Curves, &space(2), vec![vec![0; 12]], None, seed);
+        let mut search = Rounds::new("curves".parse().unwrap(), &space(2), vec![vec![0; 12]], None, seed);
         let mut asked = 0;
         while search.best().is_none_or(|(_, best)| best > optimum) {
             let choices = search.ask();
@@ -92,15 +92,7 @@ fn every_driver_finds_the_optimum_of_a_family_that_can_be_enumerated() {
         let ends = || (0..12).map(f64::from);
         let all = ends().flat_map(|from| ends().map(move |to| [from, to]));
         let optimum: f64 = all.map(|x| loss(&paint(&x))).fold(0.0, f64::min);
-        let drivers = [
-            Driver::Cma,
-            Driver::Simplices,
-            Driver::Swarm,
-            Driver::Screen,
-            #[cfg(feature = "bayes")]
-            Driver::Bayes,
-        ];
-        for driver in drivers {
+        for method in Method::all().filter(|method| method.takes_painter()) {
             let painter = Painter {
                 start: vec![2.0, 9.0],
                 spread: 3.0,
@@ -109,14 +101,14 @@ fn every_driver_finds_the_optimum_of_a_family_that_can_be_enumerated() {
                 guess: None,
                 batch: BATCH,
             };
-            let mut search = Rounds::new(Method::Painter(driver), &space(2), Vec::new(), Some(painter), seed);
+            let mut search = Rounds::new(method, &space(2), Vec::new(), Some(painter), seed);
             let mut asked = 0;
             while search.best().is_none_or(|(_, best)| best > optimum) {
                 let choices = search.ask();
                 asked += choices.len();
                 assert!(
                     !choices.is_empty() && asked < 10_000,
-                    "{driver:?}, seed {seed}: {:?} is not {optimum}",
+                    "{method:?}, seed {seed}: {:?} is not {optimum}",
                     search.best()
                 );
                 search.tell(&choices.iter().map(|choice| single(loss(choice))).collect::<Vec<_>>());
@@ -261,7 +253,7 @@ fn a_search_follows_from_its_seed() {
         path
     };
     // Bayesian searches are for few parameters, not for level sets; `bayes` has tests of its own.
-    for &(_, method) in Method::NAMES.iter().filter(|(_, method)| !method.takes_batch()) {
+    for method in Method::all().filter(|method| !method.takes_batch()) {
         assert_eq!(path(method, 1), path(method, 1));
         assert_ne!(path(method, 1), path(method, 2));
     }
@@ -276,7 +268,7 @@ fn what_fails_is_avoided() {
         _ => single(loss(choice)),
     };
     // Bayesian searches are for few parameters, not for level sets; `bayes` has tests of its own.
-    for &(_, method) in Method::NAMES.iter().filter(|(_, method)| !method.takes_batch()) {
+    for method in Method::all().filter(|method| !method.takes_batch()) {
         let mut search = Rounds::new(method, &space(2), vec![vec![1; 12]], None, 1);
         for _ in 0..200 {
             let choices = search.ask();
