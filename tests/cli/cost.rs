@@ -17,9 +17,9 @@ fn nothing_is_written_and_every_part_has_its_cost() {
     let layout = desk.run(&["design", "small.toml"]).ok().stdout;
     desk.write("layout.csv", &layout);
     let before = names(&desk.path("."));
-    // Counts: the lens, four baselines that are certain and two by chance for each of two seeds; a layout; one run; the stages' evaluations; two rows; a bed that has to settle.
+    // Counts: the lens, four baselines that are certain and two by chance for each of two seeds, and of run the look inside; a layout; one run; the stages' evaluations; two rows; a bed that has to settle.
     for (command, counts) in [
-        (&["run", "small.toml"][..], &[9, 72][..]),
+        (&["run", "small.toml"][..], &[9, 72, 1][..]),
         (&["compare", "small.toml", "layout.csv"], &[9, 72]),
         (&["check", "layout.csv", "--design", "small.toml", "--spheres", "spheres.csv"], &[3]),
         (&["simulate", "small.toml"], &[1]),

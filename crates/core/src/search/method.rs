@@ -37,6 +37,9 @@ pub const ORDER: usize = 6;
 /// A search under way, for as many rounds as there are: see [`Rounds`](super::Rounds).
 pub(super) type Round = Box<dyn Search<Loss> + Send>;
 
+/// A search that goes on from a choice and its loss, with a seed.
+type Improve = fn(&Space, Choice, f64, u64) -> Round;
+
 /// What a method searches.
 #[derive(Clone, Copy)]
 pub(super) enum Parameters {
@@ -62,7 +65,7 @@ pub(super) struct Row {
     /// Its first round.
     pub begin: fn(Begin<'_>) -> Round,
     /// What follows within a round upon its first part, from that part's best and its loss.
-    pub improve: Option<fn(&Space, Choice, f64, u64) -> Round>,
+    pub improve: Option<Improve>,
     /// A round after one has ended; none where the first does not end but for want of anything new.
     pub again: Option<fn(Again<'_>) -> Round>,
 }
