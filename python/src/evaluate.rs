@@ -75,7 +75,7 @@ impl Evaluator {
         let pulses: Vec<ForcePulse> =
             forces.about(design.impact.force).into_iter().map(|force| ForcePulse { force, ..design.impact }).collect();
         let inner = run(py, threads, |context| {
-            let made = evaluate::Evaluator::new(&design, &pulses, palette.clone(), overrides, context);
+            let made = evaluate::Evaluator::new(&*design, &pulses, palette.clone(), overrides, context);
             made.map(|made| made.recording(detail))
         })?;
         let inner = inner.map_err(|error| match error {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::piece::{Mark, Piece, used};
+use super::piece::{Mark, Piece, millimetres, used};
 use super::spares::Spares;
 use crate::design::Design;
 use crate::evaluate::Subject;
@@ -65,7 +65,7 @@ fn of_bill(
         Part {
             letter: mark.letter.clone(),
             material: mark.material.clone(),
-            diameter_mm: 1e3 * diameter,
+            diameter_mm: millimetres(diameter),
             count,
             spares,
             mass_kg: count as f64 * material.sphere_mass(diameter),

@@ -74,6 +74,11 @@ fn pale(hex: &str) -> [u8; 3] {
     [1, 3, 5].map(|at| part(at) / 2 + 128)
 }
 
+/// A length (m) in millimetres, to the millionth: 3/8 in are 9.525 mm, whatever binary fractions make of it.
+pub(super) fn millimetres(length: f64) -> f64 {
+    (1e9 * length).round() / 1e6
+}
+
 impl Piece {
     /// The whole piece of a layout, or one whose halves differ. Materials that do not occur take no letter.
     pub fn new<'a>(name: &str, of: impl Into<Subject<'a>>) -> Self {
@@ -81,7 +86,7 @@ impl Piece {
         let (layout, spheres) = (subject.layout, subject.spheres());
         Self {
             name: name.to_owned(),
-            diameter: 1e3 * layout.lattice.diameter(),
+            diameter: millimetres(layout.lattice.diameter()),
             marks: marks(&layout.palette, &spheres),
             spheres,
             rows: layout.lattice.rows(),
@@ -102,7 +107,7 @@ impl Piece {
             let below = layers.get(number as usize).into_iter().flatten().map(|sphere| [sphere.x, sphere.z]);
             Self {
                 name: format!("{name}, layer {number}"),
-                diameter: 1e3 * block.diameter(),
+                diameter: millimetres(block.diameter()),
                 marks: whole.iter().enumerate().map(|(k, mark)| Mark { count: count(k), ..mark.clone() }).collect(),
                 rows: spheres.last().map_or(0, |sphere| sphere.row),
                 kind: Kind::Layer { number, of, below: below.collect() },

@@ -7,7 +7,7 @@ use crate::layout::{Baseline, Layout, PieceSphere};
 use crate::outcome::{Verdict, Word as Judged};
 use crate::score::Measure;
 use crate::units::Dimension::{Angle, Force};
-use crate::wave::{self, Dimension};
+use crate::wave::{self, AMPLITUDES, Dimension};
 
 /// Differences in C that no contact law decides.
 const UNDECIDED: f64 = 0.2;
@@ -41,7 +41,7 @@ fn strength(look: &Look) -> Vec<Line> {
             &format!("impact on {}", material.name),
             word,
             validity.words(),
-            "at least F_p at a contact of row 1",
+            format!("at least {} F_p at a contact of row 1, from where on the speed of a wave is known", AMPLITUDES[0]),
             "Rays and proposals use the bound of the wave speed; where it does not hold, only the simulation counts.",
         )
     };
@@ -101,7 +101,7 @@ fn interfaces(look: &Look) -> Line {
     let why = "A wave from the slower side is then thrown back whole; in a searched layout that may be wanted.";
     let number = match count {
         0 => "no passage from a slower to a faster material downwards".to_owned(),
-        _ => format!("{above} of {count} such sites above their critical angle; steepest {}", Angle.show(worst)),
+        _ => format!("{above} of {count} sites over a faster material above its critical angle; steepest {}", Angle.show(worst)),
     };
     let word = if above > 0 { Word::Warn } else { Word::Pass };
     Line::new("interface angles", word, number, "the critical angle of each pair of materials", why)
