@@ -101,7 +101,10 @@ fn interfaces(look: &Look) -> Line {
     let why = "A wave from the slower side is then thrown back whole; in a searched layout that may be wanted.";
     let number = match count {
         0 => "no passage from a slower to a faster material downwards".to_owned(),
-        _ => format!("{above} of {count} sites over a faster material above its critical angle; steepest {}", Angle.show(worst)),
+        _ => format!(
+            "{above} of {count} sites over a faster material above its critical angle; steepest {}",
+            Angle.show(worst)
+        ),
     };
     let word = if above > 0 { Word::Warn } else { Word::Pass };
     Line::new("interface angles", word, number, "the critical angle of each pair of materials", why)
