@@ -12,6 +12,7 @@ use granulens::evaluate::{HeldError, Overrides, Plan, Subject, impact, method};
 use granulens::input;
 use granulens::layout::{Layout, write_piece, write_whole_in_space};
 use granulens::outcome::{Begun, FORMAT};
+use granulens::output::Folder;
 use granulens::units::Dimension;
 use granulens::units::Dimension::{Energy, Length, Mass};
 use serde_json::json;
@@ -144,17 +145,7 @@ impl Build {
         let mut manifest = begun.manifest(design.file(), method(&design, &plan), design.impact_in_words(), seeds);
         manifest.command = Some(command_line());
         files.push(("manifest.json".to_owned(), pretty(&manifest).into_bytes()));
-        for (name, bytes) in &files {
-            folder.write(name, bytes)?;
-        }
-        folder.finish()?;
-        if common.json {
-            emit_json(&told);
-        } else {
-            emit(&(words(&piece, &parts, &frame, &walls) + &spares.words()));
-        }
-        note(common, &format!("for the workshop: {}", place.display()));
-        Ok(())
+        hand_over(common, (&place, folder), &files, &told, &(words(&piece, &parts, &frame, &walls) + &spares.words()))
     }
 
     /// Maps and lists of the layers of a crystal in space; nothing is simulated.
@@ -210,19 +201,9 @@ impl Build {
             ("build.json".to_owned(), pretty(&told).into_bytes()),
             ("manifest.json".to_owned(), pretty(&manifest).into_bytes()),
         ]);
-        for (name, bytes) in &files {
-            folder.write(name, bytes)?;
-        }
-        folder.finish()?;
-        if common.json {
-            emit_json(&told);
-        } else {
-            let diameter = 1e3 * layout.lattice.diameter();
-            let head = format!("{}: {spheres} spheres of {diameter} mm in {} layers", design.name, layers.len());
-            emit(&(listed(&head, &parts) + &spares.words()));
-        }
-        note(common, &format!("for the workshop: {}", place.display()));
-        Ok(())
+        let diameter = layers.first().map_or(0.0, |layer| layer.diameter);
+        let head = format!("{}: {spheres} spheres of {diameter} mm in {} layers", design.name, layers.len());
+        hand_over(common, (&place, folder), &files, &told, &(listed(&head, &parts) + &spares.words()))
     }
 
     /// What is ordered besides.
@@ -244,6 +225,27 @@ impl Build {
             Failure::input_with_help(message, "Take a finer grade: granulens tolerance --for \"95 %\" says which.")
         })
     }
+}
+
+/// Writes what the workshop gets, and tells of it.
+fn hand_over(
+    common: &Common,
+    (place, folder): (&Path, Folder),
+    files: &[(String, Vec<u8>)],
+    told: &serde_json::Value,
+    words: &str,
+) -> Result<(), Failure> {
+    for (name, bytes) in files {
+        folder.write(name, bytes)?;
+    }
+    folder.finish()?;
+    if common.json {
+        emit_json(told);
+    } else {
+        emit(words);
+    }
+    note(common, &format!("for the workshop: {}", place.display()));
+    Ok(())
 }
 
 /// Everything that is drawn or listed, by the name of its file.
