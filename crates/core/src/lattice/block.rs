@@ -261,7 +261,7 @@ impl Block {
         [(2.0 * x / self.diameter).round() as i64, (y * 12.0_f64.sqrt() / self.diameter).round() as i64]
     }
 
-    /// For each site the sites of the half that the eighteen [steps](STEPS) between close-packed neighbours lead to: twelve of them inside.
+    /// For each site the sites of the half that the eighteen steps between close-packed neighbours lead to: twelve of them inside.
     /// Beyond the plane x = 0 and a far plane of symmetry lie images, beyond a period the other rim.
     pub fn beside(&self) -> Vec<[Option<usize>; 18]> {
         let far = i64::from(self.cells[0]);

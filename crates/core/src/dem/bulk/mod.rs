@@ -1,7 +1,7 @@
 //! One large crystal in space: equal spheres in rows of a lattice, materials mixed at will, any contact law, neighbours fixed.
 //!
 //! In: a [`Sample`] and an [`Impact`], as for [`simulate`](super::simulate). Out: a [`Bulk`] that is advanced and looked at, and the same
-//! [`Record`](super::Record). Where `simulate` follows a list of contacts, here two rows that lie alike have all their contacts alike, so that
+//! [`Record`]. Where `simulate` follows a list of contacts, here two rows that lie alike have all their contacts alike, so that
 //! nothing is looked up: contacts stand along the rows in the vector registers, with what they remember beside them in memory, and forces
 //! and motion are one pass through it. Rows that the wave has not reached are not visited. Laws, loads, the schemes of Verlet and Adams,
 //! mirrors and periods are those of `simulate`, with which it agrees to rounding; the bits depend neither on the number of threads nor
