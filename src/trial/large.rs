@@ -95,24 +95,27 @@ pub fn impact_of(bench: &Bench<3>) -> Option<Impact> {
     })
 }
 
-/// The crystal of such a bench in any dimension, at its start.
-fn crystal_of<const D: usize>(bench: &Bench<D>) -> Option<(&Bench<3>, Bulk)> {
+/// A bench of any dimension, where it is one in space.
+fn in_space<const D: usize>(bench: &Bench<D>) -> Option<&Bench<3>> {
     let any: &dyn Any = bench;
-    let bench = any.downcast_ref::<Bench<3>>()?;
+    any.downcast_ref()
+}
+
+/// The crystal of such a bench, at its start.
+fn crystal_of(bench: &Bench<3>) -> Option<Bulk> {
+    let impact = impact_of(bench)?;
     let arrivals = match bench.record.arrivals[..] {
         [] => Arrivals::None,
         [Arrival::Speed(speed)] => Arrivals::Speed(speed),
         _ => Arrivals::OwnMaximum,
     };
     let recording = Recording { energies: true, arrivals };
-    let bulk = Bulk::new(&bench.rig.sample, &impact_of(bench)?, recording, Width::widest()).ok()?;
-    Some((bench, bulk))
+    Bulk::new(&bench.rig.sample, &impact, recording, Width::widest()).ok()
 }
 
 /// Whether a bench is followed by its rows.
 pub fn is_large<const D: usize>(bench: &Bench<D>) -> bool {
-    let any: &dyn Any = bench;
-    any.downcast_ref::<Bench<3>>().is_some_and(|bench| impact_of(bench).is_some())
+    in_space(bench).is_some_and(|bench| impact_of(bench).is_some())
 }
 
 /// What stands before the state in a checkpoint.
@@ -297,10 +300,8 @@ pub fn run<const D: usize>(
     halved: &Halved,
     context: &Context,
 ) -> Result<Option<(Summary, Ending)>, TrialError> {
-    if !is_large(bench) {
-        return Ok(None);
-    }
-    let Some((bench, mut bulk)) = crystal_of(bench) else { return Ok(None) };
+    let Some(bench) = in_space(bench) else { return Ok(None) };
+    let Some(mut bulk) = crystal_of(bench) else { return Ok(None) };
     let path = folder.join(CHECKPOINT);
     let mut layer_sizes = vec![0.0; bench.layers as usize];
     bench.sites.iter().for_each(|site| layer_sizes[site.layer as usize - 1] += 1.0);
