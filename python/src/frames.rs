@@ -12,7 +12,7 @@ use crate::running::run;
 use crate::values::{Table, shaped, vector};
 
 /// Most bytes of frames in memory.
-const MOST: f64 = 4e9;
+pub const MOST: f64 = 4e9;
 
 /// So many frames of so many bodies, each with some two contacts, find room.
 pub fn check_room(frames: u64, bodies: usize) -> Result<()> {

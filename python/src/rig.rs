@@ -280,7 +280,7 @@ fn histories<'py, const D: usize>(
     let (steps, frames) = moments(bench, every);
     let count = bench.rig.sample.spheres.len();
     let bytes = frames as f64 * (count * D * 3 * 8) as f64;
-    if bytes > 4e9 {
+    if bytes > frames::MOST {
         let message = format!("{frames} frames of {count} spheres take {:.1} GB", 1e-9 * bytes);
         return Err(Failure::with_help(message, "Take them less often, or write them with run(folder).").into());
     }
