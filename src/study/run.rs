@@ -14,6 +14,7 @@ use super::tolerance::{self, Loses};
 use super::why::Circumstances;
 use super::{Entry, Final, Improvement, Journal, Study, StudyError, baselines, finals};
 use crate::Context;
+use crate::evaluate::EvaluatorError;
 use crate::search::{Choice, Dice, Loss, Painter, Proof, Rounds, Search as _};
 
 /// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
@@ -196,18 +197,28 @@ impl Run<'_, '_> {
         let start = self.rungs[finest].get(&self.first[0]).or_else(|| self.rungs[0].get(&self.first[0]));
         self.state.front = state::front_of(self.study, &self.rungs[finest], start);
         if !self.state.ended.goes_on() {
-            let evaluator = &self.local.evaluators[finest];
-            let baselines = baselines::evaluate(&self.local.at[finest], evaluator, self.context)?;
-            if self.context.stopped() {
-                self.state.ended = Ended::Interrupted;
-            } else {
-                self.state.baselines = baselines;
-                self.state.finals = self.finals(finest)?;
-                self.state.tolerance = self.tolerance(finest)?;
-                self.state.glances = self.rungs[finest].glances(self.study, &self.rays);
+            // Some of what is simulated here gives no half answers: a request to stop is then an error of its own.
+            match self.close(finest) {
+                Err(StudyError::Evaluator(EvaluatorError::Interrupted)) => self.state.ended = Ended::Interrupted,
+                closed => closed?,
             }
         }
         Ok(self.state)
+    }
+
+    /// What is told of a study whose stages are done.
+    fn close(&mut self, finest: usize) -> Result<(), StudyError> {
+        let evaluator = &self.local.evaluators[finest];
+        let baselines = baselines::evaluate(&self.local.at[finest], evaluator, self.context)?;
+        if self.context.stopped() {
+            self.state.ended = Ended::Interrupted;
+            return Ok(());
+        }
+        self.state.baselines = baselines;
+        self.state.finals = self.finals(finest)?;
+        self.state.tolerance = self.tolerance(finest)?;
+        self.state.glances = self.rungs[finest].glances(self.study, &self.rays);
+        Ok(())
     }
 
     /// The best or nearest layout.

@@ -8,6 +8,11 @@ import { Desk, closeBrowser } from "./desk.mjs";
 
 const wanted = process.argv.slice(2);
 const all = Object.entries({ ...safety, ...design, ...hands, ...(process.env.FIREFOX ? firefox : {}) });
+const unknown = wanted.filter((name) => !all.some(([known]) => known === name));
+if (unknown.length) {
+  console.error(`no such test: ${unknown.join(", ")}; there are ${all.map(([name]) => name).join(", ")}`);
+  process.exit(2);
+}
 let failed = 0;
 for (const [name, test] of all.filter(([name]) => !wanted.length || wanted.includes(name))) {
   const desk = new Desk();

@@ -1,8 +1,11 @@
 //! The same bits whatever ends a run, and on any number of threads.
 
+use std::time::Instant;
+
 use granulens::Context;
+use granulens::evaluate::EvaluatorError;
 use granulens::search::Dice;
-use granulens::study::{Ended, State, Watch, run};
+use granulens::study::{Ended, State, StudyError, Watch, run};
 
 use crate::{Desk, STAGED, STUDY, with_threads};
 
@@ -73,6 +76,44 @@ fn an_interrupted_study_goes_on_where_it_was() {
         }
     }
     panic!("it never ends");
+}
+
+/// Ctrl-C at any moment of what follows the last batch, where the best layout's figures are worked out: the study is interrupted, not faulty.
+#[test]
+fn a_study_interrupted_at_its_end_goes_on() {
+    struct Batches(usize);
+    impl Watch for Batches {
+        fn warning(&mut self, _: &str) {}
+        fn batch(&mut self, _: &State, _: usize) {
+            self.0 += 1;
+        }
+    }
+    let desk = Desk::new(&STUDY.replace("600", "100"));
+    let whole = desk.run().unwrap().0;
+    let begun = Instant::now();
+    desk.run().unwrap();
+    let length = begun.elapsed();
+    let mut interrupted = 0;
+    for part in 0..60 {
+        let context = Context::default();
+        let asked = context.clone();
+        let mut batches = Batches(0);
+        let state = std::thread::scope(|scope| {
+            scope.spawn(move || {
+                std::thread::sleep(length * part / 60);
+                asked.stop();
+            });
+            run(&desk.study(), &desk.path("journal.jsonl"), &context, &mut batches)
+        });
+        match state {
+            Ok(state) if state.ended == Ended::Interrupted => interrupted += 1,
+            Ok(state) => assert_eq!(state, whole),
+            // Before its host is known nothing of a study can be told.
+            Err(StudyError::Evaluator(EvaluatorError::Interrupted)) if batches.0 == 0 => {}
+            Err(error) => panic!("moment {part} of 60: {error}"),
+        }
+    }
+    assert!(interrupted > 0);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 
 use granulens::Context;
 use granulens::score::{Measure, Scores};
-use granulens::study::{Judged, Rung, State, Study, Watch, front_of};
+use granulens::study::{Ended, Judged, Rung, State, Study, Watch, front_of};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -265,6 +265,7 @@ pub fn start(asked: &Asked, shared: &Shared) -> Result<Value, Failure> {
         let done = caught(|| run::search(&study, &place, &common, &context, &mut watch));
         let ended = match done {
             Ok(Ok(state)) => json!({ "why": state.ended, "evaluations": state.evaluations }),
+            Ok(Err(Failure::Interrupted(_))) => json!({ "why": Ended::Interrupted }),
             Ok(Err(failure)) => json!({ "error": failure.told() }),
             Err(words) => json!({ "error": { "kind": "crash", "message": format!("the study crashed: {words}") } }),
         };
