@@ -10,7 +10,7 @@ use granulens::motion::{RADIUS, follow};
 use granulens::network::{
     ANGLE, Branch, Carrier, Chains, Contact, Fabric, Network, Part, StressMap, Topology, default_thresholds,
 };
-use granulens::search::Dice;
+use granulens::search::Rng;
 
 /// A hexagonal bed, periodic across, so wide and high.
 struct Bed {
@@ -21,7 +21,7 @@ struct Bed {
 
 impl Bed {
     fn new(width: usize, height: usize) -> Self {
-        let mut dice = Dice::new(1);
+        let mut rng = Rng::new(1);
         let (mut places, mut contacts) = (Vec::new(), Vec::new());
         for row in 0..height {
             for column in 0..width {
@@ -31,10 +31,10 @@ impl Bed {
                 let near = [(row, (column + 1) % width), (row + 1, above[0]), (row + 1, above[1])];
                 for (other_row, other) in near.into_iter().filter(|(row, _)| *row < height) {
                     // As in a bed, a third of the neighbours do not touch, and forces are distributed exponentially.
-                    if dice.unit() < 2.0 / 3.0 {
+                    if rng.unit() < 2.0 / 3.0 {
                         let grains = [(row * width + column) as u32, (other_row * width + other) as u32];
-                        let normal = -(1.0 - dice.unit()).ln();
-                        contacts.push(Contact { grains, normal, tangential: normal * (dice.unit() - 0.5) });
+                        let normal = -(1.0 - rng.unit()).ln();
+                        contacts.push(Contact { grains, normal, tangential: normal * (rng.unit() - 0.5) });
                     }
                 }
             }
@@ -67,8 +67,8 @@ fn main() {
     println!("grains   contacts   all measures (ms, best of 5)   wanted");
     for (width, height, wanted) in [(100, 60, 50.0), (300, 300, 1000.0)] {
         let bed = Bed::new(width, height);
-        let mut dice = Dice::new(2);
-        let after: Vec<[f64; 2]> = bed.places.iter().map(|p| p.map(|x| x + 0.1 * dice.unit())).collect();
+        let mut rng = Rng::new(2);
+        let after: Vec<[f64; 2]> = bed.places.iter().map(|p| p.map(|x| x + 0.1 * rng.unit())).collect();
         let once = || {
             let begun = Instant::now();
             black_box(bed.measure(&after));

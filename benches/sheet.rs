@@ -79,7 +79,7 @@ fn rig(grid: &Grid) -> Rig<2> {
     let mut rig = Rig::new(Sample { materials: metals(), spheres }, laws);
     let depth = grid.rows as f64 * 0.75_f64.sqrt() * grid.spacing;
     rig.periods = [Some(grid.columns[0] as f64 * grid.spacing), grid.joined.then_some(depth)];
-    rig.squeezed = grid.joined;
+    rig.precompressed = grid.joined;
     if grid.joined {
         rig.velocity = shaken(grid);
     } else {

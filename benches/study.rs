@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use granulens::Context;
 use granulens::evaluate::Evaluator;
-use granulens::search::Dice;
+use granulens::search::Rng;
 use granulens::study::{Scoring, State, Study, Watch, Work, run};
 
 /// Evaluations of one measurement.
@@ -54,9 +54,9 @@ fn studies(criterion: &mut Criterion) {
 
     let evaluator =
         Evaluator::new(&study.design, &study.impacts, study.palette.clone(), study.overrides(0), &never).unwrap();
-    let mut dice = Dice::new(1);
+    let mut rng = Rng::new(1);
     let space = study.space();
-    let layouts: Vec<Vec<u8>> = (0..16).map(|_| study.materials(&space.random(&mut dice))).collect();
+    let layouts: Vec<Vec<u8>> = (0..16).map(|_| study.materials(&space.random(&mut rng))).collect();
     group.bench_function("bare batches of 16", |bench| {
         bench.iter(|| {
             for _ in 0..EVALUATIONS / 16 {

@@ -6,7 +6,7 @@ use granulens::Context;
 use granulens::design::Design;
 use granulens::evaluate::{Evaluator, Overrides};
 use granulens::lens::propose;
-use granulens::search::Dice;
+use granulens::search::Rng;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let design = Design::read("designs/quickstart.toml")?;
@@ -24,12 +24,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("the lens: C {value:.2}");
     let free: Vec<usize> =
         (0..best.materials.len()).filter(|&i| (5..=25).contains(&design.lattice.sites()[i].row)).collect();
-    let mut dice = Dice::new(1);
+    let mut rng = Rng::new(1);
     for _ in 0..10 {
         let tries: Vec<Vec<u8>> = (0..8)
             .map(|_| {
                 let mut materials = best.materials.clone();
-                let site = free[dice.below(free.len() as u64) as usize];
+                let site = free[rng.below(free.len() as u64) as usize];
                 materials[site] = 1 - materials[site];
                 materials
             })

@@ -34,13 +34,13 @@ pub enum InsideError {
 /// # Errors
 /// [`InsideError::Rig`].
 pub fn rig(design: &Design, layout: &Layout) -> Result<(Rig<2>, f64), InsideError> {
-    let Setup::Two(bench) = Setup::of_layout(design, layout).map_err(|error| InsideError::Rig(error.to_string()))?
+    let Setup::Two(prepared) = Setup::of_layout(design, layout).map_err(|error| InsideError::Rig(error.to_string()))?
     else {
         return Err(InsideError::Rig("it is no sheet".to_owned()));
     };
     let mut rig = whole_crystal(layout, design.impact, design.law, design.constants);
-    rig.laws = bench.rig.laws;
-    Ok((rig, bench.plan.step))
+    rig.laws = prepared.rig.laws;
+    Ok((rig, prepared.plan.step))
 }
 
 /// Looks inside a layout whose lens lies in `lens`, its first and last row, over `window` (s).

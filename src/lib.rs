@@ -8,8 +8,8 @@
 //! Each module uses only those above it:
 
 pub use granulens_core::{
-    Context, Progress, chance, contact, dem, lattice, lens, material, pattern, ray, real, sample, score, search,
-    target, units, wave,
+    Context, Progress, contact, dem, lattice, lens, material, pattern, ray, real, sample, score, search, stats, target,
+    units, wave,
 };
 
 mod memory;
@@ -25,7 +25,7 @@ pub mod outcome;
 pub mod design;
 pub mod evaluate;
 pub mod setup;
-pub mod trial;
+pub mod run;
 pub mod study;
 pub mod reference;
 pub mod export;

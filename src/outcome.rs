@@ -19,7 +19,7 @@ use crate::layout::Bill;
 use crate::lens::{Prescription, Symmetry};
 pub use crate::score::Scores;
 use crate::score::{Better, Measure, Spreads};
-use crate::target::{Region, Solid, Target};
+use crate::target::{Region, SpaceRegion, Target};
 
 /// Format number of every JSON file of results.
 pub const FORMAT: u32 = 1;
@@ -128,7 +128,7 @@ pub struct Outcome<S = Site, R = Region, P = Proposal> {
 }
 
 /// The result in space.
-pub type SpaceOutcome = Outcome<SpaceSite, Solid, SpaceProposal>;
+pub type SpaceOutcome = Outcome<SpaceSite, SpaceRegion, SpaceProposal>;
 
 /// A site of a crystal in space.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

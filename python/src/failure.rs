@@ -5,9 +5,9 @@ use granulens::design::DesignError;
 use granulens::evaluate::{EvaluateError, EvaluatorError};
 use granulens::layout::LayoutFileError;
 use granulens::output::OutputError;
+use granulens::run::RunError;
 use granulens::setup::SetupError;
 use granulens::study::StudyError;
-use granulens::trial::TrialError;
 use pyo3::prelude::*;
 
 /// What becomes an exception of `granulens`.
@@ -99,7 +99,7 @@ plain!(
     granulens::bed::StoreError,
     granulens::dem::rig::RigError,
     granulens::wave::SurfaceError,
-    granulens::report::TrialReportError,
+    granulens::report::RunReportError,
     granulens::units::UnitError,
 );
 
@@ -195,8 +195,8 @@ impl From<StudyError> for Failure {
     }
 }
 
-impl From<TrialError> for Failure {
-    fn from(error: TrialError) -> Self {
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
         Self::with_help(error.to_string(), error.help())
     }
 }

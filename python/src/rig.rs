@@ -6,8 +6,8 @@ use std::time::Duration;
 use granulens::Context;
 use granulens::bed::{FRAME_SI, Frame};
 use granulens::dem::rig::{EnergyLedger, RigStop, Simulation};
-use granulens::setup::{Bench, Setup};
-use granulens::trial::{self, Ending, Keeping};
+use granulens::run::{self, Ending, Keeping};
+use granulens::setup::{PreparedRig, Setup};
 use granulens::{input, output, report};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -26,11 +26,11 @@ pub struct Rig {
 
 /// Runs a piece of code with the bench of whatever dimension.
 macro_rules! with_bench {
-    ($setup:expr, $bench:ident => $code:expr) => {
+    ($setup:expr, $prepared:ident => $code:expr) => {
         match $setup {
-            Setup::One($bench) => $code,
-            Setup::Two($bench) => $code,
-            Setup::Three($bench) => $code,
+            Setup::One($prepared) => $code,
+            Setup::Two($prepared) => $code,
+            Setup::Three($prepared) => $code,
         }
     };
 }
@@ -60,7 +60,7 @@ impl Rig {
     /// Name, fit for files and folders.
     #[getter]
     fn name(&self) -> &str {
-        with_bench!(&self.setup, bench => &bench.name)
+        with_bench!(&self.setup, prepared => &prepared.name)
     }
     /// Number of dimensions, 1 to 3.
     #[getter]
@@ -74,22 +74,22 @@ impl Rig {
     /// Number of spheres.
     #[getter]
     fn spheres(&self) -> usize {
-        with_bench!(&self.setup, bench => bench.rig.sample.spheres.len())
+        with_bench!(&self.setup, prepared => prepared.rig.sample.spheres.len())
     }
     /// The step that is chosen (s).
     #[getter]
     fn step_s(&self) -> f64 {
-        with_bench!(&self.setup, bench => bench.plan.step)
+        with_bench!(&self.setup, prepared => prepared.plan.step)
     }
     /// How long the run lasts (s).
     #[getter]
     fn window_s(&self) -> f64 {
-        with_bench!(&self.setup, bench => bench.plan.window)
+        with_bench!(&self.setup, prepared => prepared.plan.window)
     }
     /// What the user should know about these choices.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        with_bench!(&self.setup, bench => bench.plan.warnings.clone())
+        with_bench!(&self.setup, prepared => prepared.plan.warnings.clone())
     }
 
     /// The spheres at rest, as a table.
@@ -97,7 +97,7 @@ impl Rig {
     /// Columns, shape (spheres,): layer, column (int64; 0 for those of intruders); radius_m, mass_kg (float64); material (str);
     /// position_m (float64), shape (spheres, dimension).
     fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        with_bench!(&self.setup, bench => table(py, bench))
+        with_bench!(&self.setup, prepared => table(py, prepared))
     }
 
     /// Runs it in memory and keeps every sphere's motion over time.
@@ -122,7 +122,7 @@ impl Rig {
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let every = every.map(|time| time.seconds("every")).transpose()?;
-        with_bench!(&self.setup, bench => histories(py, bench, every, threads))
+        with_bench!(&self.setup, prepared => histories(py, prepared, every, threads))
     }
 
     /// Runs it in memory and keeps every body and closed contact at moments; of rigs in the plane and chains.
@@ -141,7 +141,7 @@ impl Rig {
     #[pyo3(signature = (*, every = None, threads = None))]
     fn frames<'py>(&self, py: Python<'py>, every: Option<Time>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
         let every = every.map(|time| time.seconds("every")).transpose()?;
-        with_bench!(&self.setup, bench => frames_of(py, bench, every, threads))
+        with_bench!(&self.setup, prepared => frames_of(py, prepared, every, threads))
     }
 
     /// Runs it into a folder of records, as granulens simulate does; gives what trial.json holds.
@@ -156,23 +156,23 @@ impl Rig {
         force: bool,
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        with_bench!(&self.setup, bench => to_folder(py, bench, folder, resume, force, threads))
+        with_bench!(&self.setup, prepared => to_folder(py, prepared, folder, resume, force, threads))
     }
 
     fn __repr__(&self) -> String {
-        with_bench!(&self.setup, bench => format!("<Rig {}: {} spheres, {} layers>", bench.name, bench.rig.sample.spheres.len(), bench.layers))
+        with_bench!(&self.setup, prepared => format!("<Rig {}: {} spheres, {} layers>", prepared.name, prepared.rig.sample.spheres.len(), prepared.layers))
     }
 }
 
-fn table<'py, const D: usize>(py: Python<'py>, bench: &Bench<D>) -> PyResult<Bound<'py, PyDict>> {
-    let sample = &bench.rig.sample;
-    let site = |k: usize, of: fn(&granulens::setup::SphereSite) -> u32| bench.sites.get(k).map_or(0, of);
+fn table<'py, const D: usize>(py: Python<'py>, prepared: &PreparedRig<D>) -> PyResult<Bound<'py, PyDict>> {
+    let sample = &prepared.rig.sample;
+    let site = |k: usize, of: fn(&granulens::setup::SphereSite) -> u32| prepared.sites.get(k).map_or(0, of);
     let count = sample.spheres.len();
     Table::new(py)
         .with("layer", vector(py, (0..count).map(|k| i64::from(site(k, |s| s.layer))).collect()))?
         .with("column", vector(py, (0..count).map(|k| i64::from(site(k, |s| s.column))).collect()))?
         .with("radius_m", vector(py, sample.spheres.iter().map(|s| s.radius).collect()))?
-        .with("mass_kg", vector(py, bench.rig.mass.clone()))?
+        .with("mass_kg", vector(py, prepared.rig.mass.clone()))?
         .with(
             "material",
             sample.spheres.iter().map(|s| sample.materials[s.material].name.as_str()).collect::<Vec<_>>(),
@@ -196,16 +196,16 @@ struct Kept {
 
 /// Follows a rig and looks at it at the start, every so many steps, and at the end.
 fn follow<const D: usize>(
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     every: u64,
     context: &Context,
     mut look: impl FnMut(&Simulation<D>),
 ) -> Result<(Simulation<D>, Option<RigStop>)> {
     let words = |error: &granulens::dem::rig::RigError| {
-        Failure::input(format!("{}: {}", bench.path.display(), error.words(&|body| bench.name_of(body))))
+        Failure::input(format!("{}: {}", prepared.path.display(), error.words(&|body| prepared.name_of(body))))
     };
-    let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step).map_err(|error| words(&error))?;
-    let mut left = bench.plan.steps();
+    let mut simulation = Simulation::new(prepared.rig.clone(), prepared.plan.step).map_err(|error| words(&error))?;
+    let mut left = prepared.plan.steps();
     loop {
         look(&simulation);
         if left == 0 {
@@ -222,10 +222,10 @@ fn follow<const D: usize>(
     }
 }
 
-fn keep<const D: usize>(bench: &Bench<D>, every: u64, context: &Context) -> Result<Kept> {
-    let count = bench.rig.sample.spheres.len();
+fn keep<const D: usize>(prepared: &PreparedRig<D>, every: u64, context: &Context) -> Result<Kept> {
+    let count = prepared.rig.sample.spheres.len();
     let mut kept = Kept::default();
-    let (simulation, stop) = follow(bench, every, context, |simulation| {
+    let (simulation, stop) = follow(prepared, every, context, |simulation| {
         let view = simulation.view();
         kept.times.push(view.time());
         for sphere in 0..count {
@@ -240,15 +240,15 @@ fn keep<const D: usize>(bench: &Bench<D>, every: u64, context: &Context) -> Resu
 }
 
 /// Steps between two moments, and how many moments that makes.
-fn moments<const D: usize>(bench: &Bench<D>, every: Option<f64>) -> (u64, u64) {
-    let every = every.unwrap_or(bench.plan.window / 100.0);
-    let steps = ((every / bench.plan.step).round() as u64).max(1);
-    (steps, bench.plan.steps() / steps + 2)
+fn moments<const D: usize>(prepared: &PreparedRig<D>, every: Option<f64>) -> (u64, u64) {
+    let every = every.unwrap_or(prepared.plan.window / 100.0);
+    let steps = ((every / prepared.plan.step).round() as u64).max(1);
+    (steps, prepared.plan.steps() / steps + 2)
 }
 
 fn frames_of<'py, const D: usize>(
     py: Python<'py>,
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     every: Option<f64>,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -256,35 +256,35 @@ fn frames_of<'py, const D: usize>(
         let message = "frames are of what lies in the plane, and this rig has three dimensions";
         return Err(Failure::with_help(message, "Take histories().").into());
     }
-    let (steps, count) = moments(bench, every);
-    frames::check_room(count, bench.rig.sample.spheres.len())?;
+    let (steps, count) = moments(prepared, every);
+    frames::check_room(count, prepared.rig.sample.spheres.len())?;
     let (kept, stop) = run(py, threads, |context| {
         let mut kept = Vec::new();
-        let ended = follow(bench, steps, context, |simulation| {
-            kept.extend(Frame::of(simulation, [bench.sites.len(), 0]));
+        let ended = follow(prepared, steps, context, |simulation| {
+            kept.extend(Frame::of(simulation, [prepared.sites.len(), 0]));
         });
         ended.map(|(_, stop)| (kept, stop))
     })??;
     if let Some(stop) = stop {
-        return Err(Failure::guard(stop.words("s", &|body| bench.name_of(body))).into());
+        return Err(Failure::guard(stop.words("s", &|body| prepared.name_of(body))).into());
     }
     frames::frames(py, kept, FRAME_SI)
 }
 
 fn histories<'py, const D: usize>(
     py: Python<'py>,
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     every: Option<f64>,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (steps, frames) = moments(bench, every);
-    let count = bench.rig.sample.spheres.len();
+    let (steps, frames) = moments(prepared, every);
+    let count = prepared.rig.sample.spheres.len();
     let bytes = frames as f64 * (count * D * 3 * 8) as f64;
     if bytes > frames::MOST {
         let message = format!("{frames} frames of {count} spheres take {:.1} GB", 1e-9 * bytes);
         return Err(Failure::with_help(message, "Take them less often, or write them with run(folder).").into());
     }
-    let kept = run(py, threads, |context| keep(bench, steps, context))??;
+    let kept = run(py, threads, |context| keep(prepared, steps, context))??;
     let shape = [kept.times.len(), count, D];
     let energy = |of: fn(&EnergyLedger) -> f64| vector(py, kept.energies.iter().map(of).collect());
     let energies = Table::new(py)
@@ -304,14 +304,14 @@ fn histories<'py, const D: usize>(
         .with("net_force_N", shaped(py, kept.force, shape)?)?
         .with("max_speed_m_s", vector(py, kept.speed))?
         .with("max_force_N", vector(py, kept.greatest))?
-        .with("step_s", bench.plan.step)?
-        .with("stop", kept.stop.map(|stop| stop.words("s", &|body| bench.name_of(body))))
+        .with("step_s", prepared.plan.step)?
+        .with("stop", kept.stop.map(|stop| stop.words("s", &|body| prepared.name_of(body))))
         .map(|table| table.0)
 }
 
 fn to_folder<'py, const D: usize>(
     py: Python<'py>,
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     folder: PathBuf,
     resume: bool,
     force: bool,
@@ -319,17 +319,17 @@ fn to_folder<'py, const D: usize>(
 ) -> PyResult<Bound<'py, PyAny>> {
     // Each call is a command of its own.
     input::forget();
-    input::remember(&bench.path);
+    input::remember(&prepared.path);
     let summary = run(py, threads, |context| -> Result<_> {
         if !resume {
             output::check_folder(&folder, force)?;
         }
         let keeping = Keeping { resume, every: Duration::from_secs(60) };
-        let (summary, ending) = trial::run(bench, &folder, keeping, context)?;
+        let (summary, ending) = run::run(prepared, &folder, keeping, context)?;
         if let Ending::Interrupted { .. } = ending {
             return Err(Failure::interrupted("interrupted; go on with resume=True"));
         }
-        report::draw_trial(&folder)?;
+        report::draw_run(&folder)?;
         output::seal_folder(&folder)?;
         Ok(summary)
     })??;

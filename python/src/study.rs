@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use granulens::Context;
 use granulens::input;
 use granulens::score::Measure;
-use granulens::search::{Choice, Dice};
+use granulens::search::{Assignment, Rng};
 use granulens::study::{
     self, Asking, Engine, Entry, Journal, Key, Local, Report, Rung, Shard, State, StudyError, Watch, bundle,
     evaluate_shard, merge, run_with, why,
@@ -71,7 +71,7 @@ impl Study {
     /// Names of the materials that may be chosen: what letters stand for.
     #[getter]
     fn materials(&self) -> Vec<String> {
-        self.inner.letters.iter().map(|&place| self.inner.palette[usize::from(place)].name.clone()).collect()
+        self.inner.alphabet.iter().map(|&place| self.inner.palette[usize::from(place)].name.clone()).collect()
     }
     /// Sites that may change: int64, shape (free,), places among the design's sites.
     #[getter]
@@ -92,12 +92,12 @@ impl Study {
     /// The layout that letters stand for: uint8, shape (free,).
     fn layout(&self, letters: Vec<u8>) -> Result<Layout> {
         let study = &self.inner;
-        let known = |letter: &u8| usize::from(*letter) < study.letters.len();
+        let known = |letter: &u8| usize::from(*letter) < study.alphabet.len();
         if letters.len() != study.free.len() || !letters.iter().all(known) {
             return Err(Failure::input(format!(
                 "letters must be {} numbers below {}, one for each site that may change",
                 study.free.len(),
-                study.letters.len()
+                study.alphabet.len()
             )));
         }
         let (palette, materials) = (study.palette.clone(), study.materials(&letters));
@@ -108,8 +108,8 @@ impl Study {
     /// Random layouts of the study, as its searches begin with: letters, uint8, shape (count, free).
     #[pyo3(signature = (count, *, seed = None))]
     fn random<'py>(&self, py: Python<'py>, count: usize, seed: Option<u64>) -> PyResult<Bound<'py, PyAny>> {
-        let (space, mut dice) = (self.inner.space(), Dice::new(seed.unwrap_or(self.inner.seed)));
-        let flat: Vec<u8> = (0..count).flat_map(|_| space.random(&mut dice)).collect();
+        let (space, mut rng) = (self.inner.space(), Rng::new(seed.unwrap_or(self.inner.seed)));
+        let flat: Vec<u8> = (0..count).flat_map(|_| space.random(&mut rng)).collect();
         vector(py, flat).call_method1("reshape", (count, self.inner.free.len()))
     }
 
@@ -187,10 +187,10 @@ impl Study {
         input::remember(&study.path);
         input::remember(study.design().path());
         study::claim(&folder, study, force).map_err(|error| Failure::with_help(error.to_string(), error.help()))?;
-        let given: Vec<Choice> = letters
+        let given: Vec<Assignment> = letters
             .map_or_else(Vec::new, |letters| letters.as_array().rows().into_iter().map(|row| row.to_vec()).collect());
-        for choice in &given {
-            self.layout(choice.clone())?;
+        for assignment in &given {
+            self.layout(assignment.clone())?;
         }
         let (asked, waiting, report) = run(py, threads, |context| -> Result<_> {
             if study::asked_in(&folder).exists() {
@@ -269,9 +269,9 @@ impl Study {
             let plan = study.plan(place).map_err(|error| Failure::from(self.sheet.blame_plan(&error)))?;
             let mut rung = Rung::default();
             let at = study.at(place);
-            for (choice, entry) in Key::new(&at, &plan).own(&at, &entries) {
-                if rung.get(&choice).is_none() && !entry.cut {
-                    rung.add(study, &choice, entry.clone());
+            for (assignment, entry) in Key::new(&at, &plan).own(&at, &entries) {
+                if rung.get(&assignment).is_none() && !entry.cut {
+                    rung.add(study, &assignment, entry.clone());
                 }
             }
             rungs.push((plan.step, rung));
@@ -295,7 +295,7 @@ impl Study {
                 table = table.with(measure.column(), maybe(py, values))?;
             }
         }
-        let letters: Vec<u8> = all.iter().flat_map(|(.., judged)| judged.choice.iter().copied()).collect();
+        let letters: Vec<u8> = all.iter().flat_map(|(.., judged)| judged.assignment.iter().copied()).collect();
         let letters = vector(py, letters).call_method1("reshape", (all.len(), study.free.len()))?;
         let stops: Vec<Option<&String>> = all.iter().map(|(.., judged)| judged.entry.stop.as_ref()).collect();
         Ok(table.with("stop", stops)?.with("letters", letters)?.0)
@@ -320,7 +320,7 @@ impl Study {
 impl Study {
     fn of_entry(&self, entry: &Entry) -> Result<Layout> {
         let letters = entry
-            .choice(self.inner.free.len(), self.inner.letters.len() as u8)
+            .assignment(self.inner.free.len(), self.inner.alphabet.len() as u8)
             .ok_or_else(|| Failure::input("the layout belongs to another study"))?;
         self.layout(letters)
     }
@@ -377,9 +377,9 @@ struct Elsewhere<'a> {
 }
 
 impl Engine for Elsewhere<'_> {
-    fn entries(&mut self, rung: usize, choices: &[&Choice]) -> std::result::Result<Vec<Entry>, StudyError> {
-        let letters = self.study.letters.len() as u8;
-        let asked: Vec<String> = choices.iter().map(|choice| study::pack(choice, letters)).collect();
+    fn entries(&mut self, rung: usize, assignments: &[&Assignment]) -> std::result::Result<Vec<Entry>, StudyError> {
+        let letters = self.study.alphabet.len() as u8;
+        let asked: Vec<String> = assignments.iter().map(|assignment| study::pack(assignment, letters)).collect();
         let answered = Python::attach(|py| -> PyResult<Vec<String>> {
             let handle = self.engine.call_method1(py, "submit", (rung, asked))?;
             // Asked for again and again, so that Ctrl-C is heard while others work.
@@ -425,12 +425,12 @@ pub fn evaluate_lines(
     if rung >= study.rungs.len() {
         return Err(Failure::input(format!("the study has no step number {rung}")).into());
     }
-    let letters = study.letters.len() as u8;
-    let choice = |text: &String| {
+    let letters = study.alphabet.len() as u8;
+    let assignment = |text: &String| {
         study::unpack(text, study.free.len(), letters)
             .ok_or_else(|| Failure::input(format!("{text} is no layout of {}", study.path.display())))
     };
-    let choices = layouts.iter().map(choice).collect::<Result<Vec<Choice>>>()?;
+    let assignments = layouts.iter().map(assignment).collect::<Result<Vec<Assignment>>>()?;
     let lines = run(py, threads, |context| -> Result<Vec<String>> {
         let mut local = local.lock().unwrap_or_else(PoisonError::into_inner);
         let known = match local.take() {
@@ -438,7 +438,7 @@ pub fn evaluate_lines(
             None => Local::new(study, context)?,
         };
         let known = local.insert(known);
-        let entries = known.entries(study, rung, &choices.iter().collect::<Vec<_>>(), context)?;
+        let entries = known.entries(study, rung, &assignments.iter().collect::<Vec<_>>(), context)?;
         Ok(entries.iter().map(Entry::to_line).collect())
     })??;
     if lines.len() < layouts.len() {

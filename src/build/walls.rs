@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::Context;
 use crate::design::Design;
-use crate::evaluate::{Blow, Frame, HeldError, Plan, Subject, held_energies, held_spheres};
+use crate::evaluate::{Frame, HeldError, ImpactLoad, Plan, Subject, held_energies, held_spheres};
 use crate::score::{means, ratio};
 
 /// F, P and C of one way of holding the piece.
@@ -42,12 +42,12 @@ pub fn in_walls(
         ("side walls, end free", walls(None)),
         ("side walls and end wall", walls(Some(0.0))),
     ];
-    let blow = Blow::from(design.impact);
+    let load = ImpactLoad::from(design.impact);
     ways.into_par_iter()
         .map(|(held, frame)| {
             let spheres = held_spheres(subject);
             let energies =
-                held_energies((design, plan), &subject.layout.palette, spheres, (frame, &blow, None), context)?;
+                held_energies((design, plan), &subject.layout.palette, spheres, (frame, &load, None), context)?;
             let [focal_mean, protected_mean] = means(&energies, &design.lattice, &design.target);
             Ok(WallEffect { held, focal_mean, protected_mean, contrast: ratio(focal_mean, protected_mean) })
         })

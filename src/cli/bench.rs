@@ -11,7 +11,7 @@ use granulens::evaluate::{Comparison, impact, method};
 use granulens::outcome::Method;
 use granulens::real::Width;
 use granulens::sample::{Sample, Sphere};
-use granulens::search::Dice;
+use granulens::search::Rng;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -113,18 +113,18 @@ const ROUNDS: usize = 7;
 /// Crystals of a layout with radii up to 0.1 % too small and one sphere in a hundred of another material, each in its own way.
 fn as_built(drawn: &Sample<2>, count: usize) -> Vec<Sample<2>> {
     let materials = drawn.materials.len() as u64;
-    let mut dice = Dice::new(1);
-    let sphere = |sphere: &Sphere<2>, dice: &mut Dice| {
-        let radius = sphere.radius * (1.0 - 1e-3 * dice.unit());
-        let (wrong, shift) = (dice.unit() < 0.01, 1 + dice.below(materials.max(2) - 1));
+    let mut rng = Rng::new(1);
+    let sphere = |sphere: &Sphere<2>, rng: &mut Rng| {
+        let radius = sphere.radius * (1.0 - 1e-3 * rng.unit());
+        let (wrong, shift) = (rng.unit() < 0.01, 1 + rng.below(materials.max(2) - 1));
         let material = if wrong { (sphere.material + shift as usize) % materials as usize } else { sphere.material };
         Sphere { radius, material, ..*sphere }
     };
-    let one = |dice: &mut Dice| Sample {
+    let one = |rng: &mut Rng| Sample {
         materials: drawn.materials.clone(),
-        spheres: drawn.spheres.iter().map(|drawn| sphere(drawn, dice)).collect(),
+        spheres: drawn.spheres.iter().map(|drawn| sphere(drawn, rng)).collect(),
     };
-    (0..count).map(|_| one(&mut dice)).collect()
+    (0..count).map(|_| one(&mut rng)).collect()
 }
 
 /// Perfect crystals and such as are built, with friction and without, in turn.

@@ -13,7 +13,7 @@ use granulens::evaluate::{Overrides, Plan, method};
 use granulens::export;
 use granulens::outcome::{COMMIT, FORMAT, Method, VERSION};
 use granulens::output::Folder;
-use granulens::setup::{Bench, Setup, dividing_step};
+use granulens::setup::{PreparedRig, Setup, dividing_step};
 use granulens::units::Dimension::Time;
 use serde_json::json;
 
@@ -74,9 +74,9 @@ impl Export {
             (None, true) => {
                 if let Some(setup) = Setup::read_rig(&self.source)? {
                     return match setup {
-                        Setup::One(bench) => self.rig(common, &bench),
-                        Setup::Two(bench) => self.rig(common, &bench),
-                        Setup::Three(bench) => self.rig(common, &bench),
+                        Setup::One(prepared) => self.rig(common, &prepared),
+                        Setup::Two(prepared) => self.rig(common, &prepared),
+                        Setup::Three(prepared) => self.rig(common, &prepared),
                     };
                 }
                 let design = Design::read(&self.source)?;
@@ -169,20 +169,20 @@ impl Export {
     }
 
     /// A rig is run as its file says, but for the step and window of the command line.
-    fn rig<const D: usize>(&self, common: &Common, bench: &Bench<D>) -> Result<(), Failure> {
+    fn rig<const D: usize>(&self, common: &Common, prepared: &PreparedRig<D>) -> Result<(), Failure> {
         if self.motion.integrator.is_some_and(|integrator| integrator != Integrator::Verlet) {
             return Err(Failure::input_with_help(VERLET_ALONE, "Leave it out."));
         }
-        bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
-        let window = self.motion.window.unwrap_or(bench.plan.window);
+        prepared.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        let window = self.motion.window.unwrap_or(prepared.plan.window);
         self.write(common, |law| {
             let step = self.motion.step.unwrap_or_else(|| match law {
                 // LAMMPS switches forces on and off between steps.
-                Some(_) => dividing_step(&bench.rig, bench.plan.step).unwrap_or(bench.plan.step),
-                None => bench.plan.step,
+                Some(_) => dividing_step(&prepared.rig, prepared.plan.step).unwrap_or(prepared.plan.step),
+                None => prepared.plan.step,
             });
-            let mut method = Method { step_s: step, window_s: window, ..bench.method() };
-            if step != bench.plan.step {
+            let mut method = Method { step_s: step, window_s: window, ..prepared.method() };
+            if step != prepared.plan.step {
                 let why = if self.motion.step.is_some() {
                     "given"
                 } else {
@@ -190,7 +190,7 @@ impl Export {
                 };
                 method.step_reason = why.to_owned();
             }
-            Ok(Run { rig: bench.rig.clone(), steps: steps_in(window, step), method })
+            Ok(Run { rig: prepared.rig.clone(), steps: steps_in(window, step), method })
         })
     }
 

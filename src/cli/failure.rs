@@ -293,8 +293,8 @@ impl From<granulens::evaluate::EvaluateError> for Failure {
     }
 }
 
-impl From<granulens::report::TrialReportError> for Failure {
-    fn from(error: granulens::report::TrialReportError) -> Self {
+impl From<granulens::report::RunReportError> for Failure {
+    fn from(error: granulens::report::RunReportError) -> Self {
         Self::input(error.to_string())
     }
 }

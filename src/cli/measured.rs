@@ -9,7 +9,7 @@ use granulens::measured::{
 };
 use granulens::outcome::{Begun, FORMAT};
 use granulens::report::Provenance;
-use granulens::setup::{Bench, Setup};
+use granulens::setup::{PreparedRig, Setup};
 use granulens::units::Dimension::Time;
 use serde_json::json;
 
@@ -73,41 +73,42 @@ impl Measured {
             }
         };
         match setup {
-            Setup::One(bench) => self.bench(&bench, &data, &inputs, common),
-            Setup::Two(bench) => self.bench(&bench, &data, &inputs, common),
-            Setup::Three(bench) => self.bench(&bench, &data, &inputs, common),
+            Setup::One(prepared) => self.prepared(&prepared, &data, &inputs, common),
+            Setup::Two(prepared) => self.prepared(&prepared, &data, &inputs, common),
+            Setup::Three(prepared) => self.prepared(&prepared, &data, &inputs, common),
         }
     }
 
-    fn bench<const D: usize>(
+    fn prepared<const D: usize>(
         &self,
-        bench: &Bench<D>,
+        prepared: &PreparedRig<D>,
         data: &Data,
         inputs: &[Input],
         common: &Common,
     ) -> Result<(), Failure> {
         let mut channels = Vec::new();
         for record in &data.records {
-            let channel = Channel::find(&record.name, bench);
+            let channel = Channel::find(&record.name, prepared);
             channels.push(channel.map_err(|words| {
                 Failure::input_with_help(format!("{}: {words}", self.data.display()), "Rename or leave out the column.")
             })?);
         }
-        inputs.iter().try_for_each(|input| input.check(&bench.rig))?;
-        note(common, &bench.method().words());
-        bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        inputs.iter().try_for_each(|input| input.check(&prepared.rig))?;
+        note(common, &prepared.method().words());
+        prepared.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if common.dry_run {
-            let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step).map_err(PredictError::Rig)?;
-            let alone = cost::rig(&mut simulation, bench.plan.steps());
+            let mut simulation =
+                Simulation::new(prepared.rig.clone(), prepared.plan.step).map_err(PredictError::Rig)?;
+            let alone = cost::rig(&mut simulation, prepared.plan.steps());
             // A step takes two runs for each input's slope and one to try it; two rounds settle in some five steps each.
             let count = 1 + 10 * (2 * inputs.len() as u64 + u64::from(!inputs.is_empty()));
             let what = "runs of the rig; with --fit a rough guess";
             return cost::tell(common, &[cost::Part::new(what, count, Some(alone * count as f64))]);
         }
-        let place = common.out.clone().unwrap_or_else(|| Path::new("measured").join(&bench.name));
+        let place = common.out.clone().unwrap_or_else(|| Path::new("measured").join(&prepared.name));
         let folder = begin(common, &place)?;
         let begun = Begun::now();
-        let before = predict(bench, &channels, &[], context())?;
+        let before = predict(prepared, &channels, &[], context())?;
         let apart = || {
             Failure::input_with_help(
                 format!("{}: less than half of the values lie in the window of the prediction", self.data.display()),
@@ -118,14 +119,14 @@ impl Measured {
         let fitted = match inputs {
             [] => None,
             inputs => {
-                let fit = fit(bench, data, &channels, inputs, self.offset, context())?.ok_or_else(apart)?;
+                let fit = fit(prepared, data, &channels, inputs, self.offset, context())?.ok_or_else(apart)?;
                 let after = compare(data, &fit.prediction, Some(fit.offset)).ok_or_else(apart)?;
                 Some((fit, after))
             }
         };
         let told = json!({
             "format": FORMAT,
-            "name": bench.name,
+            "name": prepared.name,
             "data": self.data.display().to_string(),
             "compared": compared,
             "fit": fitted.as_ref().map(|(fit, after)| json!({
@@ -133,15 +134,15 @@ impl Measured {
                 "compared": after,
             })),
         });
-        let title = format!("{}: measured and predicted", bench.name);
+        let title = format!("{}: measured and predicted", prepared.name);
         let of_fit = fitted.as_ref().map(|(fit, after)| (fit, after));
         let (best, at) = fitted.as_ref().map_or((&before, compared.offset_s), |(fit, _)| (&fit.prediction, fit.offset));
-        let seeds = [bench.seeds.first().copied().unwrap_or_default(), bench.seeds.len() as u64];
-        let file = (&bench.name[..], bench.path.as_path(), &bench.text[..]);
-        let mut manifest = begun.manifest(file, bench.method(), "as the file says".to_owned(), seeds);
+        let seeds = [prepared.seeds.first().copied().unwrap_or_default(), prepared.seeds.len() as u64];
+        let file = (&prepared.name[..], prepared.path.as_path(), &prepared.text[..]);
+        let mut manifest = begun.manifest(file, prepared.method(), "as the file says".to_owned(), seeds);
         manifest.command = Some(command_line());
         for (name, text) in [
-            ("report.html", page(&title, provenance(bench), data, (&before, &compared), of_fit)),
+            ("report.html", page(&title, provenance(prepared), data, (&before, &compared), of_fit)),
             ("curves.csv", curves_csv(data, best, at)),
             ("measured.json", pretty(&told)),
             ("manifest.json", pretty(&manifest)),
@@ -194,8 +195,8 @@ fn table(text: &mut String, compared: &Comparison) {
     }
 }
 
-fn provenance<const D: usize>(bench: &Bench<D>) -> Provenance {
-    Provenance::new(command_line(), bench.path.display().to_string(), bench.text.clone()).by(&bench.method())
+fn provenance<const D: usize>(prepared: &PreparedRig<D>) -> Provenance {
+    Provenance::new(command_line(), prepared.path.display().to_string(), prepared.text.clone()).by(&prepared.method())
 }
 
 impl From<DataError> for Failure {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use granulens::dem::rig::{Modes as NormalModes, Simulation};
 use granulens::report;
-use granulens::setup::{Bench, Setup};
+use granulens::setup::{PreparedRig, Setup};
 use serde_json::json;
 
 use super::Common;
@@ -64,27 +64,27 @@ const LISTED: usize = 12;
 impl Modes {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         match Setup::read_seeded(&self.file, common.seed)? {
-            Setup::One(bench) => self.bench(&bench, common),
-            Setup::Two(bench) => self.bench(&bench, common),
-            Setup::Three(bench) => self.bench(&bench, common),
+            Setup::One(prepared) => self.prepared(&prepared, common),
+            Setup::Two(prepared) => self.prepared(&prepared, common),
+            Setup::Three(prepared) => self.prepared(&prepared, common),
         }
     }
 
-    fn bench<const D: usize>(&self, bench: &Bench<D>, common: &Common) -> Result<(), Failure> {
+    fn prepared<const D: usize>(&self, prepared: &PreparedRig<D>, common: &Common) -> Result<(), Failure> {
         let out = match &common.out {
             Some(path) => Some((path, Kind::of(path)?)),
             None => None,
         };
         probe(common, common.out.as_ref())?;
-        bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
-        if let Some(preload) = &bench.preload {
+        prepared.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        if let Some(preload) = &prepared.preload {
             note(common, &preload.to_string());
         }
         let blame = |message: String, help: &str| {
-            Failure::input_with_help(format!("{}: {message}", bench.path.display()), help)
+            Failure::input_with_help(format!("{}: {message}", prepared.path.display()), help)
         };
-        let simulation = Simulation::new(bench.rig.clone(), bench.plan.step)
-            .map_err(|error| blame(error.words(&|body| bench.name_of(body)), "Change the rig file."))?;
+        let simulation = Simulation::new(prepared.rig.clone(), prepared.plan.step)
+            .map_err(|error| blame(error.words(&|body| prepared.name_of(body)), "Change the rig file."))?;
         let modes = NormalModes::of(&simulation).map_err(|error| blame(error.to_string(), "Leave it out."))?;
         let highest = modes.frequencies().last().copied().unwrap_or(0.0);
         if highest == 0.0 {
@@ -92,18 +92,20 @@ impl Modes {
             return Err(blame("no contact answers to a small displacement".to_owned(), help));
         }
         let layer = |wanted: u32| -> Vec<usize> {
-            (0..bench.sites.len()).filter(|&i| bench.sites[i].layer == wanted && !bench.rig.held[i][D - 1]).collect()
+            (0..prepared.sites.len())
+                .filter(|&i| prepared.sites[i].layer == wanted && !prepared.rig.held[i][D - 1])
+                .collect()
         };
         let free = |mut layers: Box<dyn Iterator<Item = u32>>| {
             layers.find(|&l| !layer(l).is_empty()).map(layer).unwrap_or_default()
         };
-        let (first, last) = (free(Box::new(1..=bench.layers)), free(Box::new((1..=bench.layers).rev())));
+        let (first, last) = (free(Box::new(1..=prepared.layers)), free(Box::new((1..=prepared.layers).rev())));
         let over: Vec<f64> = (1..=self.points).map(|k| 1.2 * highest * f64::from(k) / f64::from(self.points)).collect();
         let transmission = modes.transmission(D - 1, [&first, &last], &over, self.loss);
         if let Some((path, kind)) = out {
             match kind {
                 Kind::Picture => {
-                    let picture = report::transmission(&bench.name, &over, &transmission, &modes.frequencies());
+                    let picture = report::transmission(&prepared.name, &over, &transmission, &modes.frequencies());
                     write_picture(common, path, &picture)?;
                 }
                 Kind::Table => {
@@ -123,7 +125,7 @@ impl Modes {
         if common.json {
             emit_json(&json!({
                 "format": granulens::outcome::FORMAT,
-                "name": bench.name,
+                "name": prepared.name,
                 "freedoms": modes.freedoms.len(),
                 "frequencies_Hz": frequencies,
                 "unstable": unstable,
@@ -135,7 +137,7 @@ impl Modes {
         }
         let mut text = format!(
             "{}: {} modes, up to {:.1} Hz\n\n| mode | frequency (Hz) |\n|---|---|\n",
-            bench.name,
+            prepared.name,
             frequencies.len(),
             highest
         );

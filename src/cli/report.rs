@@ -133,7 +133,7 @@ impl Report {
             }
             Results::Rig => {
                 granulens::output::check_folder(&self.source, common.force)?;
-                let pictures = report::draw_trial(&self.source)?;
+                let pictures = report::draw_run(&self.source)?;
                 granulens::output::seal_folder(&self.source)?;
                 note(common, &format!("{} pictures: {}", pictures.len(), self.source.join("report.html").display()));
             }

@@ -9,8 +9,8 @@ use granulens::dem::rig::Simulation;
 use granulens::design::Design;
 use granulens::output;
 use granulens::report;
-use granulens::setup::{Bench, SPACE, Setup};
-use granulens::trial::{self, Ending, Keeping, Summary, TrialError};
+use granulens::run::{self, Ending, Keeping, RunError, Summary};
+use granulens::setup::{PreparedRig, SPACE, Setup};
 use granulens::units::Dimension::{Force, Time};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -54,60 +54,61 @@ impl Simulate {
                 let design = Design::read(design)?;
                 let layout = read_layout(common, &design, &self.file)?;
                 let mut setup = Setup::of_layout(&design, &layout)?;
-                if let Setup::Two(bench) = &mut setup {
+                if let Setup::Two(prepared) = &mut setup {
                     // The text is what a run is known by: another layout is another run.
                     let materials = crc32fast::hash(&layout.materials);
-                    bench.text += &format!("\n# of the layout {}, crc {materials:08x}\n", self.file.display());
+                    prepared.text += &format!("\n# of the layout {}, crc {materials:08x}\n", self.file.display());
                     if let Some(stem) = self.file.file_stem() {
-                        bench.name = stem.to_string_lossy().into_owned();
+                        prepared.name = stem.to_string_lossy().into_owned();
                     }
                 }
                 setup
             }
         };
         match setup {
-            Setup::One(bench) => self.bench(&bench, common),
-            Setup::Two(bench) => self.bench(&bench, common),
-            Setup::Three(bench) => self.bench(&bench, common),
+            Setup::One(prepared) => self.prepared(&prepared, common),
+            Setup::Two(prepared) => self.prepared(&prepared, common),
+            Setup::Three(prepared) => self.prepared(&prepared, common),
         }
     }
 
     /// Whether a folder holds the run of this very file.
-    fn is_of<const D: usize>(&self, bench: &Bench<D>, folder: &Path) -> bool {
-        let text = std::fs::read_to_string(folder.join(trial::RIG));
-        text.is_ok_and(|text| text == bench.text) && Summary::read(folder).is_ok_and(|kept| kept.seeds == bench.seeds)
+    fn is_of<const D: usize>(&self, prepared: &PreparedRig<D>, folder: &Path) -> bool {
+        let text = std::fs::read_to_string(folder.join(run::RIG));
+        text.is_ok_and(|text| text == prepared.text)
+            && Summary::read(folder).is_ok_and(|kept| kept.seeds == prepared.seeds)
     }
 
-    fn bench<const D: usize>(&self, bench: &Bench<D>, common: &Common) -> Result<(), Failure> {
+    fn prepared<const D: usize>(&self, prepared: &PreparedRig<D>, common: &Common) -> Result<(), Failure> {
         if self.frames && D == 3 {
             let message = "--frames: frames are kept of chains and sheets, and this crystal is in space";
             return Err(Failure::input_with_help(message, SPACE));
         }
-        let mut bench = bench.clone();
-        bench.record.frames |= self.frames;
-        let bench = &bench;
-        let folder = common.out.clone().unwrap_or_else(|| Path::new("simulations").join(&bench.name));
+        let mut prepared = prepared.clone();
+        prepared.record.frames |= self.frames;
+        let prepared = &prepared;
+        let folder = common.out.clone().unwrap_or_else(|| Path::new("simulations").join(&prepared.name));
         let keeping = Keeping { resume: self.resume, every: Duration::from_secs_f64(self.checkpoint_every) };
-        note(common, &format!("{} spheres; {}", bench.sites.len(), bench.method().words()));
-        if trial::is_large(bench) {
+        note(common, &format!("{} spheres; {}", prepared.sites.len(), prepared.method().words()));
+        if run::is_large(prepared) {
             let threads = rayon::current_num_threads();
             note(common, &format!("a large crystal, followed by its rows on {threads} threads; no tables of contacts"));
         }
-        if let Some(preload) = &bench.preload {
+        if let Some(preload) = &prepared.preload {
             note(common, &preload.to_string());
         }
-        bench.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
+        prepared.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if common.dry_run {
-            let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step)
-                .map_err(|error| failure(bench, &TrialError::Rig(error)))?;
-            let seconds = cost::rig(&mut simulation, bench.plan.steps());
-            let what = format!("{} steps of {} spheres, without records", bench.plan.steps(), bench.sites.len());
+            let mut simulation = Simulation::new(prepared.rig.clone(), prepared.plan.step)
+                .map_err(|error| failure(prepared, &RunError::Rig(error)))?;
+            let seconds = cost::rig(&mut simulation, prepared.plan.steps());
+            let what = format!("{} steps of {} spheres, without records", prepared.plan.steps(), prepared.sites.len());
             return cost::tell(common, &[cost::Part::new(what, 1, Some(seconds))]);
         }
         if !self.resume {
             output::check_folder(&folder, common.force)?;
         }
-        let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(bench.plan.steps()) };
+        let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(prepared.plan.steps()) };
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {elapsed} ({eta} left)") {
             bar.set_style(style);
         }
@@ -118,16 +119,16 @@ impl Simulate {
                 shown.set_position(done);
             }
         });
-        let result = trial::run(bench, &folder, keeping, &context);
+        let result = run::run(prepared, &folder, keeping, &context);
         bar.finish_and_clear();
-        let is_known = matches!(result, Err(TrialError::Finished(_)));
+        let is_known = matches!(result, Err(RunError::Finished(_)));
         let (summary, ending) = match result {
             // What is finished is told again, and ends as it did.
-            Err(TrialError::Finished(_)) if self.is_of(bench, &folder) => {
+            Err(RunError::Finished(_)) if self.is_of(prepared, &folder) => {
                 note(common, &format!("nothing was to be done: the run in {} is finished", folder.display()));
-                (Summary::read(&folder).map_err(|error| failure(bench, &error))?, Ending::Complete)
+                (Summary::read(&folder).map_err(|error| failure(prepared, &error))?, Ending::Complete)
             }
-            result => result.map_err(|error| failure(bench, &error))?,
+            result => result.map_err(|error| failure(prepared, &error))?,
         };
         if let Ending::Interrupted { time } = ending {
             return Err(Failure::Interrupted(format!(
@@ -139,14 +140,14 @@ impl Simulate {
                 common.out.as_ref().map_or(String::new(), |out| format!(" --out {}", out.display()))
             )));
         }
-        if summary.method.step_s != bench.plan.step {
+        if summary.method.step_s != prepared.plan.step {
             note(common, &format!("step {}: {}", Time.show(summary.method.step_s), summary.method.step_reason));
         }
-        let foreseen = &bench.plan.warnings;
+        let foreseen = &prepared.plan.warnings;
         for warning in summary.warnings.iter().filter(|warning| !foreseen.contains(warning)) {
             note(common, &format!("warning: {warning}"));
         }
-        let pictures = if is_known { Vec::new() } else { report::draw_trial(&folder)? };
+        let pictures = if is_known { Vec::new() } else { report::draw_run(&folder)? };
         if !is_known {
             output::seal_folder(&folder)?;
         }
@@ -167,10 +168,10 @@ impl Simulate {
 }
 
 /// A rig that cannot be is blamed on its file; the rest on the folder.
-fn failure<const D: usize>(bench: &Bench<D>, error: &TrialError) -> Failure {
+fn failure<const D: usize>(prepared: &PreparedRig<D>, error: &RunError) -> Failure {
     match error {
-        TrialError::Rig(rig) => {
-            let message = format!("{}: {}", bench.path.display(), rig.words(&|body| bench.name_of(body)));
+        RunError::Rig(rig) => {
+            let message = format!("{}: {}", prepared.path.display(), rig.words(&|body| prepared.name_of(body)));
             Failure::input_with_help(message, error.help())
         }
         _ => Failure::input_with_help(error.to_string(), error.help()),

@@ -264,7 +264,7 @@ fn begin(common: &Common, folder: &Path, samples: &mut Samples) -> Result<(), Fa
         // Not among what the command is given: it may be written anew.
         let text =
             std::fs::read_to_string(&pieces).map_err(|error| Failure::of_file(&pieces, None, &error.to_string()))?;
-        match samples.take_up(&pieces, &text) {
+        match samples.restore(&pieces, &text) {
             Err(_) if common.force => samples.list.clear(),
             taken => taken?,
         }

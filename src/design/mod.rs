@@ -46,7 +46,7 @@ use crate::document::{self, Source};
 use crate::lattice::{Block, HexagonalSheet};
 use crate::lens::LensRequest;
 use crate::material::{self, Material, UnknownMaterial};
-use crate::target::{Region, Solid, Target};
+use crate::target::{Region, SpaceRegion, Target};
 use crate::units::Dimension::{Force, Time};
 
 /// A checked design: of a sheet or, as [`SpaceDesign`], of a crystal in space. Everything in SI; what the file left out holds its default.
@@ -99,7 +99,7 @@ pub struct Design<L = HexagonalSheet, R = Region> {
 }
 
 /// A design in space: `crystal.packing = "hcp"` or `"fcc-111"`.
-pub type SpaceDesign = Design<Block, Solid>;
+pub type SpaceDesign = Design<Block, SpaceRegion>;
 
 impl SpaceDesign {
     /// Checks the text of a design file of a crystal in space; `path` is only named in messages.

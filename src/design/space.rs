@@ -11,7 +11,7 @@ use crate::document::{Entry, Scope};
 use crate::lattice::{Block, BlockError, BlockSide, Cell, Layered, Outline};
 use crate::lens::{Body, Continued, LensError, LensRequest, Raster, Stack, Symmetry, propose_body};
 use crate::material::Material;
-use crate::target::{Focus, Region, Solid, Target};
+use crate::target::{Focus, Region, SpaceRegion, Target};
 use crate::units::Dimension;
 
 /// Packings of designs in space.
@@ -93,7 +93,7 @@ fn block(scope: &Scope, file: &CrystalFile) -> Result<Block, DesignError> {
     })
 }
 
-fn target((scope, file): &(Scope, &TargetFile), block: &Block) -> Result<Target<Solid>, DesignError> {
+fn target((scope, file): &(Scope, &TargetFile), block: &Block) -> Result<Target<SpaceRegion>, DesignError> {
     let foci = scope.one_or_several("focus", &file.focus, &how("focus"))?;
     if foci.len() > MOST_FOCI {
         return Err(scope.fail(&format!("has {} foci, more than {MOST_FOCI}", foci.len()), "Leave fewer of them."));
@@ -128,7 +128,7 @@ fn target((scope, file): &(Scope, &TargetFile), block: &Block) -> Result<Target<
 }
 
 /// A region: `layers` with `r`, a disc or ring about the axis; `layers` with `x` and `y`, a box; `centre` and `radius`, a sphere.
-fn solid<'a>(scope: &Scope<'a>, keys: &Keys<'a>, block: &Block) -> Result<Solid, DesignError> {
+fn solid<'a>(scope: &Scope<'a>, keys: &Keys<'a>, block: &Block) -> Result<SpaceRegion, DesignError> {
     let Keys { rows, layers, x, y, r, centre, radius } = *keys;
     scope.forbid(&[("rows", rows)], "a region in space", "Write layers.")?;
     let diameter = block.diameter();
@@ -165,7 +165,7 @@ fn solid<'a>(scope: &Scope<'a>, keys: &Keys<'a>, block: &Block) -> Result<Solid,
             }
             let entry = scope.required("radius", radius)?;
             match entry.length(diameter)? {
-                radius if radius >= 0.0 => Solid::Sphere { centre, radius },
+                radius if radius >= 0.0 => SpaceRegion::Sphere { centre, radius },
                 _ => return Err(entry.fail("must not be negative", &entry.write_it_like())),
             }
         }
@@ -182,9 +182,9 @@ fn solid<'a>(scope: &Scope<'a>, keys: &Keys<'a>, block: &Block) -> Result<Solid,
                     "a region about the axis",
                     "A box is layers, x and y; a disc or ring layers and r.",
                 )?;
-                Solid::Cylinder { layers: within, r: range("r", r, 0.0)? }
+                SpaceRegion::Cylinder { layers: within, r: range("r", r, 0.0)? }
             } else {
-                Solid::Box { layers: within, x: range("x", x, 0.0)?, y: range("y", y, f64::NEG_INFINITY)? }
+                SpaceRegion::Box { layers: within, x: range("x", x, 0.0)?, y: range("y", y, f64::NEG_INFINITY)? }
             }
         }
     };
@@ -195,9 +195,9 @@ fn solid<'a>(scope: &Scope<'a>, keys: &Keys<'a>, block: &Block) -> Result<Solid,
     }
     let [half, high] = block.half_widths();
     let beyond = match solid {
-        Solid::Box { x, y, .. } => x[1] > half * (1.0 + 1e-9) || y[1].max(-y[0]) > high * (1.0 + 1e-9),
-        Solid::Cylinder { r, .. } => r[1] > half.hypot(high) * (1.0 + 1e-9),
-        Solid::Sphere { centre, .. } => centre[0] > half * (1.0 + 1e-9) || centre[1].abs() > high * (1.0 + 1e-9),
+        SpaceRegion::Box { x, y, .. } => x[1] > half * (1.0 + 1e-9) || y[1].max(-y[0]) > high * (1.0 + 1e-9),
+        SpaceRegion::Cylinder { r, .. } => r[1] > half.hypot(high) * (1.0 + 1e-9),
+        SpaceRegion::Sphere { centre, .. } => centre[0] > half * (1.0 + 1e-9) || centre[1].abs() > high * (1.0 + 1e-9),
     };
     if beyond {
         let [half, high] = [half, high].map(|x| (x / diameter * 1e3).round() / 1e3);
@@ -209,7 +209,7 @@ fn solid<'a>(scope: &Scope<'a>, keys: &Keys<'a>, block: &Block) -> Result<Solid,
 
 fn lens(
     section: &(Scope, &LensFile),
-    ground: Ground<Block, Solid>,
+    ground: Ground<Block, SpaceRegion>,
     regions: &Scope,
     own: &[Material],
 ) -> Result<(LensRequest, Option<String>), DesignError> {
@@ -267,12 +267,12 @@ impl SpaceDesign {
     /// The target as rays see it: layers, and distances from the axis or from the plane x = 0.
     pub fn target_of_rays(&self, symmetry: Symmetry) -> Target {
         let (block, target) = (&self.lattice, &self.target);
-        let seen = |solid: &Solid| {
+        let seen = |solid: &SpaceRegion| {
             let x = match (symmetry, *solid) {
                 (Symmetry::Axis, _) => solid.distances(),
-                (Symmetry::Plane, Solid::Box { x, .. }) => x,
-                (Symmetry::Plane, Solid::Cylinder { r, .. }) => [0.0, r[1]],
-                (Symmetry::Plane, Solid::Sphere { centre, radius }) => {
+                (Symmetry::Plane, SpaceRegion::Box { x, .. }) => x,
+                (Symmetry::Plane, SpaceRegion::Cylinder { r, .. }) => [0.0, r[1]],
+                (Symmetry::Plane, SpaceRegion::Sphere { centre, radius }) => {
                     [(centre[0] - radius).max(0.0), centre[0] + radius]
                 }
             };

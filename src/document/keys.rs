@@ -32,10 +32,10 @@ pub(crate) enum Times<T> {
 
 /// Declares the keys of a section.
 macro_rules! section {
-    ($name:ident: $type:ty { $($key:ident),* $(,)? }) => {
+    ($name:ident: $type:ty { $($(#[$attribute:meta])* $key:ident),* $(,)? }) => {
         #[derive(serde::Deserialize)]
         #[serde(deny_unknown_fields)]
-        pub(crate) struct $name { $(pub $key: $type),* }
+        pub(crate) struct $name { $($(#[$attribute])* pub $key: $type),* }
         impl $name {
             #[cfg(test)]
             pub const KEYS: &[&str] = &[$(stringify!($key)),*];

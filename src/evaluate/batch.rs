@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::blow::{AnyField, Blow, Case, Field, Flaw};
+use super::load::{AnyField, Field, ImpactLoad, Imperfection, LoadCase};
 use super::{EvaluateError, Overrides, Plan, PlanError};
 use crate::Context;
 use crate::contact::LawKind;
@@ -81,12 +81,12 @@ pub struct Evaluator {
     sites: usize,
     /// Those of the target's regions.
     within: TargetSites,
-    /// What is simulated under each different blow.
+    /// What is simulated under each different load.
     fields: Vec<AnyField>,
     /// For each field the first one that differs from it in nothing but the pulse.
     kin: Vec<usize>,
-    /// For each member of the set its field and its flaw.
-    cases: Vec<(usize, Flaw)>,
+    /// For each member of the set its field and its imperfection.
+    cases: Vec<(usize, Imperfection)>,
     palette: Vec<Material>,
     width: Width,
     detail: Detail,
@@ -103,7 +103,7 @@ pub struct Evaluator {
 /// A step or window with which one of them cannot be simulated.
 pub fn common_plan<'d>(
     design: impl Into<DesignRef<'d>>,
-    blows: &[Blow],
+    loads: &[ImpactLoad],
     overrides: Overrides,
     palette: &[Material],
 ) -> Result<Plan, PlanError> {
@@ -113,8 +113,8 @@ pub fn common_plan<'d>(
         DesignRef::Space(design) => Plan::in_space(&Design { impact, law, ..design.clone() }, overrides, palette),
     };
     let mut common: Option<Plan> = None;
-    for blow in blows {
-        let plan = under(blow.pulse, blow.law.unwrap_or(design.law()))?;
+    for load in loads {
+        let plan = under(load.pulse, load.law.unwrap_or(design.law()))?;
         let Some(common) = &mut common else {
             common = Some(plan);
             continue;
@@ -136,12 +136,12 @@ pub fn common_plan<'d>(
 
 impl Evaluator {
     /// Chooses step and window, and simulates the uniform crystals under each impact. `cases` are impacts, or impacts on
-    /// crystals with flaws; `palette` holds the host and others. What Q refers to is the design's, see [`Design::reference`]. In space
+    /// crystals with imperfections; `palette` holds the host and others. What Q refers to is the design's, see [`Design::reference`]. In space
     /// impacts are straight, on all of layer 1.
     ///
     /// # Errors
     /// See [`EvaluatorError`].
-    pub fn new<'d, C: Clone + Into<Case>>(
+    pub fn new<'d, C: Clone + Into<LoadCase>>(
         design: impl Into<DesignRef<'d>>,
         cases: &[C],
         mut palette: Vec<Material>,
@@ -156,8 +156,8 @@ impl Evaluator {
             }) as u8
         });
         let mut evaluator = Self::alone(design, cases, palette, overrides)?;
-        let flawless = (0..evaluator.fields.len()).map(|field| (field, Flaw::default())).collect();
-        let members = std::mem::replace(&mut evaluator.cases, flawless);
+        let perfect = (0..evaluator.fields.len()).map(|field| (field, Imperfection::default())).collect();
+        let members = std::mem::replace(&mut evaluator.cases, perfect);
         let uniform: Vec<u8> = std::iter::once(0).chain(reference).collect();
         let layouts: Vec<_> = uniform.iter().map(|&material| vec![material; evaluator.sites]).collect();
         let runs = evaluator.scores(&layouts, context)?;
@@ -188,33 +188,33 @@ impl Evaluator {
     }
 
     /// Without uniform crystals to relate to: there is no G and no Q.
-    pub(super) fn alone<'d, C: Clone + Into<Case>>(
+    pub(super) fn alone<'d, C: Clone + Into<LoadCase>>(
         design: impl Into<DesignRef<'d>>,
         cases: &[C],
         palette: Vec<Material>,
         overrides: Overrides,
     ) -> Result<Self, EvaluatorError> {
         let design = design.into();
-        let mut blows: Vec<(Blow, bool)> = Vec::new();
+        let mut loads: Vec<(ImpactLoad, bool)> = Vec::new();
         let mut members = Vec::new();
-        for Case { blow, flaw, halves_differ } in cases.iter().cloned().map(Into::into) {
-            let of = (blow, halves_differ || flaw.is_one_sided(design.sites()));
-            let known = blows.iter().position(|known| *known == of);
-            members.push((known.unwrap_or(blows.len()), flaw));
+        for LoadCase { load, imperfection, halves_differ } in cases.iter().cloned().map(Into::into) {
+            let of = (load, halves_differ || imperfection.is_one_sided(design.sites()));
+            let known = loads.iter().position(|known| *known == of);
+            members.push((known.unwrap_or(loads.len()), imperfection));
             if known.is_none() {
-                blows.push(of);
+                loads.push(of);
             }
         }
-        let plan = common_plan(design, &blows.iter().map(|(blow, _)| *blow).collect::<Vec<_>>(), overrides, &palette)?;
-        let field = |(blow, whole): &(Blow, bool)| match design {
-            DesignRef::Plane(design) => AnyField::Plane(Field::new(design, &plan, blow, *whole)),
-            DesignRef::Space(design) => AnyField::Space(Field::in_space(design, &plan, blow)),
+        let plan = common_plan(design, &loads.iter().map(|(load, _)| *load).collect::<Vec<_>>(), overrides, &palette)?;
+        let field = |(load, whole): &(ImpactLoad, bool)| match design {
+            DesignRef::Plane(design) => AnyField::Plane(Field::new(design, &plan, load, *whole)),
+            DesignRef::Space(design) => AnyField::Space(Field::in_space(design, &plan, load)),
         };
-        let fields: Vec<AnyField> = blows.iter().map(field).collect();
-        let alike = |(blow, whole): &(Blow, bool)| {
-            blows.iter().position(|(other, also)| also == whole && Blow { pulse: blow.pulse, ..*other } == *blow)
+        let fields: Vec<AnyField> = loads.iter().map(field).collect();
+        let alike = |(load, whole): &(ImpactLoad, bool)| {
+            loads.iter().position(|(other, also)| also == whole && ImpactLoad { pulse: load.pulse, ..*other } == *load)
         };
-        let kin = blows.iter().filter_map(alike).collect();
+        let kin = loads.iter().filter_map(alike).collect();
         Ok(Self {
             plan,
             diameter: design.diameter(),
@@ -247,8 +247,8 @@ impl Evaluator {
     /// # Errors
     /// As [`scores`](Self::scores), and where all of them were stopped by a guard, or on request.
     pub fn against(mut self, layouts: &[Vec<u8>], context: &Context) -> Result<Self, EvaluatorError> {
-        let flawless = (0..self.fields.len()).map(|field| (field, Flaw::default())).collect();
-        let cases = std::mem::replace(&mut self.cases, flawless);
+        let perfect = (0..self.fields.len()).map(|field| (field, Imperfection::default())).collect();
+        let cases = std::mem::replace(&mut self.cases, perfect);
         let detail = std::mem::take(&mut self.detail);
         let runs = self.scores(layouts, context)?;
         (self.cases, self.detail) = (cases, detail);
@@ -318,8 +318,8 @@ impl Evaluator {
         let mut built: Vec<(usize, usize)> =
             (0..self.cases.len()).flat_map(|case| (0..layouts.len()).map(move |layout| (case, layout))).collect();
         let kind = |case: usize| {
-            let (field, flaw) = &self.cases[case];
-            (self.kin[*field], !flaw.radii.is_empty(), !flaw.materials.is_empty())
+            let (field, imperfection) = &self.cases[case];
+            (self.kin[*field], !imperfection.radii.is_empty(), !imperfection.materials.is_empty())
         };
         built.sort_by_key(|&(case, _)| kind(case));
         let together = |alike: &'_ [(usize, usize)]| if kind(alike[0].0).2 { few } else { lanes };
@@ -390,10 +390,11 @@ impl Evaluator {
         let pulses: Vec<ForcePulse> =
             group.iter().map(|&(case, _)| self.fields[self.cases[case].0].impact().pulse).collect();
         let (impact, friction) = (&field.impact, field.friction);
-        let briefs = simulate_batch_under(&samples, impact, &pulses, friction, limit.as_ref(), self.width, context)?;
-        Ok(briefs
+        let peak_energies =
+            simulate_batch_under(&samples, impact, &pulses, friction, limit.as_ref(), self.width, context)?;
+        Ok(peak_energies
             .into_iter()
-            .map(|brief| Evaluated { scores: self.energies(&field.folded(&brief.max_kinetic)), stop: brief.stop })
+            .map(|peaks| Evaluated { scores: self.energies(&field.folded(&peaks.max_kinetic)), stop: peaks.stop })
             .collect())
     }
 

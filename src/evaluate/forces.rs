@@ -1,7 +1,7 @@
 //! A score of several forces: the motion behind a lens is chaotic, and under forces within a percent of each other scores scatter by
 //! about as much.
 
-use super::{Blow, Case, Evaluated, Evaluator, EvaluatorError, Overrides, Plan, Subject};
+use super::{Evaluated, Evaluator, EvaluatorError, ImpactLoad, LoadCase, Overrides, Plan, Subject};
 use crate::Context;
 use crate::dem::{ForcePulse, Stop};
 use crate::design::Design;
@@ -103,10 +103,10 @@ pub(super) fn under_forces(
             continue;
         }
         let case = |&force: &f64| {
-            let blow = Blow::from(ForcePulse { force, ..design.impact });
-            Case { halves_differ, ..Case::from(blow) }
+            let load = ImpactLoad::from(ForcePulse { force, ..design.impact });
+            LoadCase { halves_differ, ..LoadCase::from(load) }
         };
-        let cases: Vec<Case> = forces.iter().map(case).collect();
+        let cases: Vec<LoadCase> = forces.iter().map(case).collect();
         let evaluator = Evaluator::alone(design, &cases, first.layout.palette.clone(), given)?;
         let drawn: Vec<Vec<u8>> = alike.iter().map(|&k| pieces[k].drawn()).collect();
         for (k, runs) in alike.into_iter().zip(evaluator.scores(&drawn, context)?) {

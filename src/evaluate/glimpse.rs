@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::compare::{judge, relate, stops};
 use super::{Comparison, EvaluatorError, Forces, impact};
 use crate::Context;
-use crate::dem::{Brief, Stop, simulate_batch, simulate_batch_with_friction};
+use crate::dem::{PeakEnergies, Stop, simulate_batch, simulate_batch_with_friction};
 use crate::outcome::{Begun, Outcome, SphereRecord};
 use crate::real::Width;
 use crate::score::Scores;
@@ -22,7 +22,7 @@ pub fn glimpse(comparison: &Comparison<'_>, context: &Context) -> Result<Outcome
     let width = Width::widest();
     let strikes = impact(design, plan);
     let jobs = comparison.jobs();
-    let briefs = jobs
+    let peak_energies = jobs
         .par_chunks(width.lanes())
         .map(|jobs| {
             let samples: Vec<_> = jobs.iter().map(|job| job.layout.sample()).collect();
@@ -33,7 +33,7 @@ pub fn glimpse(comparison: &Comparison<'_>, context: &Context) -> Result<Outcome
         })
         .collect::<Result<Vec<_>, _>>()?;
     let mut arrangements = Vec::new();
-    for (job, Brief { max_kinetic, stop }) in jobs.iter().zip(briefs.into_iter().flatten()) {
+    for (job, PeakEnergies { max_kinetic, stop }) in jobs.iter().zip(peak_energies.into_iter().flatten()) {
         if matches!(stop, Some(Stop::Interrupted { .. })) {
             return Err(EvaluatorError::Interrupted);
         }

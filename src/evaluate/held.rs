@@ -4,7 +4,7 @@
 //! between end half a diameter before it. Pieces are rigs that find their contacts, so that nothing differs but how they are held.
 
 use super::settle::{GRAVITY, Room, SettleError, settle};
-use super::{Blow, Plan, Subject};
+use super::{ImpactLoad, Plan, Subject};
 use crate::Context;
 use crate::dem::rig::{
     Body, Curve, Face, Flat, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation, rig_step,
@@ -117,7 +117,7 @@ pub fn held_energies(
     (design, plan): (&Design, &Plan),
     palette: &[Material],
     mut spheres: Vec<HeldSphere>,
-    (frame, blow, projectile): (Frame, &Blow, Option<Projectile>),
+    (frame, load, projectile): (Frame, &ImpactLoad, Option<Projectile>),
     context: &Context,
 ) -> Result<Vec<f64>, HeldError> {
     let slack = 1e-9 * design.lattice.diameter();
@@ -137,7 +137,7 @@ pub fn held_energies(
             Some((room, true))
         }
     };
-    let place = blow.place.unwrap_or([-half_width, half_width]);
+    let place = load.place.unwrap_or([-half_width, half_width]);
     // Where spheres have settled they still stand in the column of their site.
     let is_struck = |s: &HeldSphere| {
         s.row == 1
@@ -146,7 +146,7 @@ pub fn held_energies(
     };
     let struck: Vec<bool> = spheres.iter().map(is_struck).collect();
     let there: Vec<usize> = (0..spheres.len()).filter(|&k| spheres[k].diameter > 0.0).collect();
-    let friction = blow.friction.or(design.friction).filter(|&mu| mu > 0.0);
+    let friction = load.friction.or(design.friction).filter(|&mu| mu > 0.0);
     let mut rig = Rig::new(
         Sample {
             materials: palette.to_vec(),
@@ -157,7 +157,7 @@ pub fn held_energies(
                 .collect(),
         },
         LawBook::Materials {
-            law: Law::Named(blow.law.unwrap_or(design.law)),
+            law: Law::Named(load.law.unwrap_or(design.law)),
             constants: design.constants,
             pairs: Vec::new(),
             friction: friction.map(Friction::mindlin),
@@ -174,17 +174,17 @@ pub fn held_energies(
         None => rig.periods[0] = Some(2.0 * half_width),
     }
     if matches!(frame, Frame::Settled { .. }) {
-        rig.squeezed = true;
+        rig.precompressed = true;
         rig.gravity = [0.0, GRAVITY];
     }
-    let direction = [blow.angle.sin(), blow.angle.cos()];
+    let direction = [load.angle.sin(), load.angle.cos()];
     let front: Vec<&HeldSphere> = there.iter().filter(|&&k| struck[k]).map(|&k| &spheres[k]).collect();
     match projectile {
         None => rig.loads.push(Load {
             bodies: there.iter().enumerate().filter(|&(_, &k)| struck[k]).map(|(body, _)| Body::Sphere(body)).collect(),
             direction,
             kind: LoadKind::Force,
-            curve: Curve::Square { peak: blow.pulse.force, start: 0.0, duration: blow.pulse.duration },
+            curve: Curve::Square { peak: load.pulse.force, start: 0.0, duration: load.pulse.duration },
         }),
         Some(Projectile { mass, speed }) => {
             // It arrives as it touches the first of the spheres that it strikes.
@@ -194,7 +194,7 @@ pub fn held_energies(
                 .iter()
                 .map(|s| s.centre[0])
                 .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-            let face = match blow.place {
+            let face = match load.place {
                 None => Face::Plane,
                 Some(_) => Face::Polygon(vec![[ends[0] - radius, top], [ends[1] + radius, top]]),
             };
@@ -211,7 +211,7 @@ pub fn held_energies(
     }
     let mass = rig.mass.clone();
     let step = rig_step(plan.integrator, plan.step);
-    let mut simulation = Simulation::new(rig, step)?.watching(Vec::new());
+    let mut simulation = Simulation::new(rig, step)?.recording(Vec::new());
     simulation.advance(steps_in(plan.window, step), context).map_err(HeldError::Stopped)?;
     let speed = simulation.greatest_speed();
     let mut energy = vec![[0.0, 0.0]; design.lattice.len()];

@@ -4,10 +4,10 @@
 //! - `compare`: the lens and its baselines, in parallel; `beside`: one layout beside the uniform crystals alone
 //! - `decay`: how waves decay in the uniform crystals of a design
 //! - `traced`: what rays and first arrivals say, without a simulation
-//! - `batch`: many layouts at once, in vector lanes, for those who search; `blow`: what strikes them, straight or at an angle, and
+//! - `batch`: many layouts at once, in vector lanes, for those who search; `load`: what strikes them, straight or at an angle, and
 //!   what is built otherwise than drawn
 //! - `forces`: one score of several forces; `verdict`: better, equal or worse than what a lens has to beat
-//! - `glance`: what is guessed without a simulation; `glimpse`: a comparison by energies alone, as fast as it can be
+//! - `surrogate`: what is guessed without a simulation; `glimpse`: a comparison by energies alone, as fast as it can be
 //! - `laws`: one layout under several contact laws; `rank`: which material and family
 //! - `held`: the whole piece between mirrors, or in a frame; `settle`: how unequal spheres lie in it under gravity
 //! - `sensitivity`: how scores change with every sphere, by the adjoint; `swaps`: what exchanging single spheres does
@@ -17,11 +17,11 @@
 
 mod batch;
 mod beside;
-mod blow;
+mod load;
 mod compare;
 mod decay;
 mod forces;
-mod glance;
+mod surrogate;
 mod glimpse;
 mod held;
 mod laws;
@@ -39,14 +39,13 @@ mod whole;
 
 pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError, common_plan};
 pub use beside::{Beside, beside_uniform, refer, unnamed};
-pub use blow::{Blow, Case, Flaw};
 pub use compare::{Comparison, compare, judged, proposal, stops};
 pub use decay::{calibrate, decay};
 pub use forces::{Forces, ForcesError};
-pub use glance::Glance;
 pub use glimpse::glimpse;
 pub use held::{Frame, HeldError, HeldSphere, Projectile, held_energies, held_spheres, settled};
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
+pub use load::{ImpactLoad, Imperfection, LoadCase};
 pub use plan::{Overrides, Plan, PlanError};
 pub use rank::{Ranked, rank};
 pub use sensitivity::{Derivatives, MEASURES, SECANT, Sensitivities, SensitivityError, sensitivities};
@@ -54,6 +53,7 @@ pub use settle::SettleError;
 pub use space::{
     SpaceBeside, SpaceComparison, beside_in_space, compare_in_space, evaluate_in_space, impact_in_space, strips,
 };
+pub use surrogate::ArrivalSurrogate;
 pub use swaps::{Swap, Swaps, swaps};
 pub use traced::{trace_arrivals, trace_fronts, trace_lens};
 pub use whole::Subject;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Comparison, EvaluatorError, Glance, Overrides, glimpse};
+use super::{ArrivalSurrogate, Comparison, EvaluatorError, Overrides, glimpse};
 use crate::Context;
 use crate::design::Design;
 use crate::lens::{Family, Lens, LensRequest, propose};
@@ -25,7 +25,7 @@ pub struct Ranked {
     pub fraction: Option<[f64; 2]>,
     /// Part of the struck width whose rays pass the protected region, and the same without a lens.
     pub protected: Option<[f64; 2]>,
-    /// By how much later (s) the wave comes down on the focus than on the protected region, by first arrivals; see [`Glance::delay`].
+    /// By how much later (s) the wave comes down on the focus than on the protected region, by first arrivals; see [`ArrivalSurrogate::delay`].
     #[serde(rename = "delay_s")]
     pub delay: Option<f64>,
     /// Spheres of the lens in the piece to be built, and its mass (kg).
@@ -134,7 +134,7 @@ fn proposed(
                 speed_ratio: Some(lens.host_speed / lens.lens_speed),
                 fraction: Some([lens.fraction, lens.fraction_without]),
                 protected: Some(lens.protected),
-                delay: Some(Glance::Eikonal.delay(design, &layout)),
+                delay: Some(ArrivalSurrogate::Eikonal.delay(design, &layout)),
                 spheres: Some(piece.amount.spheres),
                 mass: Some(piece.amount.mass),
                 ..empty

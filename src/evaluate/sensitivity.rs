@@ -198,7 +198,7 @@ fn secants(
     let group = |sites: &Vec<usize>| -> Result<Vec<[f64; 2]>, SensitivityError> {
         let samples: Vec<Sample<2>> = sites.iter().map(|&i| heavier(i)).collect();
         let briefs = simulate_batch(&samples, impact, width, context)?;
-        let secant = |brief: crate::dem::Brief| {
+        let secant = |brief: crate::dem::PeakEnergies| {
             if let Some(stop) = brief.stop {
                 return Err(SensitivityError::Stopped(stop));
             }

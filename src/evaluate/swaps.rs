@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Blow, Evaluated, Evaluator, EvaluatorError, Forces, Overrides, Plan};
+use super::{Evaluated, Evaluator, EvaluatorError, Forces, ImpactLoad, Overrides, Plan};
 use crate::Context;
-use crate::chance::Mean;
 use crate::dem::ForcePulse;
 use crate::design::Design;
 use crate::layout::Layout;
 use crate::score::geometric;
+use crate::stats::Mean;
 
 /// Layouts simulated between two looks at the request to stop.
 const BLOCK: usize = 256;
@@ -47,16 +47,17 @@ pub fn swaps(design: &Design, layout: &Layout, plan: &Plan, context: &Context) -
     let own = design.impact.force;
     // The design's own force stands before those of the band.
     let forces: Vec<f64> = std::iter::once(own).chain(Forces::USUAL.about(own)).collect();
-    let blows: Vec<Blow> = forces.iter().map(|&force| Blow::from(ForcePulse { force, ..design.impact })).collect();
+    let loads: Vec<ImpactLoad> =
+        forces.iter().map(|&force| ImpactLoad::from(ForcePulse { force, ..design.impact })).collect();
     let contrast = |run: &Evaluated| run.scores.contrast.filter(|_| run.stop.is_none());
-    let drawn = Evaluator::new(design, &blows, layout.palette.clone(), given, context)?
+    let drawn = Evaluator::new(design, &loads, layout.palette.clone(), given, context)?
         .scores(std::slice::from_ref(&layout.materials), context)?;
     let drawn: Vec<f64> = drawn[0].iter().filter_map(contrast).collect();
     let [at, over @ ..] = &drawn[..] else { return Err(EvaluatorError::Interrupted) };
     let deviation = Mean::of(over).deviation.unwrap_or(0.0);
     let noise = if over.is_empty() { 0.0 } else { 2.0 * 2.0_f64.sqrt() * deviation / geometric(over) };
 
-    let evaluator = Evaluator::new(design, &blows[..1], layout.palette.clone(), given, context)?;
+    let evaluator = Evaluator::new(design, &loads[..1], layout.palette.clone(), given, context)?;
     let others = layout.palette.len().saturating_sub(1);
     let exchanged: Vec<Vec<u8>> = (0..layout.materials.len())
         .flat_map(|site| {

@@ -1,8 +1,8 @@
 //! Whether a layout is better than what a lens has to beat, or only looks so.
 
-use crate::chance::Mean;
 use crate::outcome::{Verdict, Word};
 use crate::score::{Measure, Scores, geometric};
+use crate::stats::Mean;
 
 /// The measures that a verdict is given on.
 const JUDGED: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Protection];

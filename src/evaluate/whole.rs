@@ -1,6 +1,6 @@
 //! A piece whose halves differ: what it is beside its right half, and its evaluation as a whole.
 
-use super::blow::{Blow, Field, Flaw};
+use super::load::{Field, ImpactLoad, Imperfection};
 use super::{Doubts, EvaluateError, Evaluation, Plan};
 use crate::Context;
 use crate::dem::{simulate, simulate_with_friction};
@@ -126,10 +126,10 @@ impl Subject<'_> {
         if self.left.is_none() {
             return super::evaluate(design, self.layout, plan, context);
         }
-        let field = Field::new(design, plan, &Blow::from(design.impact), true);
+        let field = Field::new(design, plan, &ImpactLoad::from(design.impact), true);
         let lattice = &self.layout.lattice;
         // The places of the other side stand behind those of the half.
-        let sample = field.sample(&self.layout.palette, lattice.diameter(), &self.drawn(), &Flaw::default());
+        let sample = field.sample(&self.layout.palette, lattice.diameter(), &self.drawn(), &Imperfection::default());
         let record = match field.friction {
             Some(coefficient) => simulate_with_friction(&sample, &field.impact, coefficient, context)?,
             None => simulate(&sample, &field.impact, context)?,

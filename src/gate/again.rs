@@ -6,7 +6,7 @@
 
 use super::{GateError, Line, Look, Word, given};
 use crate::contact::{AnyLaw, ForceLaw, Pair};
-use crate::evaluate::{Blow, Case, Evaluator, EvaluatorError, Flaw};
+use crate::evaluate::{Evaluator, EvaluatorError, ImpactLoad, Imperfection, LoadCase};
 use crate::score::Measure;
 use crate::units::Dimension::Length;
 
@@ -41,9 +41,9 @@ pub(super) fn line(look: &Look) -> Result<Option<Line>, GateError> {
     let mean = |[sum, count]: &[f64; 2]| if *count > 0.0 { sum / count } else { 0.0 };
     // Half of a dent is each sphere's, and a dent takes a radius.
     let radii: Vec<f64> = sums.iter().map(|sum| 1.0 - mean(sum) / diameter).collect();
-    let dented = Flaw { radii: subject.on_places(&radii), ..Flaw::default() };
-    let blow = Blow::from(design.impact);
-    let cases = [look.case(blow), Case { flaw: dented, ..look.case(blow) }];
+    let dented = Imperfection { radii: subject.on_places(&radii), ..Imperfection::default() };
+    let load = ImpactLoad::from(design.impact);
+    let cases = [look.case(load), LoadCase { imperfection: dented, ..look.case(load) }];
     let overrides = given(look.plan, look.plan.step, look.plan.window);
     let evaluator = match Evaluator::new(*design, &cases, layout.palette.clone(), overrides, look.context) {
         Err(EvaluatorError::Baseline { .. }) => return Ok(None),

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Context;
 use crate::design::{Design, Threshold};
-use crate::evaluate::{Beside, Case, EvaluatorError, OverLawsError, Overrides, Plan, Subject};
+use crate::evaluate::{Beside, EvaluatorError, LoadCase, OverLawsError, Overrides, Plan, Subject};
 use crate::layout::Layout;
 use crate::tolerance::{Criterion, Samples, Tolerances, Workshop, WorkshopError};
 
@@ -131,8 +131,8 @@ impl<'a> Look<'a> {
     }
 
     /// A case of this piece.
-    fn case(&self, case: impl Into<Case>) -> Case {
-        Case { halves_differ: self.subject.left.is_some(), ..case.into() }
+    fn case(&self, case: impl Into<LoadCase>) -> LoadCase {
+        LoadCase { halves_differ: self.subject.left.is_some(), ..case.into() }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Whether the scores are what they are, or what step and window make them.
 
 use super::{GateError, Line, Look, Word, given};
-use crate::chance::Mean;
 use crate::dem::{ForcePulse, Stop};
-use crate::evaluate::{Case, Evaluator, EvaluatorError, Forces};
+use crate::evaluate::{Evaluator, EvaluatorError, Forces, LoadCase};
 use crate::score::{Measure, geometric};
+use crate::stats::Mean;
 
 /// By how much scores over eight forces may move: twice what the scores of one force scatter by, for the finer class of accuracy.
 const MOVES: f64 = 0.02;
@@ -32,7 +32,7 @@ type Runs = Vec<(Measure, Vec<f64>)>;
 fn scores(look: &Look, step: f64, window: f64) -> Result<Option<Runs>, GateError> {
     let pulses = Forces::USUAL.about(look.design.impact.force);
     let cases = pulses.into_iter().map(|force| look.case(ForcePulse { force, ..look.design.impact }));
-    let cases: Vec<Case> = cases.collect();
+    let cases: Vec<LoadCase> = cases.collect();
     let palette = look.layout().palette.clone();
     let evaluator = match Evaluator::new(look.design, &cases, palette, given(look.plan, step, window), look.context) {
         // Where the host alone gives way nothing can be said; the check has told it.

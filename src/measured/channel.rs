@@ -1,7 +1,7 @@
 //! What a column of measurements means in a rig: the same quantity under the same name as in the records of `simulate`.
 
 use crate::dem::rig::View;
-use crate::setup::Bench;
+use crate::setup::PreparedRig;
 
 /// One scalar of a running rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,8 +27,8 @@ impl Channel {
     ///
     /// # Errors
     /// Words that say what names there are in this rig.
-    pub fn find<const D: usize>(name: &str, bench: &Bench<D>) -> Result<Self, String> {
-        let rig = &bench.rig;
+    pub fn find<const D: usize>(name: &str, prepared: &PreparedRig<D>) -> Result<Self, String> {
+        let rig = &prepared.rig;
         for (k, flat) in rig.flats.iter().enumerate() {
             let what =
                 name.strip_prefix(flat.name.as_str()).and_then(|end| FLAT.iter().position(|known| *known == end));
@@ -43,14 +43,14 @@ impl Channel {
             }
         }
         let layer = name.strip_prefix("layer_").and_then(|rest| rest.strip_suffix("_m_s"));
-        let layer = layer.and_then(|layer| layer.parse().ok()).filter(|layer| (1..=bench.layers).contains(layer));
+        let layer = layer.and_then(|layer| layer.parse().ok()).filter(|layer| (1..=prepared.layers).contains(layer));
         if let Some(layer) = layer {
             return Ok(Self::Layer(layer));
         }
-        Self::sphere(name, bench).ok_or_else(|| {
+        Self::sphere(name, prepared).ok_or_else(|| {
             let flats = rig.flats.iter().map(|flat| format!("{}_force_N", flat.name));
             let bars = (1..=rig.bars.len()).map(|k| format!("bar_{k}_force_N"));
-            let others = [format!("layer_1_m_s to layer_{}_m_s", bench.layers), "sphere_LAYER_COLUMN_vz_m_s".to_owned()];
+            let others = [format!("layer_1_m_s to layer_{}_m_s", prepared.layers), "sphere_LAYER_COLUMN_vz_m_s".to_owned()];
             let known: Vec<String> = flats.chain(bars).chain(others).collect();
             format!(
                 "\"{name}\" is no record of this rig; there are {} (also _velocity_m_s and _moved_m of flats, u_m and F_N of spheres)",
@@ -59,11 +59,11 @@ impl Channel {
         })
     }
 
-    fn sphere<const D: usize>(name: &str, bench: &Bench<D>) -> Option<Self> {
+    fn sphere<const D: usize>(name: &str, prepared: &PreparedRig<D>) -> Option<Self> {
         let mut parts = name.strip_prefix("sphere_")?.splitn(3, '_');
         let [layer, column]: [u32; 2] = [parts.next()?.parse().ok()?, parts.next()?.parse().ok()?];
         let quantity = parts.next()?;
-        let place = bench.sites.iter().position(|site| [site.layer, site.column] == [layer, column])?;
+        let place = prepared.sites.iter().position(|site| [site.layer, site.column] == [layer, column])?;
         let axes = ["z", "xz", "xyz"][D - 1];
         let (what, axis) = SPHERE.iter().enumerate().find_map(|(what, [before, behind])| {
             let letter = quantity.strip_prefix(before)?.strip_suffix(behind)?;
@@ -73,8 +73,8 @@ impl Channel {
     }
 
     /// Its value now.
-    pub fn value<const D: usize>(self, view: &View<'_, D>, bench: &Bench<D>) -> f64 {
-        let rig = &bench.rig;
+    pub fn value<const D: usize>(self, view: &View<'_, D>, prepared: &PreparedRig<D>) -> f64 {
+        let rig = &prepared.rig;
         match self {
             Self::Flat(k, what) => {
                 let (state, normal) = (view.flat(k), rig.flats[k].normal);
@@ -95,7 +95,7 @@ impl Channel {
                 if what == 0 { velocity } else { 2.0 * incident - bar.impedance * velocity }
             }
             Self::Layer(layer) => {
-                let members = || (0..bench.sites.len()).filter(|&i| bench.sites[i].layer == layer);
+                let members = || (0..prepared.sites.len()).filter(|&i| prepared.sites[i].layer == layer);
                 members().map(|i| view.velocity(i)[D - 1]).sum::<f64>() / (members().count() as f64).max(1.0)
             }
             Self::Sphere(i, axis, 0) => view.displacement(i)[axis],

@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::{Channel, Data, Input, PredictError, Prediction, align, compare, predict};
 use crate::Context;
-use crate::chance::student;
-use crate::setup::Bench;
+use crate::setup::PreparedRig;
+use crate::stats::student;
 
 /// A fitted input.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -61,7 +61,7 @@ struct State {
 }
 
 struct Problem<'a, const D: usize> {
-    bench: &'a Bench<D>,
+    prepared: &'a PreparedRig<D>,
     data: &'a Data,
     channels: &'a [Channel],
     inputs: &'a [Input],
@@ -74,16 +74,16 @@ struct Problem<'a, const D: usize> {
 /// # Errors
 /// See [`PredictError`].
 pub fn fit<const D: usize>(
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     data: &Data,
     channels: &[Channel],
     inputs: &[Input],
     offset: Option<f64>,
     context: &Context,
 ) -> Result<Option<Fit>, PredictError> {
-    let problem = Problem { bench, data, channels, inputs, free_offset: offset.is_none(), context };
+    let problem = Problem { prepared, data, channels, inputs, free_offset: offset.is_none(), context };
     let mut scales = compare::peaks(data);
-    let start: Vec<f64> = inputs.iter().map(|input| input.start(&bench.rig)).collect();
+    let start: Vec<f64> = inputs.iter().map(|input| input.start(&prepared.rig)).collect();
     let prediction = problem.run(&start)?;
     let mut runs = 1;
     let Some(offset) = offset.or_else(|| align::offset(data, &prediction, &scales)) else { return Ok(None) };
@@ -125,7 +125,7 @@ pub fn fit<const D: usize>(
         start: *start,
         value: *value,
         interval: widths.as_ref().map(|widths| widths[k]),
-        at_bound: input.range().contains(value) && input.start(&bench.rig) != *value,
+        at_bound: input.range().contains(value) && input.start(&prepared.rig) != *value,
     });
     Ok(Some(Fit {
         inputs: fitted.collect(),
@@ -139,7 +139,7 @@ pub fn fit<const D: usize>(
 impl<const D: usize> Problem<'_, D> {
     fn run(&self, values: &[f64]) -> Result<Prediction, PredictError> {
         let inputs: Vec<(Input, f64)> = self.inputs.iter().cloned().zip(values.iter().copied()).collect();
-        predict(self.bench, self.channels, &inputs, self.context)
+        predict(self.prepared, self.channels, &inputs, self.context)
     }
 
     fn state(&self, inputs: Vec<f64>, offset: f64, prediction: Prediction, scales: &[f64]) -> State {

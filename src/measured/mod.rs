@@ -1,6 +1,6 @@
 //! Measured histories drawn on the prediction: aligned in time, compared, and uncertain inputs fitted to them.
 //!
-//! In: [`Data`], times with columns of force, velocity or displacement, and a [`Bench`](crate::setup::Bench), the rig that was built.
+//! In: [`Data`], times with columns of force, velocity or displacement, and a [`PreparedRig`](crate::setup::PreparedRig), the rig that was built.
 //! Out: a [`Comparison`], and a page of it. Columns are named as `simulate` names those of its records.
 //!
 //! - `data`: the file; `channel`: what a column means in a rig

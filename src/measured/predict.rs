@@ -3,7 +3,7 @@
 use super::{Channel, Input};
 use crate::Context;
 use crate::dem::rig::{RigError, RigStop, Simulation};
-use crate::setup::Bench;
+use crate::setup::PreparedRig;
 
 /// What the channels of a rig show, sample by sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,30 +33,35 @@ const MOST: u64 = 4000;
 /// # Errors
 /// See [`PredictError`].
 pub fn predict<const D: usize>(
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     channels: &[Channel],
     inputs: &[(Input, f64)],
     context: &Context,
 ) -> Result<Prediction, PredictError> {
-    let mut bench = bench.clone();
-    inputs.iter().for_each(|(input, value)| input.set(&mut bench.rig, *value));
-    let step = bench.plan.step;
-    let steps = bench.plan.steps();
+    let mut prepared = prepared.clone();
+    inputs.iter().for_each(|(input, value)| input.set(&mut prepared.rig, *value));
+    let step = prepared.plan.step;
+    let steps = prepared.plan.steps();
     let every = steps.div_ceil(MOST).max(1);
-    let mut simulation = Simulation::new(bench.rig.clone(), step)?;
+    let mut simulation = Simulation::new(prepared.rig.clone(), step)?;
     let mut values = vec![Vec::new(); channels.len()];
     for _ in 0..steps.div_ceil(every) {
-        see(&simulation, channels, &bench, &mut values);
+        see(&simulation, channels, &prepared, &mut values);
         simulation.advance(every, context).map_err(PredictError::Stopped)?;
     }
-    see(&simulation, channels, &bench, &mut values);
+    see(&simulation, channels, &prepared, &mut values);
     Ok(Prediction { interval: step * every as f64, values })
 }
 
-fn see<const D: usize>(simulation: &Simulation<D>, channels: &[Channel], bench: &Bench<D>, values: &mut [Vec<f64>]) {
+fn see<const D: usize>(
+    simulation: &Simulation<D>,
+    channels: &[Channel],
+    prepared: &PreparedRig<D>,
+    values: &mut [Vec<f64>],
+) {
     let view = simulation.view();
     for (channel, values) in channels.iter().zip(values) {
-        values.push(channel.value(&view, bench));
+        values.push(channel.value(&view, prepared));
     }
 }
 

@@ -4,7 +4,7 @@ use super::chart::{COLOURS, Chart, Line};
 use super::frame::{Figure, Frame, Provenance, table};
 use super::svg::escape;
 use crate::bed::{Cell, Fitted, Scaling};
-use crate::chance::Mean;
+use crate::stats::Mean;
 
 /// Half the width of the ends of an error bar, over the range of speeds.
 const CAP: f64 = 0.008;

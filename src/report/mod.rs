@@ -21,7 +21,7 @@
 //! - `frame`: the frame of all other pages
 //! - `chart`: lines over a quantity; `bed`: an impact on a granular bed; `ensemble`: many of them; `inside`: a force network, and how grains moved
 //! - `study`: what a search came to; `compared`: several side by side
-//! - `trial`: one simulated rig, from the records in its folder
+//! - `run`: one simulated rig, from the records in its folder
 
 mod bed;
 mod chart;
@@ -55,7 +55,7 @@ mod svg;
 mod table;
 mod trace;
 mod transmission;
-mod trial;
+mod run;
 mod turned;
 mod verdict;
 
@@ -77,6 +77,7 @@ pub use files::{ReportError, files, numbers, numbers_csv, outcome_json, pictures
 pub use inside::{View, draw_motion, draw_network};
 pub use look::Look;
 pub use paper::{PaperError, pdf, png};
+pub use run::{RunReportError, draw_run};
 pub use space::{draw_space, space_files};
 pub use spots::spot_diagram;
 pub use study::{StudyPage, study_page};
@@ -85,4 +86,3 @@ pub use surface_page::{surface_data, surface_page};
 pub use table::{solid_words, space_table, table};
 pub use trace::trace;
 pub use transmission::transmission;
-pub use trial::{TrialReportError, draw_trial};

@@ -8,14 +8,14 @@ use crate::design::SpaceDesign;
 use crate::lattice::CrystalSite;
 use crate::outcome::SpaceSite;
 use crate::page::ink;
-use crate::target::{Solid, Target};
+use crate::target::{SpaceRegion, Target};
 
 /// What is drawn.
 pub(super) struct Slices<'a> {
     pub name: &'a str,
     /// Those of the half.
     pub sites: Cow<'a, [SpaceSite]>,
-    pub target: &'a Target<Solid>,
+    pub target: &'a Target<SpaceRegion>,
     /// Of all spheres (m)
     pub diameter: f64,
     /// From the axis to the edge along x (m).
@@ -64,7 +64,7 @@ impl<'a> Slices<'a> {
     /// 1 of a sphere of a focal region, 2 of the protected one, else 0.
     pub fn region(&self, site: &SpaceSite) -> u8 {
         let site = CrystalSite { layer: site.layer, column: site.column, centre: [site.x, site.y, site.z] };
-        let holds = |solid: &Solid| solid.contains(&site, self.diameter);
+        let holds = |solid: &SpaceRegion| solid.contains(&site, self.diameter);
         if self.target.foci.iter().any(|focus| holds(&focus.region)) {
             1
         } else {
@@ -73,7 +73,7 @@ impl<'a> Slices<'a> {
     }
 
     /// The regions, and how each is outlined.
-    fn regions(&self) -> impl Iterator<Item = (&Solid, &'static str)> {
+    fn regions(&self) -> impl Iterator<Item = (&SpaceRegion, &'static str)> {
         let foci = self.target.foci.iter().map(|focus| (&focus.region, FOCAL));
         foci.chain([(&self.target.protect, PROTECTED)])
     }
@@ -144,18 +144,18 @@ impl<'a> Slices<'a> {
     }
 
     /// A region where the plane y = 0 cuts it, half a sphere wider all round.
-    fn outline(&self, svg: &mut Svg, solid: &Solid, style: &str, to: &impl Fn(f64, f64) -> [f64; 2], pixel: f64) {
+    fn outline(&self, svg: &mut Svg, solid: &SpaceRegion, style: &str, to: &impl Fn(f64, f64) -> [f64; 2], pixel: f64) {
         let (rim, spacing) = (0.5 * self.diameter, self.spacing());
         let across = match *solid {
-            Solid::Sphere { centre: [x, y, z], radius } => {
+            SpaceRegion::Sphere { centre: [x, y, z], radius } => {
                 let radius = (radius * radius - y * y).max(0.0).sqrt();
                 for side in if x > 0.0 { vec![1.0, -1.0] } else { vec![1.0] } {
                     svg.circle(to(side * x, z), (radius + rim) / self.diameter * pixel, style);
                 }
                 return;
             }
-            Solid::Box { y, .. } if y[0] > rim || y[1] < -rim => return,
-            Solid::Box { x, .. } | Solid::Cylinder { r: x, .. } => x,
+            SpaceRegion::Box { y, .. } if y[0] > rim || y[1] < -rim => return,
+            SpaceRegion::Box { x, .. } | SpaceRegion::Cylinder { r: x, .. } => x,
         };
         let [first, last] = solid.layers(spacing, self.last()).map(|layer| f64::from(layer - 1) * spacing);
         let ranges = match across[0] <= rim {
@@ -207,7 +207,7 @@ impl<'a> Slices<'a> {
     fn around(
         &self,
         svg: &mut Svg,
-        solid: &Solid,
+        solid: &SpaceRegion,
         style: &str,
         layer: u32,
         to: &impl Fn(f64, f64) -> [f64; 2],
@@ -220,20 +220,20 @@ impl<'a> Slices<'a> {
         }
         let sides = |x: f64| if x > 0.0 { vec![1.0, -1.0] } else { vec![1.0] };
         match *solid {
-            Solid::Cylinder { r: [inner, outer], .. } => {
+            SpaceRegion::Cylinder { r: [inner, outer], .. } => {
                 let within = if inner > rim { vec![inner - rim, outer + rim] } else { vec![outer + rim] };
                 for radius in within {
                     svg.circle(to(0.0, 0.0), radius / self.diameter * pixel, style);
                 }
             }
-            Solid::Sphere { centre: [x, y, z], radius } => {
+            SpaceRegion::Sphere { centre: [x, y, z], radius } => {
                 let apart = f64::from(layer - 1) * spacing - z;
                 let cut = (radius * radius - apart * apart).max(0.0).sqrt();
                 for side in sides(x) {
                     svg.circle(to(side * x, y), (cut + rim) / self.diameter * pixel, style);
                 }
             }
-            Solid::Box { x: [from, upto], y: [low, high], .. } => {
+            SpaceRegion::Box { x: [from, upto], y: [low, high], .. } => {
                 for side in sides(from - rim) {
                     let [a, b] = if from > rim { [from - rim, upto + rim] } else { [-upto - rim, upto + rim] };
                     let ends = [side * a, side * b];

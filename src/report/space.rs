@@ -14,7 +14,7 @@ use super::turned::turned;
 use super::verdict;
 use crate::outcome::{ArrangementOutcome, SpaceOutcome, SpaceSite};
 use crate::score::Measure;
-use crate::target::Solid;
+use crate::target::SpaceRegion;
 
 /// Every file of the report but the layouts: name and contents. The same outcome gives the same bytes.
 ///
@@ -110,8 +110,10 @@ fn profile(outcome: &SpaceOutcome) -> String {
     let diameter = outcome.diameter;
     let in_focus = |site: &&SpaceSite| {
         outcome.target.foci.iter().any(|focus| match focus.region {
-            Solid::Box { layers: [a, b], .. } | Solid::Cylinder { layers: [a, b], .. } => (a..=b).contains(&site.layer),
-            Solid::Sphere { centre, radius } => (site.z - centre[2]).abs() <= radius,
+            SpaceRegion::Box { layers: [a, b], .. } | SpaceRegion::Cylinder { layers: [a, b], .. } => {
+                (a..=b).contains(&site.layer)
+            }
+            SpaceRegion::Sphere { centre, radius } => (site.z - centre[2]).abs() <= radius,
         })
     };
     let rings = (outcome.half_width / diameter).floor() as usize + 1;

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::digits::{NONE, decimals, significant};
 use super::profiles::random_kinds;
-use crate::chance::Mean;
 use crate::outcome::{ArrangementOutcome, Outcome};
 use crate::score::Measure;
+use crate::stats::Mean;
 
 /// How many digits a quantity is shown with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

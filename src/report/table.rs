@@ -11,7 +11,7 @@ use super::svg::escape;
 use super::verdict;
 use crate::outcome::{Outcome, Scores, SpaceOutcome};
 use crate::score::Measure;
-use crate::target::{Focus, Region, Solid};
+use crate::target::{Focus, Region, SpaceRegion};
 
 const COLUMNS: [&Column; 8] = [&PIECE, &FOCAL, &PROTECTED, &CONTRAST, &GAIN, &PROTECTION, &AGAINST, &DISSIPATED];
 
@@ -44,7 +44,7 @@ pub fn table(outcome: &Outcome) -> String {
 
 /// The same in space, where strips of 1, 2, ... layers stand among the arrangements.
 pub fn space_table(outcome: &SpaceOutcome) -> String {
-    let region = |solid: &Solid| solid_words(solid, outcome.diameter);
+    let region = |solid: &SpaceRegion| solid_words(solid, outcome.diameter);
     let foci: Vec<String> = outcome.target.foci.iter().map(|focus| region(&focus.region)).collect();
     const PIECE: &str =
         "The piece is the whole crystal, its spheres those not of the host; F and P are means over its spheres.\n";
@@ -64,15 +64,15 @@ pub(super) fn space_section(outcome: &SpaceOutcome) -> String {
 }
 
 /// A region in space in words: `layers 15-17, r 0 to 1.5 D`.
-pub fn solid_words(solid: &Solid, diameter: f64) -> String {
+pub fn solid_words(solid: &SpaceRegion, diameter: f64) -> String {
     let span = |x: [f64; 2]| {
         let [from, to] = x.map(|x| short(x / diameter));
         format!("{from} to {to} D")
     };
     match *solid {
-        Solid::Box { layers: [a, b], x, y } => format!("layers {a}-{b}, x {}, y {}", span(x), span(y)),
-        Solid::Cylinder { layers: [a, b], r } => format!("layers {a}-{b}, r {}", span(r)),
-        Solid::Sphere { centre, radius } => {
+        SpaceRegion::Box { layers: [a, b], x, y } => format!("layers {a}-{b}, x {}, y {}", span(x), span(y)),
+        SpaceRegion::Cylinder { layers: [a, b], r } => format!("layers {a}-{b}, r {}", span(r)),
+        SpaceRegion::Sphere { centre, radius } => {
             let [x, y, z] = centre.map(|x| short(x / diameter));
             format!("within {} D of x {x} D, y {y} D, depth {z} D", short(radius / diameter))
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::Wanted::{Above, Below, Within};
-use super::crystals::{Blow, DIAMETER, LAYERS, Stack, exponent, material, model, reach, spread};
+use super::crystals::{DIAMETER, LAYERS, Loading, Stack, exponent, material, model, reach, spread};
 use super::{Part, Row, RowError, Verdict};
 use crate::Context;
 use crate::contact::{Constants, LawKind};
@@ -186,7 +186,7 @@ fn fronts(context: &Context) -> Result<Vec<Part>, RowError> {
         let chain = chain(&[model(5000.0, 500e6)], law);
         // The later threshold is watched first, so that the run goes on until it is passed too.
         let thresholds = vec![Arrival::Speed(10.0), Arrival::Speed(0.2)];
-        let mut simulation = chain.struck(Blow::Velocity(20.0), thresholds)?;
+        let mut simulation = chain.struck(Loading::Velocity(20.0), thresholds)?;
         let late = reach(&mut simulation, far, context)?;
         let early = simulation.arrivals(1);
         let rise = |sphere: u32| {
@@ -211,7 +211,7 @@ fn solitary(prefactor: f64, speed: f64, context: &Context) -> Result<Vec<Part>, 
     let steel = material("440c");
     let chain = chain(std::slice::from_ref(&steel), LawKind::Hertz);
     // A fixed speed is passed at the same phase of a steady wave.
-    let mut simulation = chain.struck(Blow::Flying(speed), vec![Arrival::Speed(0.3 * speed)])?;
+    let mut simulation = chain.struck(Loading::Flying(speed), vec![Arrival::Speed(0.3 * speed)])?;
     // The force of one contact on the way, looked at so often that its greatest is missed by less than 10⁻⁴ of itself.
     let mut force: f64 = 0.0;
     while simulation.arrivals(0)[44].is_none() {
@@ -241,8 +241,8 @@ fn density(context: &Context) -> Result<Vec<Part>, RowError> {
         .map(|&(law, name)| {
             let speed = |density: f64| {
                 let chain = chain(&[model(density, 500e6)], law);
-                let blow = Blow::Force(2.0 * chain.pair().plastic_force(), PULSE);
-                Ok::<_, RowError>((density, chain.speed(blow, [10, 40], context)?))
+                let loading = Loading::Force(2.0 * chain.pair().plastic_force(), PULSE);
+                Ok::<_, RowError>((density, chain.speed(loading, [10, 40], context)?))
             };
             let points = spread(1000.0, 15000.0, 10).into_iter().map(speed).collect::<Result<Vec<_>, _>>()?;
             let wanted = Within { value: -0.5, absolute: 0.05 };
@@ -257,8 +257,8 @@ fn stiffness(context: &Context) -> Result<Vec<Part>, RowError> {
             let speed = |stress: f64| {
                 let chain = chain(&[model(5000.0, stress)], law);
                 let pair = chain.pair();
-                let blow = Blow::Force(2.0 * pair.plastic_force(), PULSE);
-                Ok::<_, RowError>((pair.plastic_stiffness(), chain.speed(blow, [10, 40], context)?))
+                let loading = Loading::Force(2.0 * pair.plastic_force(), PULSE);
+                Ok::<_, RowError>((pair.plastic_stiffness(), chain.speed(loading, [10, 40], context)?))
             };
             let points = spread(100e6, 2500e6, 10).into_iter().map(speed).collect::<Result<Vec<_>, _>>()?;
             let (words, value) = if law == LawKind::Hertz { ("1/3", 1.0 / 3.0) } else { ("1/2", 0.5) };
@@ -270,7 +270,7 @@ fn stiffness(context: &Context) -> Result<Vec<Part>, RowError> {
 fn force(context: &Context) -> Result<Vec<Part>, RowError> {
     let material = model(5000.0, 500e6);
     let speed = |law: LawKind, force: f64| {
-        chain(std::slice::from_ref(&material), law).speed(Blow::Force(force, PULSE), [10, 40], context)
+        chain(std::slice::from_ref(&material), law).speed(Loading::Force(force, PULSE), [10, 40], context)
     };
     let bound = bound(Dimension::One, [&material, &material], DIAMETER, Constants::Code);
     let hertz = spread(10.0, 10e3, 10)
@@ -314,8 +314,8 @@ fn ninety(context: &Context) -> Result<Vec<Part>, RowError> {
         .map(|(names, law)| {
             let materials: Vec<Material> = names.iter().map(|name| material(name)).collect();
             let chain = chain(&materials, law);
-            let blow = Blow::Force(2.0 * chain.pair().plastic_force(), PULSE);
-            let ours = chain.speed(blow, [5, 15], context)?;
+            let loading = Loading::Force(2.0 * chain.pair().plastic_force(), PULSE);
+            let ours = chain.speed(loading, [5, 15], context)?;
             let last = &materials[materials.len() - 1];
             let bound = bound(Dimension::One, [&materials[0], last], DIAMETER, Constants::Equation47);
             let without = if law == LawKind::ThesisStatic { ", without rate" } else { "" };
@@ -329,7 +329,7 @@ fn mass_ratio(context: &Context) -> Result<Vec<Part>, RowError> {
     let speed = |ratio: f64| {
         let light = 2.0 * 5000.0 / (1.0 + ratio);
         let chain = chain(&[model(light, 500e6), model(ratio * light, 500e6)], LawKind::ThesisStatic);
-        chain.speed(Blow::Force(2.0 * chain.pair().plastic_force(), PULSE), [10, 40], context)
+        chain.speed(Loading::Force(2.0 * chain.pair().plastic_force(), PULSE), [10, 40], context)
     };
     let uniform = speed(1.0)?;
     [2.0, 3.0, 5.0]
@@ -355,7 +355,7 @@ fn transmitted(context: &Context) -> Result<Vec<Part>, RowError> {
         rig.bars.push(Bar { body: last, axis: 0, impedance, incident: None });
         let curve = Curve::Square { peak: 12.0, start: 0.0, duration: 100e-6 };
         rig.loads.push(Load { bodies: vec![Body::Sphere(0)], direction: [1.0], kind: LoadKind::Velocity, curve });
-        let mut simulation = Simulation::new(rig, 1e-7)?.watching(Vec::new());
+        let mut simulation = Simulation::new(rig, 1e-7)?.recording(Vec::new());
         // The slowest of the waves takes some 500 µs.
         simulation.advance(10_000, context)?;
         let forces = simulation.greatest_force();

@@ -39,7 +39,7 @@ pub(super) struct Stack<const D: usize> {
 
 /// What strikes the first layer.
 #[derive(Clone, Copy)]
-pub(super) enum Blow {
+pub(super) enum Loading {
     /// This force at each contact below the first layer (N), for so long (s).
     Force(f64, f64),
     /// This velocity for ever (m/s).
@@ -78,7 +78,7 @@ impl<const D: usize> Stack<D> {
     }
 
     /// The crystal, ready to be struck, watching for the arrivals named.
-    pub fn struck(&self, blow: Blow, arrivals: Vec<Arrival>) -> Result<Simulation<D>, RowError> {
+    pub fn struck(&self, loading: Loading, arrivals: Vec<Arrival>) -> Result<Simulation<D>, RowError> {
         let crystal = self.crystal()?;
         let mut build = Build::new(crystal.clone(), self.materials.clone());
         let palette: Vec<usize> = (0..self.materials.len()).collect();
@@ -93,25 +93,25 @@ impl<const D: usize> Stack<D> {
         let mut direction = [0.0; D];
         direction[D - 1] = 1.0;
         let bodies = first.iter().copied().map(Body::Sphere).collect();
-        let greatest = match blow {
-            Blow::Force(contact, duration) => {
+        let greatest = match loading {
+            Loading::Force(contact, duration) => {
                 // 1, 2 or 3 contacts below each sphere share its force, at 0, 30 or 35.26 degrees.
                 let factor = [1.0, 3.0_f64.sqrt(), 6.0_f64.sqrt()][D - 1];
                 let curve = Curve::Square { peak: factor * contact, start: 0.0, duration };
                 rig.loads.push(Load { bodies, direction, kind: LoadKind::Force, curve });
                 2.0 * contact
             }
-            Blow::Velocity(speed) => {
+            Loading::Velocity(speed) => {
                 let curve = Curve::Square { peak: speed, start: 0.0, duration: 1.0 };
                 rig.loads.push(Load { bodies, direction, kind: LoadKind::Velocity, curve });
                 self.collision_force(2.0 * speed)
             }
-            Blow::Flying(speed) => {
+            Loading::Flying(speed) => {
                 first.iter().for_each(|&k| rig.velocity[k][D - 1] = speed);
                 self.collision_force(speed)
             }
         };
-        Ok(Simulation::new(rig, self.step(greatest))?.watching(arrivals))
+        Ok(Simulation::new(rig, self.step(greatest))?.recording(arrivals))
     }
 
     /// Greatest force (N) of an elastic collision at this speed (Johnson 1985, section 11.4): an upper bound for plastic ones.
@@ -123,14 +123,14 @@ impl<const D: usize> Stack<D> {
 
     /// When each layer was reached (s) by a wave after a blow: its speed there is 1 % of the greatest of the first sphere
     /// (section 2.1.2).
-    pub fn arrivals(&self, blow: Blow, last: u32, context: &Context) -> Result<Vec<f64>, RowError> {
-        let mut simulation = self.struck(blow, vec![Arrival::FirstSphere(0.01)])?;
+    pub fn arrivals(&self, loading: Loading, last: u32, context: &Context) -> Result<Vec<f64>, RowError> {
+        let mut simulation = self.struck(loading, vec![Arrival::FirstSphere(0.01)])?;
         reach(&mut simulation, last, context)
     }
 
     /// Mean speed of the wave (m/s) between two layers.
-    pub fn speed(&self, blow: Blow, between: [u32; 2], context: &Context) -> Result<f64, RowError> {
-        let times = self.arrivals(blow, between[1], context)?;
+    pub fn speed(&self, loading: Loading, between: [u32; 2], context: &Context) -> Result<f64, RowError> {
+        let times = self.arrivals(loading, between[1], context)?;
         let spacing = self.cell.layer_spacing() * DIAMETER;
         let [a, b] = between.map(|layer| layer as usize - 1);
         Ok((b - a) as f64 * spacing / (times[b] - times[a]))

@@ -144,7 +144,7 @@ pub(super) const ROWS: &[Row] = &[
 ];
 
 /// What a run gave: greatest kinetic energies (J), work dissipated and its estimate by eq. 5.6 (J).
-struct Felt {
+struct Response {
     layout: Layout,
     energies: Vec<f64>,
     dissipated: f64,
@@ -173,7 +173,7 @@ const FORCE: f64 = 26e3;
 const WINDOW: f64 = 250e-6;
 const LONG: f64 = 350e-6;
 
-fn felt(layout: Layout, law: LawKind, force: f64, window: f64, context: &Context) -> Result<Felt, RowError> {
+fn felt(layout: Layout, law: LawKind, force: f64, window: f64, context: &Context) -> Result<Response, RowError> {
     let impact = Impact {
         pulse: ForcePulse { force, duration: 20e-6 },
         ..struck(&layout, law, Integrator::Verlet, 1e-7, window)
@@ -183,7 +183,7 @@ fn felt(layout: Layout, law: LawKind, force: f64, window: f64, context: &Context
         return Err(stop.into());
     }
     let estimate = record.contacts.iter().map(|c| 0.5 * c.weight * c.overlap_max * c.force_max).sum();
-    Ok(Felt { layout, energies: record.max_kinetic, dissipated: record.ledger.dissipated, estimate })
+    Ok(Response { layout, energies: record.max_kinetic, dissipated: record.ledger.dissipated, estimate })
 }
 
 /// The published impact on a layout.
@@ -209,7 +209,7 @@ pub(super) fn struck(layout: &Layout, law: LawKind, integrator: Integrator, step
 }
 
 /// The published case, 0 to 250 µs.
-fn published(layout: Layout, context: &Context) -> Result<Felt, RowError> {
+fn published(layout: Layout, context: &Context) -> Result<Response, RowError> {
     felt(layout, LawKind::Thesis, FORCE, WINDOW, context)
 }
 
@@ -217,7 +217,7 @@ fn baseline(baseline: Baseline) -> Result<Layout, RowError> {
     Ok(baseline.layout(&lens()?, LENS_ROWS, 1))
 }
 
-impl Felt {
+impl Response {
     fn row(&self, row: u32) -> Vec<f64> {
         let sheet = self.layout.lattice;
         (1..=sheet.columns(row)).filter_map(|column| Some(self.energies[sheet.index(row, column)?])).collect()
@@ -311,7 +311,7 @@ fn random_beyond(context: &Context) -> Result<Vec<Part>, RowError> {
     Ok(vec![Part::words("row 42: mean of random over lens", "less", ours, "", Below(1.0))])
 }
 
-fn of_law(law: LawKind, context: &Context) -> Result<Felt, RowError> {
+fn of_law(law: LawKind, context: &Context) -> Result<Response, RowError> {
     felt(lens()?, law, FORCE, WINDOW, context)
 }
 

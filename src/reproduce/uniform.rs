@@ -1,7 +1,7 @@
 //! Section 5.2: waves in uniform and layered sheets and close packings.
 
 use super::Wanted::{Below, Within};
-use super::crystals::{Blow, DIAMETER, Stack, exponent, material, model, spread};
+use super::crystals::{DIAMETER, Loading, Stack, exponent, material, model, spread};
 use super::{Part, Row, RowError, Verdict};
 use crate::Context;
 use crate::contact::{Constants, LawKind};
@@ -73,7 +73,7 @@ fn speed(
     context: &Context,
 ) -> Result<f64, RowError> {
     fn of<const D: usize>(stack: &Stack<D>, between: [u32; 2], context: &Context) -> Result<f64, RowError> {
-        stack.speed(Blow::Force(2.0 * stack.pair().plastic_force(), 100e-6), between, context)
+        stack.speed(Loading::Force(2.0 * stack.pair().plastic_force(), 100e-6), between, context)
     }
     let materials = materials.to_vec();
     match dimension {

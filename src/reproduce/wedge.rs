@@ -185,7 +185,7 @@ impl Wedge {
             curve: Curve::Square { peak: impact.pulse.force, start: 0.0, duration: PULSE },
         });
         let threshold = Arrival::Speed(THRESHOLD * peaks[peaks.len() / 2]);
-        let mut simulation = Simulation::new(rig, impact.step)?.watching(vec![threshold]);
+        let mut simulation = Simulation::new(rig, impact.step)?.recording(vec![threshold]);
         for _ in 0..steps_in(impact.window, impact.step).div_ceil(200) {
             simulation.advance(200, context)?;
             let arrivals = simulation.arrivals(0);

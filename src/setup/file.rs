@@ -60,7 +60,8 @@ section!(PairFile: Written {
 section!(FrictionFile: Written { coefficient, spring, damping, rolling });
 section!(GravityFile: Written { acceleration });
 section!(PreloadFile: Written { force, strain, tolerance });
-section!(RunFile: Written { window, step, accuracy, drag, squeezed, leave });
+// `squeezed` is as 0.1 and 0.2 wrote it.
+section!(RunFile: Written { window, step, accuracy, drag, #[serde(alias = "squeezed")] precompressed, leave });
 section!(RecordFile: Written {
     every, quantities, contacts, frames, events, events_of, arrivals, pictures, layers, columns, x, y, z
 });
@@ -162,7 +163,7 @@ pub(crate) const EXAMPLES: &[&str] = &[
     "preload.force = \"100 N\"",
     "preload.strain = \"0.1 %\"",
     "preload.tolerance = 1e-7",
-    "run.squeezed = true",
+    "run.precompressed = true",
     "run.leave = \"20 D\"",
     "record.every = \"1 us\"",
     "record.quantities = [\"displacement\", \"velocity\"]",

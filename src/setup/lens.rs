@@ -1,6 +1,6 @@
 //! A lens design as a rig: the proposed lens under its impact.
 
-use super::{Bench, NO_CHANCE, Region, RunPlan, Setup, SphereSite, record};
+use super::{NO_CHANCE, PreparedRig, Region, RunPlan, Setup, SphereSite, record};
 use crate::dem::Mirror;
 use crate::dem::rig::{Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig};
 use crate::design::Design;
@@ -94,7 +94,7 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
     };
     let mut record = record::default::<2>(plan.steps(), sites.len(), 0);
     record.regions = regions(design);
-    Ok(Setup::Two(Bench {
+    Ok(Setup::Two(PreparedRig {
         name: design.name.clone(),
         path: design.path.clone(),
         text: design.text.clone(),

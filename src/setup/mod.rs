@@ -50,16 +50,16 @@ use crate::outcome::{COMMIT, Method, VERSION};
 #[derive(Clone, Debug)]
 pub enum Setup {
     /// A chain.
-    One(Bench<1>),
+    One(PreparedRig<1>),
     /// A sheet.
-    Two(Bench<2>),
+    Two(PreparedRig<2>),
     /// A crystal in space.
-    Three(Bench<3>),
+    Three(PreparedRig<3>),
 }
 
 /// A rig, how it is run and what is recorded of it.
 #[derive(Clone, Debug)]
-pub struct Bench<const D: usize> {
+pub struct PreparedRig<const D: usize> {
     /// Name, fit for files and folders.
     pub name: String,
     /// The file, as it was named.
@@ -98,7 +98,7 @@ pub struct SphereSite {
     pub column: u32,
 }
 
-impl<const D: usize> Bench<D> {
+impl<const D: usize> PreparedRig<D> {
     /// A body as the file's author knows it: a sphere with its layer and column, a flat by its name.
     pub fn name_of(&self, body: Body) -> String {
         match body {
@@ -117,7 +117,7 @@ impl<const D: usize> Bench<D> {
     }
 }
 
-impl<const D: usize> Bench<D> {
+impl<const D: usize> PreparedRig<D> {
     /// The contact law by name, with friction where there is some; `several` where pairs have laws of their own.
     pub fn law_name(&self) -> String {
         let (name, friction) = match &self.rig.laws {

@@ -33,7 +33,7 @@ impl RunPlan {
 /// More steps than this are taken for a slip of a prefix.
 const MOST_STEPS: f64 = 1e12;
 
-/// Reads [run]: also drag, whether the rig is squeezed, and the domain are put into `rig`, whose first `crystal` spheres are those
+/// Reads [run]: also drag, whether the rig is precompressed, and the domain are put into `rig`, whose first `crystal` spheres are those
 /// of the crystal.
 pub(super) fn plan<const D: usize>(
     rig: &mut Rig<D>,
@@ -49,8 +49,8 @@ pub(super) fn plan<const D: usize>(
             return Err(entry.refuse("must not be negative"));
         }
     }
-    if let Some(entry) = scope.optional("squeezed", &file.squeezed) {
-        rig.squeezed |= entry.yes()?;
+    if let Some(entry) = scope.optional("precompressed", &file.precompressed) {
+        rig.precompressed |= entry.yes()?;
     }
     let leave = match scope.optional("leave", &file.leave) {
         Some(entry) => match entry.length(diameter)? {

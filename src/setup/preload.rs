@@ -3,7 +3,7 @@
 use super::file::PreloadFile;
 use super::place::along_wave;
 use crate::Context;
-use crate::dem::rig::{PreloadError, Rig, Squeeze, Squeezed, squeeze};
+use crate::dem::rig::{Precompressed, PreloadError, Rig, Squeeze, precompress};
 use crate::document::{DocumentError, Entry, Scope};
 use crate::units::Dimension;
 
@@ -73,7 +73,7 @@ pub(super) fn preload<const D: usize>(
         None => TOLERANCE,
     };
     let never = Context::default();
-    let squeezed = squeeze(rig, along, tolerance, &never).map_err(|error| {
+    let squeezed = precompress(rig, along, tolerance, &never).map_err(|error| {
         let help = match error {
             PreloadError::Loose => "Hold its ends, by sides that are walls, fixed or periodic.",
             PreloadError::Rig(_) | PreloadError::Stop(_) | PreloadError::Force { .. } => "Squeeze it less.",
@@ -82,7 +82,7 @@ pub(super) fn preload<const D: usize>(
         };
         scope.fail(&format!("leads to no rest: {error}"), help)
     })?;
-    let Squeezed { rig: at_rest, strain, force, unbalanced } = squeezed;
+    let Precompressed { rig: at_rest, strain, force, unbalanced } = squeezed;
     *rig = at_rest;
     Ok(Preload { strain: strain.to_vec(), force: force.to_vec(), unbalanced })
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::acts::Stage;
 use super::crystal::Seeds;
 use super::file::{EXAMPLES, RigFile};
-use super::{Bench, NO_CHANCE, Setup, SphereSite, crystal, intruder, laws, place, plan, preload, record};
+use super::{NO_CHANCE, PreparedRig, Setup, SphereSite, crystal, intruder, laws, place, plan, preload, record};
 use crate::dem::rig::Rig;
 use crate::document::{self, DocumentError, Scope, Source, Written, is_plain_name};
 use crate::lattice::Cell;
@@ -71,9 +71,9 @@ fn check(path: &Path, text: &str, first_seed: Option<u64>) -> Result<Setup, Docu
     let solids = Cell::<3>::ALL.iter().map(|&cell| (cell.name(), Any::Three(cell)));
     let known: Vec<(&str, Any)> = chains.chain(sheets).chain(solids).collect();
     Ok(match packing.choice("packing", &known)? {
-        Any::One(cell) => Setup::One(reading.bench(cell)?),
-        Any::Two(cell) => Setup::Two(reading.bench(cell)?),
-        Any::Three(cell) => Setup::Three(reading.bench(cell)?),
+        Any::One(cell) => Setup::One(reading.prepared(cell)?),
+        Any::Two(cell) => Setup::Two(reading.prepared(cell)?),
+        Any::Three(cell) => Setup::Three(reading.prepared(cell)?),
     })
 }
 
@@ -89,7 +89,7 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    fn bench<const D: usize>(&self, cell: Cell<D>) -> Result<Bench<D>, DocumentError> {
+    fn prepared<const D: usize>(&self, cell: Cell<D>) -> Result<PreparedRig<D>, DocumentError> {
         let Self { top, file, own, .. } = *self;
         let section = top.required_section("crystal", &file.crystal, "")?;
         let patterns = top.sections("pattern", &file.pattern);
@@ -177,7 +177,7 @@ impl Reading<'_> {
             let site = &crystal.sites()[site];
             SphereSite { layer: site.layer, column: site.column }
         };
-        Ok(Bench {
+        Ok(PreparedRig {
             name: self.name.to_owned(),
             path: self.path.to_owned(),
             text: self.text.to_owned(),

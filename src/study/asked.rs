@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::entry::{pack, unpack};
 use super::journal::{Ledger, Line};
 use super::{Engine, Entry, Key, Study, StudyError};
-use crate::search::Choice;
+use crate::search::Assignment;
 
 /// One layout that is asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,8 +33,8 @@ impl Line for Question {
 
 impl Question {
     /// The layout's letters; none if the question belongs to something else.
-    pub fn choice(&self, study: &Study) -> Option<Choice> {
-        unpack(&self.layout, study.variables(), study.letters.len() as u8)
+    pub fn assignment(&self, study: &Study) -> Option<Assignment> {
+        unpack(&self.layout, study.variables(), study.alphabet.len() as u8)
     }
 }
 
@@ -166,35 +166,35 @@ impl<'a> Asking<'a> {
     ///
     /// # Errors
     /// What the file system refuses.
-    pub fn ask(&mut self, rung: usize, choices: &[&Choice]) -> Result<(), StudyError> {
-        let letters = self.study.letters.len() as u8;
+    pub fn ask(&mut self, rung: usize, assignments: &[&Assignment]) -> Result<(), StudyError> {
+        let letters = self.study.alphabet.len() as u8;
         let mut new = Vec::new();
-        for choice in choices {
-            let key = self.keys[rung].of(&self.study.materials(choice));
+        for assignment in assignments {
+            let key = self.keys[rung].of(&self.study.materials(assignment));
             if self.known.insert(key.clone()) {
-                new.push(Question { round: self.round, rung, layout: pack(choice, letters), key });
+                new.push(Question { round: self.round, rung, layout: pack(assignment, letters), key });
             }
         }
         self.ledger.append(&new)?;
         self.round += u64::from(!new.is_empty());
         self.asked += new.len();
-        self.waiting += choices.len() - new.len();
+        self.waiting += assignments.len() - new.len();
         Ok(())
     }
 }
 
 impl Study {
     /// The letters of a layout's free sites, where it is the study's own everywhere else; the other way round of [`layout`](Self::layout).
-    pub fn choice(&self, materials: &[u8]) -> Option<Choice> {
-        let letter = |site: usize| self.letters.iter().position(|of| *of == materials[site]).map(|k| k as u8);
-        let choice: Choice = self.groups.iter().map(|group| letter(group[0])).collect::<Option<_>>()?;
-        (self.materials(&choice) == materials).then_some(choice)
+    pub fn assignment(&self, materials: &[u8]) -> Option<Assignment> {
+        let letter = |site: usize| self.alphabet.iter().position(|of| *of == materials[site]).map(|k| k as u8);
+        let assignment: Assignment = self.groups.iter().map(|group| letter(group[0])).collect::<Option<_>>()?;
+        (self.materials(&assignment) == materials).then_some(assignment)
     }
 }
 
 impl Engine for Asking<'_> {
-    fn entries(&mut self, rung: usize, choices: &[&Choice]) -> Result<Vec<Entry>, StudyError> {
-        self.ask(rung, choices)?;
+    fn entries(&mut self, rung: usize, assignments: &[&Assignment]) -> Result<Vec<Entry>, StudyError> {
+        self.ask(rung, assignments)?;
         Ok(Vec::new())
     }
 }

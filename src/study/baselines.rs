@@ -2,16 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::over::of_runs;
+use super::aggregate::of_runs;
 use super::{Study, StudyError, free};
 use crate::Context;
-use crate::chance::Mean;
 use crate::design::DesignRef;
 use crate::evaluate::{Evaluator, strips};
 use crate::lattice::Layered;
 use crate::layout::{Baseline, Layout};
 use crate::score::{Measure, Scores};
-use crate::search::Dice;
+use crate::search::Rng;
+use crate::stats::Mean;
 
 /// One baseline, or several of a kind that differ by their seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,13 +79,13 @@ pub(super) fn layouts(study: &Study) -> Vec<(String, Vec<u8>)> {
             named.extend(strips(free).map(thin));
         }
     }
-    for (letter, &place) in (0..).zip(&study.letters) {
+    for (letter, &place) in (0..).zip(&study.alphabet) {
         let strip = study.materials(&vec![letter; study.variables()]);
         named.push((format!("strip-{}", study.palette[usize::from(place)].name), strip));
     }
     for seed in (0..seeds).map(|k| first_seed.wrapping_add(k)) {
-        let choice = study.space().random(&mut Dice::new(seed));
-        named.push(("random-rows".to_owned(), study.materials(&choice)));
+        let assignment = study.space().random(&mut Rng::new(seed));
+        named.push(("random-rows".to_owned(), study.materials(&assignment)));
     }
     named
 }

@@ -1,12 +1,12 @@
 //! A stage that climbs: see [`Climb`]. Screened with one force at a coarse step, where a run ends as soon as its layout cannot pass; judged at the
 //! stage's own step and forces.
 
-use super::over::Over;
+use super::aggregate::Aggregate;
 use super::run::{Run, Watch};
 use super::rung::Judged;
 use super::state::Ended;
 use super::{Entry, StudyError};
-use crate::search::{Choice, Climb, Proof, Wanted};
+use crate::search::{Assignment, Climb, LocalOptimality, Wanted};
 
 /// A change of a layout is taken to raise F by no more than this, over that of the layout that it changes: a run whose P is too great
 /// for so much F ends.
@@ -32,14 +32,14 @@ impl Run<'_, '_> {
             }
             let Some(wanted) = climb.ask() else { break Ended::Budget };
             let (losses, simulated) = match &wanted {
-                Wanted::Screen { from, choices, thresholds } => self.screened(k, from, choices, thresholds)?,
-                Wanted::Judge(choices) => self.judged(k, choices)?,
+                Wanted::Screen { from, assignments, thresholds } => self.screened(k, from, assignments, thresholds)?,
+                Wanted::Judge(assignments) => self.judged(k, assignments)?,
             };
             let whole = losses.is_some();
             if let Some(losses) = losses {
                 climb.tell(&losses);
             }
-            self.show_best(Proof::None);
+            self.show_best(LocalOptimality::None);
             watch.batch(&self.state, simulated);
             if !whole && self.waits() {
                 break Ended::Asked;
@@ -50,14 +50,15 @@ impl Run<'_, '_> {
     }
 
     /// The best layouts of the stage before, without those that are much like a better one.
-    fn different(&self, k: usize) -> Vec<Choice> {
+    fn different(&self, k: usize) -> Vec<Assignment> {
         let wanted = self.study.stages[k].promote;
-        let mut chosen: Vec<Choice> = Vec::new();
-        for choice in self.promoted_of(k, usize::MAX) {
-            let alike =
-                |other: &Choice| other.iter().zip(&choice).filter(|(a, b)| a != b).count() * ALIKE < choice.len();
+        let mut chosen: Vec<Assignment> = Vec::new();
+        for assignment in self.promoted_of(k, usize::MAX) {
+            let alike = |other: &Assignment| {
+                other.iter().zip(&assignment).filter(|(a, b)| a != b).count() * ALIKE < assignment.len()
+            };
             if chosen.len() < wanted && !chosen.iter().any(alike) {
-                chosen.push(choice);
+                chosen.push(assignment);
             }
         }
         chosen
@@ -68,65 +69,65 @@ impl Run<'_, '_> {
     fn screened(
         &mut self,
         k: usize,
-        from: &Choice,
-        choices: &[Choice],
+        from: &Assignment,
+        assignments: &[Assignment],
         thresholds: &[f64],
     ) -> Result<(Option<Vec<f64>>, usize), StudyError> {
         let rung = self.study.stages[k].screen;
-        // Of choices that are alike the highest threshold counts.
-        let mut fresh: Vec<(&Choice, f64)> = Vec::new();
-        for (choice, &most) in choices.iter().zip(thresholds) {
-            match fresh.iter_mut().find(|(known, _)| *known == choice) {
+        // Of assignments that are alike the highest threshold counts.
+        let mut fresh: Vec<(&Assignment, f64)> = Vec::new();
+        for (assignment, &most) in assignments.iter().zip(thresholds) {
+            match fresh.iter_mut().find(|(known, _)| *known == assignment) {
                 Some((_, known)) => *known = known.max(most),
-                None if self.rungs[rung].get(choice).is_none() => fresh.push((choice, most)),
+                None if self.rungs[rung].get(assignment).is_none() => fresh.push((assignment, most)),
                 None => {}
             }
         }
         let limits = self.limits(k, from, &fresh.iter().map(|(_, most)| *most).collect::<Vec<_>>());
-        let fresh: Vec<&Choice> = fresh.into_iter().map(|(choice, _)| choice).collect();
+        let fresh: Vec<&Assignment> = fresh.into_iter().map(|(assignment, _)| assignment).collect();
         let (entries, simulated) = self.entries(rung, &fresh, limits.as_deref())?;
         let whole = entries.len() == fresh.len();
-        for (at, (choice, entry)) in fresh.into_iter().zip(entries).enumerate() {
+        for (at, (assignment, entry)) in fresh.into_iter().zip(entries).enumerate() {
             self.count(k, &entry);
             // Whoever evaluates without limits comes to the same.
             let beyond = |limits: &[Vec<f64>]| above(&entry, &limits[at]);
             if !entry.cut && !limits.as_deref().is_some_and(beyond) {
-                self.judge(rung, choice, entry);
+                self.judge(rung, assignment, entry);
             }
         }
-        let loss = |(choice, &most): (&Choice, &f64)| {
-            let loss = self.rungs[rung].get(choice).map_or(f64::INFINITY, |judged| judged.loss.total);
+        let loss = |(assignment, &most): (&Assignment, &f64)| {
+            let loss = self.rungs[rung].get(assignment).map_or(f64::INFINITY, |judged| judged.loss.total);
             if loss <= most { loss } else { f64::INFINITY }
         };
-        Ok((whole.then(|| choices.iter().zip(thresholds).map(loss).collect()), simulated))
+        Ok((whole.then(|| assignments.iter().zip(thresholds).map(loss).collect()), simulated))
     }
 
     /// Losses at the stage's own step; none where the run was interrupted. And how many were simulated.
-    fn judged(&mut self, k: usize, choices: &[Choice]) -> Result<(Option<Vec<f64>>, usize), StudyError> {
+    fn judged(&mut self, k: usize, assignments: &[Assignment]) -> Result<(Option<Vec<f64>>, usize), StudyError> {
         let rung = self.study.stages[k].rung;
-        let mut fresh: Vec<&Choice> = Vec::new();
-        for choice in choices {
-            if self.rungs[rung].get(choice).is_none() && !fresh.contains(&choice) {
-                fresh.push(choice);
+        let mut fresh: Vec<&Assignment> = Vec::new();
+        for assignment in assignments {
+            if self.rungs[rung].get(assignment).is_none() && !fresh.contains(&assignment) {
+                fresh.push(assignment);
             }
         }
         let (entries, simulated) = self.entries(rung, &fresh, None)?;
-        for (choice, entry) in fresh.into_iter().zip(entries) {
+        for (assignment, entry) in fresh.into_iter().zip(entries) {
             self.count(k, &entry);
             self.state.stages[k].judged += 1;
-            self.judge(rung, choice, entry);
+            self.judge(rung, assignment, entry);
         }
-        let loss = |choice: &Choice| self.rungs[rung].get(choice).map(|judged| judged.loss.total);
-        Ok((choices.iter().map(loss).collect(), simulated))
+        let loss = |assignment: &Assignment| self.rungs[rung].get(assignment).map(|judged| judged.loss.total);
+        Ok((assignments.iter().map(loss).collect(), simulated))
     }
 
     /// For each loss, and each case, the P (J) above which no layout can be below it, as F rises by no more than [`MOST_RISE`]; none where the
     /// objective does not follow from F and P alone.
-    fn limits(&self, k: usize, from: &Choice, losses: &[f64]) -> Option<Vec<Vec<f64>>> {
+    fn limits(&self, k: usize, from: &Assignment, losses: &[f64]) -> Option<Vec<Vec<f64>>> {
         let stage = self.study.stages[k];
         let objective = &self.study.objective;
         let Judged { entry, stats, .. } = self.rungs[stage.rung].get(from)?;
-        let mean = objective.over == Over::Mean && entry.impacts.len() > 1;
+        let mean = objective.aggregate == Aggregate::Mean && entry.impacts.len() > 1;
         if mean || !objective.follows_energies() || entry.stop.is_some() {
             return None;
         }

@@ -6,7 +6,7 @@ use crate::Context;
 use crate::dem::Stop;
 use crate::evaluate::{Evaluated, Evaluator, EvaluatorError};
 use crate::score::Measure;
-use crate::search::Choice;
+use crate::search::Assignment;
 
 /// Evaluates layouts, here or elsewhere. Wherever it is done, the same layout gives the same bits.
 pub trait Engine {
@@ -15,7 +15,7 @@ pub trait Engine {
     ///
     /// # Errors
     /// Whatever keeps it from evaluating at all; a layout that a guard stops is an evaluation too.
-    fn entries(&mut self, rung: usize, choices: &[&Choice]) -> Result<Vec<Entry>, StudyError>;
+    fn entries(&mut self, rung: usize, assignments: &[&Assignment]) -> Result<Vec<Entry>, StudyError>;
 }
 
 /// This process, on the threads of the current pool: what a study's evaluations need besides the study, at each of its steps.
@@ -49,7 +49,7 @@ impl Local {
             .collect::<Result<Vec<_>, StudyError>>()?;
         let keys = evaluators.iter().zip(&at).map(|(evaluator, study)| Key::new(study, evaluator.plan())).collect();
         let local = Self { at, evaluators, keys };
-        let asks_for_protection = study.objective.wishes.iter().any(|wish| wish.measure == Measure::Protection);
+        let asks_for_protection = study.objective.terms.iter().any(|term| term.measure == Measure::Protection);
         match local.no_protection() {
             Some(missing) if asks_for_protection => Err(missing.clone().into()),
             _ => Ok(local),
@@ -62,8 +62,8 @@ impl Local {
     }
 
     /// The key of a layout's evaluation at one of the study's steps.
-    pub fn key(&self, study: &Study, rung: usize, choice: &[u8]) -> String {
-        self.keys[rung].of(&study.materials(choice))
+    pub fn key(&self, study: &Study, rung: usize, assignment: &[u8]) -> String {
+        self.keys[rung].of(&study.materials(assignment))
     }
 
     /// See [`Engine::entries`]; fewer than asked for only where it was interrupted.
@@ -74,10 +74,10 @@ impl Local {
         &self,
         study: &Study,
         rung: usize,
-        choices: &[&Choice],
+        assignments: &[&Assignment],
         context: &Context,
     ) -> Result<Vec<Entry>, StudyError> {
-        self.entries_within(study, rung, choices, None, context)
+        self.entries_within(study, rung, assignments, None, context)
     }
 
     /// The same where runs end as soon as they are above a limit: see [`Evaluator::scores_within`].
@@ -85,11 +85,11 @@ impl Local {
         &self,
         study: &Study,
         rung: usize,
-        choices: &[&Choice],
+        assignments: &[&Assignment],
         limits: Option<&[Vec<f64>]>,
         context: &Context,
     ) -> Result<Vec<Entry>, StudyError> {
-        let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.materials(choice)).collect();
+        let layouts: Vec<Vec<u8>> = assignments.iter().map(|assignment| study.materials(assignment)).collect();
         let runs = match limits {
             None => self.evaluators[rung].scores(&layouts, context)?,
             Some(limits) => self.evaluators[rung].scores_within(&layouts, limits, context)?,
@@ -98,10 +98,10 @@ impl Local {
         let is_interrupted =
             |runs: &Vec<Evaluated>| runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. })));
         let whole = runs.iter().position(is_interrupted).unwrap_or(runs.len());
-        let letters = study.letters.len() as u8;
-        let entry = |((runs, layout), choice): ((&Vec<Evaluated>, &Vec<u8>), &&Choice)| {
-            Entry::new(self.keys[rung].of(layout), pack(choice, letters), &self.at[rung].by_impact(runs))
+        let alphabet = study.alphabet.len() as u8;
+        let entry = |((runs, layout), assignment): ((&Vec<Evaluated>, &Vec<u8>), &&Assignment)| {
+            Entry::new(self.keys[rung].of(layout), pack(assignment, alphabet), &self.at[rung].by_impact(runs))
         };
-        Ok(runs[..whole].iter().zip(&layouts).zip(choices).map(entry).collect())
+        Ok(runs[..whole].iter().zip(&layouts).zip(assignments).map(entry).collect())
     }
 }

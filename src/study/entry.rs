@@ -50,12 +50,12 @@ mod lines {
         #[serde(rename = "Q_best", default, skip_serializing_if = "Option::is_none")]
         protection_best: Option<f64>,
         #[serde(flatten, skip_serializing_if = "Option::is_none")]
-        felt: Option<Felt>,
+        felt: Option<Response>,
     }
 
     /// What needs full records; pairs are of the focal and the protected region.
     #[derive(Serialize, Deserialize)]
-    struct Felt {
+    struct Response {
         #[serde(rename = "momentum_kg_m_s")]
         momentum: [f64; 2],
         #[serde(rename = "force_N")]
@@ -72,7 +72,7 @@ mod lines {
     impl Line {
         fn of(scores: &Scores) -> Self {
             let felt = || {
-                Some(Felt {
+                Some(Response {
                     momentum: [scores.focal_momentum?, scores.protected_momentum?],
                     force: [scores.focal_force?, scores.protected_force?],
                     arrival: [scores.focal_arrival, scores.protected_arrival],
@@ -160,7 +160,7 @@ impl Entry {
     }
 
     /// The letters of `count` free sites; none if the entry belongs to something else.
-    pub fn choice(&self, count: usize, alphabet: u8) -> Option<Vec<u8>> {
+    pub fn assignment(&self, count: usize, alphabet: u8) -> Option<Vec<u8>> {
         unpack(&self.layout, count, alphabet)
     }
 }

@@ -5,10 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{Study, free};
 use crate::design::DesignRef;
-use crate::evaluate::Glance;
+use crate::evaluate::ArrivalSurrogate;
 use crate::lens::{LensError, LensRequest, propose};
 use crate::material::Material;
-use crate::search::{BATCH, Choice, Painter};
+use crate::search::{Assignment, BATCH, Parametrisation};
 
 /// Rows to a unit of the parameters.
 const ROWS: f64 = 8.0 / 3.0;
@@ -22,18 +22,18 @@ const SPREAD: f64 = 1.5;
 /// What rays say of the lenses that were painted: by layout how much more of them runs through the focus, and less through the
 /// protected region, than without a lens. A layout of spheres has no faces to trace rays through; the lens that it was laid from has.
 #[derive(Clone, Debug, Default)]
-pub(super) struct RayNotes(Arc<Mutex<HashMap<Choice, f64>>>);
+pub(super) struct RayNotes(Arc<Mutex<HashMap<Assignment, f64>>>);
 
 impl RayNotes {
     /// Of two lenses with the same spheres the first counts.
-    fn note(&self, choice: &Choice, lens: Option<&Laid>) {
+    fn note(&self, assignment: &Assignment, lens: Option<&Laid>) {
         let mut notes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        notes.entry(choice.clone()).or_insert_with(|| lens.map_or(0.0, |lens| lens.gathers));
+        notes.entry(assignment.clone()).or_insert_with(|| lens.map_or(0.0, |lens| lens.gathers));
     }
 
     /// What they said of a layout.
-    pub fn of(&self, choice: &Choice) -> Option<f64> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(choice).copied()
+    pub fn of(&self, assignment: &Assignment) -> Option<f64> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(assignment).copied()
     }
 }
 
@@ -94,16 +94,16 @@ impl Study {
     /// searches. Where the family has no curvature or no axis of its own these do nothing. None where the design has no lens,
     /// a material that its lenses are made of may not be chosen, or several focal regions split it into parts. What rays say of
     /// each lens is taken down in `notes`.
-    pub(super) fn painter(&self, notes: &RayNotes) -> Option<Painter> {
+    pub(super) fn parametrisation(&self, notes: &RayNotes) -> Option<Parametrisation> {
         let request = self.design().lens()?.clone();
         let lens = Laid::new(self.design(), &request).ok().filter(|lens| lens.parts == 1)?;
         let letter = |material: &Material| {
             let of = |&place: &u8| self.palette[usize::from(place)] == *material;
-            self.letters.iter().position(of).map(|letter| letter as u8)
+            self.alphabet.iter().position(of).map(|letter| letter as u8)
         };
         // Letters by the place of a material in a lens's palette.
-        let letters: Vec<u8> = lens.palette.iter().map(letter).collect::<Option<_>>()?;
-        let host = letters[0];
+        let alphabet: Vec<u8> = lens.palette.iter().map(letter).collect::<Option<_>>()?;
+        let host = alphabet[0];
         let rows_of = free::rows_of(self.design());
         let [first, last] = [rows_of[*self.free.first()?], rows_of[*self.free.last()?]];
         let curvature = lens.radius.map_or(1.0, |radius| 0.1 / radius);
@@ -129,7 +129,7 @@ impl Study {
             bounds.push([0.0, across / (AXIS * diameter)]);
         }
         let (study, notes) = (self.clone(), notes.clone());
-        let paint = move |x: &[f64]| {
+        let decode = move |x: &[f64]| {
             let row = |x: f64| (x * ROWS).round().clamp(f64::from(first), f64::from(last)) as u32;
             // Half the width of the crystal bends nothing, and a sphere's own radius is as round as it gets.
             let bent = (x[2] * curvature).clamp(1e-2 / across, 2.0 / diameter);
@@ -143,23 +143,23 @@ impl Study {
             };
             // A lens that cannot be is no lens.
             let lens = Laid::new(study.design(), &wanted).ok();
-            let place = |lens: &Laid, i: usize| letters.get(usize::from(lens.materials[i])).copied().unwrap_or(host);
+            let place = |lens: &Laid, i: usize| alphabet.get(usize::from(lens.materials[i])).copied().unwrap_or(host);
             let of = |group: &Vec<usize>| lens.as_ref().map_or(host, |lens| place(lens, group[0]));
-            let choice: Choice = study.groups.iter().map(of).collect();
-            notes.note(&choice, lens.as_ref());
-            choice
+            let assignment: Assignment = study.groups.iter().map(of).collect();
+            notes.note(&assignment, lens.as_ref());
+            assignment
         };
         let study = self.clone();
-        let guess = move |choice: &[u8]| match study.design() {
-            DesignRef::Plane(design) => Glance::Bound.delay(design, &study.sheet(design, choice)),
+        let surrogate = move |assignment: &[u8]| match study.design() {
+            DesignRef::Plane(design) => ArrivalSurrogate::Bound.delay(design, &study.sheet(design, assignment)),
             DesignRef::Space(_) => 0.0,
         };
-        Some(Painter {
+        Some(Parametrisation {
             start,
             spread: SPREAD,
             bounds,
-            paint: Arc::new(paint),
-            guess: Some(Arc::new(guess)),
+            decode: Arc::new(decode),
+            surrogate: Some(Arc::new(surrogate)),
             batch: BATCH,
         })
     }
@@ -177,13 +177,15 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/two-materials.toml");
         let study = Study::read(&path, None).unwrap();
         let notes = RayNotes::default();
-        let painter = study.painter(&notes).unwrap();
-        let painted = (painter.paint)(&painter.start);
+        let parametrisation = study.parametrisation(&notes).unwrap();
+        let painted = (parametrisation.decode)(&parametrisation.start);
         assert_eq!(painted, study.first()[0]);
-        assert!(painter.start.iter().zip(&painter.bounds).all(|(x, [from, to])| (from..=to).contains(&x)));
+        assert!(
+            parametrisation.start.iter().zip(&parametrisation.bounds).all(|(x, [from, to])| (from..=to).contains(&x))
+        );
         // The wave is late behind the lens, and as late everywhere behind none.
-        let guess = painter.guess.clone().unwrap();
-        assert!(guess(&painted) > 1e-6 && guess(&vec![0; painted.len()]).abs() < 1e-12);
+        let surrogate = parametrisation.surrogate.clone().unwrap();
+        assert!(surrogate(&painted) > 1e-6 && surrogate(&vec![0; painted.len()]).abs() < 1e-12);
         // So do rays: the design's lens gathers them where they are wanted, as its proposal says.
         let design = study.design.plane().unwrap();
         let lens = design.lens.clone().unwrap();
@@ -191,13 +193,13 @@ mod tests {
         let gathered = lens.fraction / lens.fraction_without - lens.protected[0] / lens.protected[1];
         assert!(gathered > 0.5 && (notes.of(&painted).unwrap() - gathered).abs() < 0.02 * gathered);
         assert_eq!(notes.of(&vec![0; painted.len()]), None);
-        let mut longer = painter.start.clone();
+        let mut longer = parametrisation.start.clone();
         longer[1] += 3.0 / ROWS;
-        let count = |choice: &[u8]| choice.iter().filter(|&&letter| letter != 0).count();
-        assert!(count(&(painter.paint)(&longer)) > count(&painted) + 30);
+        let count = |assignment: &[u8]| assignment.iter().filter(|&&letter| letter != 0).count();
+        assert!(count(&(parametrisation.decode)(&longer)) > count(&painted) + 30);
         // Parameters out of all bounds still paint something.
         for x in [-1e9, 1e9] {
-            assert_eq!((painter.paint)(&[x; 4]).len(), painted.len());
+            assert_eq!((parametrisation.decode)(&[x; 4]).len(), painted.len());
         }
     }
 }

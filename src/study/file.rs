@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::aggregate::Aggregate;
 use super::family::RayNotes;
 use super::free;
-use super::over::Over;
 use super::prices;
 use super::set::{self, ImpactFile, Tolerance, ToleranceFile};
 use super::source::Source;
@@ -15,11 +15,11 @@ use super::start::{self, Start};
 use super::{Objective, StudyError};
 use crate::design::{AnyDesign, Design, DesignRef};
 use crate::document;
-use crate::evaluate::{Blow, Detail, Forces, Overrides, Plan, PlanError, common_plan};
+use crate::evaluate::{Detail, Forces, ImpactLoad, Overrides, Plan, PlanError, common_plan};
 use crate::layout::{AnyLayout, Layout, LayoutCounter};
 use crate::material::Material;
 use crate::score::{Measure, Needs};
-use crate::search::{Choice, Dice, Method, MethodError, Space, level_set};
+use crate::search::{Assignment, Method, MethodError, Rng, Space, level_set};
 use crate::units::Dimension::{Fraction, Time};
 
 /// More materials have more kinds of pairs than the evaluator's tables hold.
@@ -57,7 +57,7 @@ struct StudyFile {
     forces: Option<usize>,
     band: Option<String>,
     #[serde(default)]
-    over: Over,
+    over: Aggregate,
     #[serde(default)]
     impact: Vec<ImpactFile>,
     #[serde(default)]
@@ -94,18 +94,18 @@ pub struct Study {
     pub design: AnyDesign,
     /// Host, the material of the crystal that Q refers to, and others that may be chosen.
     pub palette: Vec<Material>,
-    /// Places in the palette of the materials that may be chosen: letter k of a choice is material `letters[k]`.
-    pub letters: Vec<u8>,
+    /// Places in the palette of the materials that may be chosen: letter k of an assignment is material `alphabet[k]`.
+    pub alphabet: Vec<u8>,
     /// Indices of the sites that may change.
     pub free: Vec<usize>,
-    /// The same, those that change together in a list: a choice has a letter for each of these.
+    /// The same, those that change together in a list: an assignment has a letter for each of these.
     pub groups: Vec<Vec<usize>>,
     /// Where the search begins: at the first of these; the others are known to it too.
     pub starts: Vec<Start>,
     /// Material of every site at each start, as places in the palette; sites that are not free keep that of the first.
     pub bases: Vec<Vec<u8>>,
     /// What strikes the crystal, one after the other; the design's own impact if the study names none.
-    pub impacts: Vec<Blow>,
+    pub impacts: Vec<ImpactLoad>,
     /// How crystals that are built differ from the drawing, where that counts.
     pub tolerance: Option<Tolerance>,
     /// What is wanted.
@@ -210,7 +210,7 @@ impl Study {
             }
         }
         let place = |material: &Material| palette.iter().position(|known| known == material).unwrap_or(0) as u8;
-        let letters: Vec<u8> = named.iter().map(place).collect();
+        let alphabet: Vec<u8> = named.iter().map(place).collect();
         let groups = free::groups(&source, &keys, lent, rows)?;
         let mut free = groups.concat();
         free.sort_unstable();
@@ -249,7 +249,7 @@ impl Study {
             path: path.to_owned(),
             design,
             palette,
-            letters,
+            alphabet,
             free,
             groups,
             starts,
@@ -273,15 +273,15 @@ impl Study {
     /// Makes random starts, and finds out whether the given ones can be.
     fn begin(&mut self, source: &Source<'_>) -> Result<(), StudyError> {
         // The search itself begins with the same seed; the other bits keep the two apart.
-        let mut dice = Dice::new(!self.seed);
+        let mut rng = Rng::new(!self.seed);
         for k in 0..self.starts.len() {
             if self.starts[k] == Start::Random {
-                let choice = level_set(&self.space(), &mut dice);
-                self.bases[k] = self.materials(&choice);
+                let assignment = level_set(&self.space(), &mut rng);
+                self.bases[k] = self.materials(&assignment);
             }
             let base = &self.bases[k];
             let site = |index: usize| free::named(self.design(), index);
-            if let Some(&wrong) = self.free.iter().find(|&&i| !self.letters.contains(&base[i])) {
+            if let Some(&wrong) = self.free.iter().find(|&&i| !self.alphabet.contains(&base[i])) {
                 let material = &self.palette[usize::from(base[wrong])];
                 let message = format!(
                     "start: {} holds {}, which is not among materials. Name it there, or choose another start.",
@@ -308,17 +308,17 @@ impl Study {
                 format!("start: number {} differs from the first outside of rows, which do not change.", k + 1);
             return Err(source.fail("start", message));
         }
-        let asks = |stage: &Stage| matches!(stage.work, Work::Search(method) if method.takes_painter());
+        let asks = |stage: &Stage| matches!(stage.work, Work::Search(method) if method.takes_parametrisation());
         if let Some(k) = self.stages.iter().position(asks)
-            && self.painter(&RayNotes::default()).is_none()
+            && self.parametrisation(&RayNotes::default()).is_none()
         {
             let message = "methods of the lens-family need a design with a [lens] and a single focus, and its material and the host among materials.";
             return Err(source.fail_in("stage", k, "method", message.to_owned()));
         }
         if self.design().foci() < 2
-            && let Some(wish) = self.objective.wishes.iter().find(|wish| wish.measure == Measure::Balance)
+            && let Some(term) = self.objective.terms.iter().find(|term| term.measure == Measure::Balance)
         {
-            let name = wish.measure.name();
+            let name = term.measure.name();
             let message = format!(
                 "objective.{name}: the design has one focus; balance compares several, each below [[target.focus]]."
             );
@@ -356,24 +356,24 @@ impl Study {
     /// # Errors
     /// A step or window with which an impact cannot be simulated.
     pub fn plan(&self, rung: usize) -> Result<Plan, PlanError> {
-        let blows: Vec<Blow> = self.at(rung).cases().into_iter().map(|case| case.blow).collect();
-        common_plan(self.design(), &blows, self.overrides(rung), &self.palette)
+        let loads: Vec<ImpactLoad> = self.at(rung).cases().into_iter().map(|case| case.load).collect();
+        common_plan(self.design(), &loads, self.overrides(rung), &self.palette)
     }
 
     /// How much has to be recorded for what is wanted.
     pub fn detail(&self) -> Detail {
-        let felt = self.objective.wishes.iter().any(|wish| wish.measure.needs() == Needs::Records);
+        let felt = self.objective.terms.iter().any(|term| term.measure.needs() == Needs::Records);
         if felt { Detail::Everything } else { Detail::Energies }
     }
 
     /// Whether a measure compares layouts with the baselines, which then have to be simulated first.
     pub fn has_rivals(&self) -> bool {
-        self.objective.wishes.iter().any(|wish| wish.measure == Measure::ProtectionBest)
+        self.objective.terms.iter().any(|term| term.measure == Measure::ProtectionBest)
     }
 
     /// What is searched.
     pub fn space(&self) -> Space {
-        free::space(self.design(), &self.groups, self.letters.len() as u8)
+        free::space(self.design(), &self.groups, self.alphabet.len() as u8)
     }
 
     /// The design, of whichever kind.
@@ -386,34 +386,34 @@ impl Study {
         self.groups.len() < self.free.len()
     }
 
-    /// How many letters a choice has.
+    /// How many letters an assignment has.
     pub fn variables(&self) -> usize {
         self.groups.len()
     }
 
     /// The letters at each start.
-    pub fn first(&self) -> Vec<Choice> {
-        let place = |base: &[u8], i: usize| self.letters.iter().position(|&place| place == base[i]).unwrap_or(0) as u8;
+    pub fn first(&self) -> Vec<Assignment> {
+        let place = |base: &[u8], i: usize| self.alphabet.iter().position(|&place| place == base[i]).unwrap_or(0) as u8;
         self.bases.iter().map(|base| self.groups.iter().map(|group| place(base, group[0])).collect()).collect()
     }
 
-    /// For every site the material that a choice stands for, a place in the palette.
-    pub fn materials(&self, choice: &[u8]) -> Vec<u8> {
+    /// For every site the material that an assignment stands for, a place in the palette.
+    pub fn materials(&self, assignment: &[u8]) -> Vec<u8> {
         let mut materials = self.bases[0].clone();
-        for (group, &letter) in self.groups.iter().zip(choice) {
-            group.iter().for_each(|&site| materials[site] = self.letters[usize::from(letter)]);
+        for (group, &letter) in self.groups.iter().zip(assignment) {
+            group.iter().for_each(|&site| materials[site] = self.alphabet[usize::from(letter)]);
         }
         materials
     }
 
     /// The same on the sheet of a design, which is the study's own.
-    pub(super) fn sheet(&self, design: &Design, choice: &[u8]) -> Layout {
-        Layout { lattice: design.lattice, palette: self.palette.clone(), materials: self.materials(choice) }
+    pub(super) fn sheet(&self, design: &Design, assignment: &[u8]) -> Layout {
+        Layout { lattice: design.lattice, palette: self.palette.clone(), materials: self.materials(assignment) }
     }
 
-    /// The layout that a choice stands for.
-    pub fn layout(&self, choice: &[u8]) -> AnyLayout {
-        self.design().layout(self.palette.clone(), self.materials(choice))
+    /// The layout that an assignment stands for.
+    pub fn layout(&self, assignment: &[u8]) -> AnyLayout {
+        self.design().layout(self.palette.clone(), self.materials(assignment))
     }
 }
 

@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::over::summary;
+use super::aggregate::summary;
 use super::{Entry, Study, StudyError};
 use crate::Context;
 use crate::dem::ForcePulse;
-use crate::evaluate::{Blow, Evaluated, Evaluator, Forces, Overrides};
+use crate::evaluate::{Evaluated, Evaluator, Forces, ImpactLoad, Overrides};
 use crate::score::{Measure, Scores};
 
 /// One layout at one step: single numbers, and what they are worth.
@@ -27,19 +27,24 @@ pub struct Final {
 }
 
 /// A layout at a study's finest step and at half of it; none where it was interrupted, or a guard stopped it.
-pub(super) fn evaluate(study: &Study, choice: &[u8], step: f64, context: &Context) -> Result<Vec<Final>, StudyError> {
-    let layout = study.materials(choice);
+pub(super) fn evaluate(
+    study: &Study,
+    assignment: &[u8],
+    step: f64,
+    context: &Context,
+) -> Result<Vec<Final>, StudyError> {
+    let layout = study.materials(assignment);
     let stats = study.counter.stats(&layout);
     // Of each impact the exact force, then those about it.
-    let under = |blow: &Blow| -> Vec<Blow> {
-        let forces = std::iter::once(blow.pulse.force).chain(Forces::USUAL.about(blow.pulse.force));
-        forces.map(|force| Blow { pulse: ForcePulse { force, ..blow.pulse }, ..*blow }).collect()
+    let under = |load: &ImpactLoad| -> Vec<ImpactLoad> {
+        let forces = std::iter::once(load.pulse.force).chain(Forces::USUAL.about(load.pulse.force));
+        forces.map(|force| ImpactLoad { pulse: ForcePulse { force, ..load.pulse }, ..*load }).collect()
     };
-    let blows: Vec<Blow> = study.impacts.iter().flat_map(under).collect();
+    let loads: Vec<ImpactLoad> = study.impacts.iter().flat_map(under).collect();
     let mut finals = Vec::new();
     for step in [step, 0.5 * step] {
         let overrides = Overrides { step: Some(step), window: study.window, ..Overrides::default() };
-        let evaluator = Evaluator::new(study.design(), &blows, study.palette.clone(), overrides, context)?;
+        let evaluator = Evaluator::new(study.design(), &loads, study.palette.clone(), overrides, context)?;
         let runs = evaluator.scores(std::slice::from_ref(&layout), context)?.concat();
         if context.stopped() {
             return Ok(Vec::new());
@@ -59,8 +64,8 @@ pub(super) fn evaluate(study: &Study, choice: &[u8], step: f64, context: &Contex
         finals.push(Final {
             step,
             window: evaluator.plan().window,
-            exact: summary(&exact, &stats, study.objective.over),
-            smoothed: summary(&smoothed, &stats, study.objective.over),
+            exact: summary(&exact, &stats, study.objective.aggregate),
+            smoothed: summary(&smoothed, &stats, study.objective.aggregate),
             scatter,
         });
     }

@@ -6,7 +6,7 @@ use super::source::Source;
 use crate::design::DesignRef;
 use crate::lattice::{Block, Layered};
 use crate::lens::Symmetry;
-use crate::search::{Solid, Space};
+use crate::search::{Adjacency, Space};
 
 /// The keys that say it.
 pub(super) struct Keys<'a> {
@@ -180,11 +180,11 @@ fn symmetry(source: &Source<'_>, keys: &Keys<'_>) -> Result<Option<Symmetry>, St
 }
 
 /// What is searched: groups of sites as a [`Space`].
-pub(super) fn space(design: DesignRef<'_>, groups: &[Vec<usize>], letters: u8) -> Space {
+pub(super) fn space(design: DesignRef<'_>, groups: &[Vec<usize>], alphabet: u8) -> Space {
     let design = match design {
         DesignRef::Plane(design) => {
             let sites = design.lattice.sites();
-            return Space::sheet(groups.iter().map(|group| [sites[group[0]].row, sites[group[0]].column]), letters);
+            return Space::sheet(groups.iter().map(|group| [sites[group[0]].row, sites[group[0]].column]), alphabet);
         }
         DesignRef::Space(design) => design,
     };
@@ -198,7 +198,7 @@ pub(super) fn space(design: DesignRef<'_>, groups: &[Vec<usize>], letters: u8) -
     if groups.iter().all(|group| group.len() == 1) {
         let sites = groups.iter().map(|group| block.coordinates(group[0])).collect();
         let beside = groups.iter().map(|group| to(group[0])).collect();
-        return Space { sites, letters, solid: Some(Solid { axis: block.cells()[1], beside }) };
+        return Space { sites, alphabet, adjacency: Some(Adjacency { axis: block.cells()[1], beside }) };
     }
     // Around the axis or along y all is one: a place is a layer and a distance.
     let along = |group: &Vec<usize>| group.iter().any(|&site| block.place(site)[0] != block.place(group[0])[0]);
@@ -215,5 +215,5 @@ pub(super) fn space(design: DesignRef<'_>, groups: &[Vec<usize>], letters: u8) -
         others.into_iter().map(Some).collect()
     });
     let (sites, beside) = (groups.iter().map(place).collect(), beside.collect());
-    Space { sites, letters, solid: Some(Solid { axis: 0, beside }) }
+    Space { sites, alphabet, adjacency: Some(Adjacency { axis: 0, beside }) }
 }

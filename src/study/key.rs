@@ -3,7 +3,7 @@
 use super::{Entry, Stage, Study, Work};
 use crate::contact::LawKind;
 use crate::evaluate::{Detail, Plan};
-use crate::search::Choice;
+use crate::search::Assignment;
 
 /// Where FNV-1a begins.
 const BEGIN: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
@@ -41,8 +41,8 @@ impl Key {
             key.add(format!("forces {} {}", study.forces.count(), study.forces.band().to_bits()).as_bytes());
         }
         for case in study.cases().into_iter().skip(study.impacts.len() * study.forces.count()) {
-            key.add(format!("{:?}", case.flaw.wrong).as_bytes());
-            case.flaw.radii.iter().for_each(|radius| key.add(&radius.to_bits().to_le_bytes()));
+            key.add(format!("{:?}", case.imperfection.wrong).as_bytes());
+            case.imperfection.radii.iter().for_each(|radius| key.add(&radius.to_bits().to_le_bytes()));
         }
         if study.detail() == Detail::Everything {
             key.add(b"felt");
@@ -76,13 +76,14 @@ impl Key {
         u128::from_str_radix(text, 16).ok().map(Self)
     }
 
-    /// The entries of a journal that belong to the study as it is now, by choice.
-    pub fn own<'a>(self, study: &Study, entries: &'a [Entry]) -> Vec<(Choice, &'a Entry)> {
-        let letters = study.letters.len() as u8;
+    /// The entries of a journal that belong to the study as it is now, by assignment.
+    pub fn own<'a>(self, study: &Study, entries: &'a [Entry]) -> Vec<(Assignment, &'a Entry)> {
+        let alphabet = study.alphabet.len() as u8;
         let cases = study.cases().len() / study.forces.count();
         let own = |entry: &'a Entry| {
-            let choice = entry.choice(study.variables(), letters)?;
-            (self.of(&study.materials(&choice)) == entry.key && entry.impacts.len() == cases).then_some((choice, entry))
+            let assignment = entry.assignment(study.variables(), alphabet)?;
+            (self.of(&study.materials(&assignment)) == entry.key && entry.impacts.len() == cases)
+                .then_some((assignment, entry))
         };
         entries.iter().filter_map(own).collect()
     }
@@ -97,7 +98,7 @@ impl Study {
         let tolerance = self.tolerance.map(|tolerance| (tolerance.wrong, tolerance.radii, tolerance.members));
         let asked = (
             &self.palette,
-            &self.letters,
+            &self.alphabet,
             &self.free,
             &self.impacts,
             tolerance,

@@ -7,7 +7,7 @@
 //! - `file`: the study file, as written, then as checked; `source`: its text, and complaints about it; `stage`: what is done
 //!   one after the other; `free`: which sites may change; `start`: where that begins; `family`: the
 //!   design's lens as real parameters
-//! - `over`: scores under several impacts to one; `objective`: measures to one number, or to several that are traded
+//! - `aggregate`: scores under several impacts to one; `objective`: measures to one number, or to several that are traded
 //! - `set`: impacts, and crystals that are not built as drawn; `tolerance`: what a layout loses then; `prices`: what spheres cost
 //! - `entry`: one evaluation; `key`: what it depends on; `journal`: the append-only, checksummed record of all
 //! - `rung`: all that is known at one step; `state`: how far a study is; `baselines`: what its layouts are compared with;
@@ -31,7 +31,7 @@ mod free;
 mod journal;
 mod key;
 mod objective;
-mod over;
+mod aggregate;
 mod prices;
 mod report;
 mod run;
@@ -46,6 +46,7 @@ mod state;
 mod tolerance;
 mod why;
 
+pub use aggregate::{Aggregate, summary};
 pub use asked::{Asking, Question, Shard, ShardError, asked_in};
 pub use baselines::{BaselineScores, Spread};
 pub use bundle::bundle;
@@ -56,8 +57,7 @@ pub use file::Study;
 pub use finals::Final;
 pub use journal::{Journal, Ledger, Line, Loaded};
 pub use key::Key;
-pub use objective::{Aim, Objective, Wish};
-pub use over::{Over, summary};
+pub use objective::{Goal, Objective, Term};
 pub use report::Report;
 pub use run::{Watch, run, run_with};
 pub use rung::{Judged, Rung};
@@ -67,8 +67,8 @@ pub use shard::{FoundShard, Merged, ShardDone, evaluate_shard, merge};
 pub(crate) use stage::OTHERS as STAGES;
 pub use stage::{Scoring, Stage, Work};
 pub use start::Start;
-pub use state::{Ended, Found, Front, GlanceState, Improvement, RungState, StageState, State, front_of};
-pub use tolerance::{Loses, Quantiles};
+pub use state::{Ended, Found, Front, Improvement, RungState, StageState, State, SurrogateState, front_of};
+pub use tolerance::{Quantiles, Robustness};
 pub use why::{Circumstances, Difference, Why, why};
 
 use std::path::PathBuf;

@@ -19,7 +19,7 @@ pub(super) fn read(
     palette: &[Material],
     objective: &Objective,
 ) -> Result<BTreeMap<String, f64>, StudyError> {
-    let asked = objective.wishes.iter().any(|wish| matches!(wish.measure, Measure::HalfCost | Measure::PieceCost));
+    let asked = objective.terms.iter().any(|term| matches!(term.measure, Measure::HalfCost | Measure::PieceCost));
     let mut own = BTreeMap::new();
     for (name, price) in table.into_iter().flatten() {
         let fail = |message: String| source.fail("prices", format!("prices.{name} = {price} {message}"));

@@ -63,7 +63,7 @@ impl Report {
             seed: study.seed,
             sites: study.free.len(),
             problem: Some(study.problem()),
-            materials: study.letters.iter().map(|&place| study.palette[usize::from(place)].name.clone()).collect(),
+            materials: study.alphabet.iter().map(|&place| study.palette[usize::from(place)].name.clone()).collect(),
             state,
         })
     }
@@ -75,10 +75,10 @@ impl Report {
     pub fn write(&self, study: &Study, folder: &Path, force: bool) -> Result<(), OutputError> {
         output::write(&folder.join("study.json"), pretty(self).as_bytes(), force)?;
         for (name, found) in [("best.csv", &self.state.best), ("nearest.csv", &self.state.nearest)] {
-            let choice =
-                found.as_ref().and_then(|found| found.entry.choice(study.variables(), study.letters.len() as u8));
-            if let Some(choice) = choice {
-                output::write(&folder.join(name), study.layout(&choice).csv().as_bytes(), force)?;
+            let assignment =
+                found.as_ref().and_then(|found| found.entry.assignment(study.variables(), study.alphabet.len() as u8));
+            if let Some(assignment) = assignment {
+                output::write(&folder.join(name), study.layout(&assignment).csv().as_bytes(), force)?;
             }
         }
         Ok(())

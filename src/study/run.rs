@@ -10,14 +10,14 @@ use super::family::RayNotes;
 use super::rung::{Judged, Rung, order};
 use super::stage::{Stage, Work};
 use super::state::{self, Ended, Found, RungState, StageState, State};
-use super::tolerance::{self, Loses};
+use super::tolerance::{self, Robustness};
 use super::why::Circumstances;
 use super::{Entry, Final, Improvement, Journal, Study, StudyError, baselines, finals};
 use crate::Context;
 use crate::evaluate::EvaluatorError;
-use crate::search::{Choice, Dice, Loss, Painter, Proof, Rounds, Search as _};
+use crate::search::{Assignment, LocalOptimality, Loss, Parametrisation, Rng, Rounds, Search as _};
 
-/// Batches in a row without a choice that is new, after which everything within reach is taken to be known.
+/// Batches in a row without an assignment that is new, after which everything within reach is taken to be known.
 const STALE: u32 = 1000;
 
 /// Is told how a study goes.
@@ -79,7 +79,7 @@ fn go(
     if let Some(missing) = local.no_protection() {
         watch.warning(&format!("there is no Q under every impact: {missing}"));
     }
-    let cache: Vec<HashMap<Choice, VecDeque<&Entry>>> =
+    let cache: Vec<HashMap<Assignment, VecDeque<&Entry>>> =
         local.keys.iter().zip(&local.at).map(|(key, study)| by_choice(key.own(study, &loaded.entries))).collect();
     let used: HashSet<&str> =
         cache.iter().flat_map(HashMap::values).flatten().map(|entry| entry.key.as_str()).collect();
@@ -114,10 +114,10 @@ fn go(
     run.go(watch)
 }
 
-/// A journal's entries by choice, those of one choice in their order.
-fn by_choice(own: Vec<(Choice, &Entry)>) -> HashMap<Choice, VecDeque<&Entry>> {
-    let mut all: HashMap<Choice, VecDeque<&Entry>> = HashMap::new();
-    own.into_iter().for_each(|(choice, entry)| all.entry(choice).or_default().push_back(entry));
+/// A journal's entries by assignment, those of one assignment in their order.
+fn by_choice(own: Vec<(Assignment, &Entry)>) -> HashMap<Assignment, VecDeque<&Entry>> {
+    let mut all: HashMap<Assignment, VecDeque<&Entry>> = HashMap::new();
+    own.into_iter().for_each(|(assignment, entry)| all.entry(assignment).or_default().push_back(entry));
     all
 }
 
@@ -131,16 +131,16 @@ pub(super) struct Run<'a, 'e> {
     steps: Vec<f64>,
     journal: Journal,
     /// For each rung what the journal holds and has not been asked for yet.
-    cache: Vec<HashMap<Choice, VecDeque<&'a Entry>>>,
+    cache: Vec<HashMap<Assignment, VecDeque<&'a Entry>>>,
     pub rungs: Vec<Rung>,
-    first: Vec<Choice>,
+    first: Vec<Assignment>,
     context: &'a Context,
     deadline: Option<Instant>,
     pub state: State,
     /// What rays say of lenses that were asked for.
     rays: RayNotes,
-    /// Rung, choice and loss of the best or nearest.
-    top: Option<(usize, Choice, Loss)>,
+    /// Rung, assignment and loss of the best or nearest.
+    top: Option<(usize, Assignment, Loss)>,
 }
 
 /// How a batch ended.
@@ -160,11 +160,11 @@ fn answers(
     study: &Study,
     local: &Local,
     rung: usize,
-    asked: &[&Choice],
+    asked: &[&Assignment],
     answers: Vec<Entry>,
 ) -> Result<Vec<Entry>, StudyError> {
     let other = answers.len() > asked.len()
-        || asked.iter().zip(&answers).any(|(choice, entry)| entry.key != local.key(study, rung, choice));
+        || asked.iter().zip(&answers).any(|(assignment, entry)| entry.key != local.key(study, rung, assignment));
     if other {
         let message = "the engine answered other layouts than it was asked for, or under other settings: its granulens or its files differ from these";
         return Err(StudyError::Engine(message.to_owned()));
@@ -174,10 +174,10 @@ fn answers(
 
 impl Run<'_, '_> {
     fn go(mut self, watch: &mut impl Watch) -> Result<State, StudyError> {
-        let mut dice = Dice::new(self.study.seed);
+        let mut rng = Rng::new(self.study.seed);
         for k in 0..self.study.stages.len() {
             // A study of one stage has the seed itself, later stages have others.
-            let seed = if k == 0 { self.study.seed } else { dice.bits() };
+            let seed = if k == 0 { self.study.seed } else { rng.bits() };
             let ended = self.stage(k, seed, watch)?;
             self.state.ended = ended;
             if ended.goes_on() {
@@ -222,14 +222,14 @@ impl Run<'_, '_> {
     }
 
     /// The best or nearest layout.
-    fn found(&self) -> Option<Choice> {
-        self.state.found()?.entry.choice(self.study.variables(), self.study.letters.len() as u8)
+    fn found(&self) -> Option<Assignment> {
+        self.state.found()?.entry.assignment(self.study.variables(), self.study.alphabet.len() as u8)
     }
 
     /// The figures of the best or nearest layout.
     fn finals(&mut self, finest: usize) -> Result<Vec<Final>, StudyError> {
-        let Some(choice) = self.found() else { return Ok(Vec::new()) };
-        let finals = finals::evaluate(self.study, &choice, self.steps[finest], self.context)?;
+        let Some(assignment) = self.found() else { return Ok(Vec::new()) };
+        let finals = finals::evaluate(self.study, &assignment, self.steps[finest], self.context)?;
         if self.context.stopped() {
             self.state.ended = Ended::Interrupted;
         }
@@ -237,9 +237,9 @@ impl Run<'_, '_> {
     }
 
     /// What the best or nearest layout loses where it is not built as drawn.
-    fn tolerance(&mut self, finest: usize) -> Result<Option<Loses>, StudyError> {
-        let Some(choice) = self.found() else { return Ok(None) };
-        let loses = tolerance::evaluate(&self.local.at[finest], &choice, finest, self.context)?;
+    fn tolerance(&mut self, finest: usize) -> Result<Option<Robustness>, StudyError> {
+        let Some(assignment) = self.found() else { return Ok(None) };
+        let loses = tolerance::evaluate(&self.local.at[finest], &assignment, finest, self.context)?;
         if self.context.stopped() {
             self.state.ended = Ended::Interrupted;
             return Ok(None);
@@ -248,23 +248,23 @@ impl Run<'_, '_> {
     }
 
     /// The best `count` of the stages before this one, at the step of the last of them; the starts before there is any.
-    fn promoted(&self, k: usize) -> Vec<Choice> {
+    fn promoted(&self, k: usize) -> Vec<Assignment> {
         self.promoted_of(k, self.study.stages[k].promote)
     }
 
     /// The same with another number of them.
-    pub fn promoted_of(&self, k: usize, count: usize) -> Vec<Choice> {
+    pub fn promoted_of(&self, k: usize, count: usize) -> Vec<Assignment> {
         let Some(before) = k.checked_sub(1) else { return self.first.clone() };
         let ranked = self.rungs[self.study.stages[before].rung].ranked();
-        ranked.iter().take(count).map(|judged| judged.choice.clone()).collect()
+        ranked.iter().take(count).map(|judged| judged.assignment.clone()).collect()
     }
 
     /// Evenly over the ranks behind those that are promoted.
-    fn sample(&self, k: usize) -> Vec<Choice> {
+    fn sample(&self, k: usize) -> Vec<Assignment> {
         let Stage { promote, sample, .. } = self.study.stages[k];
         let ranked = self.rungs[self.study.stages[k - 1].rung].ranked();
         let rest = ranked.get(promote..).unwrap_or_default();
-        (0..sample.min(rest.len())).map(|j| rest[j * rest.len() / sample.min(rest.len())].choice.clone()).collect()
+        (0..sample.min(rest.len())).map(|j| rest[j * rest.len() / sample.min(rest.len())].assignment.clone()).collect()
     }
 
     fn stage(&mut self, k: usize, seed: u64, watch: &mut impl Watch) -> Result<Ended, StudyError> {
@@ -285,11 +285,14 @@ impl Run<'_, '_> {
         let mut search = match stage.work {
             Work::Search(method) => {
                 let space = self.study.space();
-                let painter = match method.takes_painter() {
-                    true => self.study.painter(&self.rays).map(|painter| Painter { batch: stage.batch, ..painter }),
+                let parametrisation = match method.takes_parametrisation() {
+                    true => self
+                        .study
+                        .parametrisation(&self.rays)
+                        .map(|parametrisation| Parametrisation { batch: stage.batch, ..parametrisation }),
                     false => starts.first().and_then(|start| method.fields(&space, stage.order, start)),
                 };
-                Some(Rounds::new(method, &space, starts.clone(), painter, seed))
+                Some(Rounds::new(method, &space, starts.clone(), parametrisation, seed))
             }
             Work::Climb | Work::Rescore => None,
         };
@@ -309,15 +312,17 @@ impl Run<'_, '_> {
             let before = self.state.evaluations;
             let (batch, simulated) = self.batch(k, &asked)?;
             stale = if self.state.evaluations > before { 0 } else { stale + 1 };
-            let mut proof = Proof::None;
+            let mut local_optimality = LocalOptimality::None;
             if let Some(search) = &mut search {
                 if let Batch::Whole(losses) = &batch {
                     search.tell(losses);
                 }
-                proof = search.best().map_or(proof, |(best, _)| self.proof_of(stage.rung, best, search.proof()));
+                local_optimality = search.best().map_or(local_optimality, |(best, _)| {
+                    self.local_optimality_of(stage.rung, best, search.local_optimality())
+                });
                 self.state.stages[k].rounds = search.ended();
             }
-            self.show_best(proof);
+            self.show_best(local_optimality);
             watch.batch(&self.state, simulated);
             match batch {
                 Batch::Whole(_) if self.state.stages[k].evaluations < stage.evaluations => {}
@@ -343,10 +348,10 @@ impl Run<'_, '_> {
         self.deadline.filter(|deadline| Instant::now() >= *deadline).map(|_| Ended::Time)
     }
 
-    /// What the journal holds of a choice and has not given yet. An entry that was cut short serves only where it is above one of the
+    /// What the journal holds of an assignment and has not given yet. An entry that was cut short serves only where it is above one of the
     /// limits.
-    fn held(&mut self, rung: usize, choice: &Choice, limits: Option<&Vec<f64>>) -> Option<Entry> {
-        let held = self.cache[rung].get_mut(choice)?;
+    fn held(&mut self, rung: usize, assignment: &Assignment, limits: Option<&Vec<f64>>) -> Option<Entry> {
+        let held = self.cache[rung].get_mut(assignment)?;
         while let Some(entry) = held.pop_front() {
             if !entry.cut || limits.is_some_and(|limits| above(entry, limits)) {
                 return Some(entry.clone());
@@ -355,18 +360,18 @@ impl Run<'_, '_> {
         None
     }
 
-    /// Entries of choices, from the journal or by simulation: all, or those before the first that was interrupted, so that the journal's
+    /// Entries of assignments, from the journal or by simulation: all, or those before the first that was interrupted, so that the journal's
     /// order is that of the search; and how many were simulated.
     pub fn entries(
         &mut self,
         rung: usize,
-        choices: &[&Choice],
+        assignments: &[&Assignment],
         limits: Option<&[Vec<f64>]>,
     ) -> Result<(Vec<Entry>, usize), StudyError> {
         let of = |k: usize| limits.map(|limits| &limits[k]);
-        let held: Vec<Option<Entry>> = (0..choices.len()).map(|k| self.held(rung, choices[k], of(k))).collect();
-        let unknown: Vec<usize> = (0..choices.len()).filter(|&k| held[k].is_none()).collect();
-        let asked: Vec<&Choice> = unknown.iter().map(|&k| choices[k]).collect();
+        let held: Vec<Option<Entry>> = (0..assignments.len()).map(|k| self.held(rung, assignments[k], of(k))).collect();
+        let unknown: Vec<usize> = (0..assignments.len()).filter(|&k| held[k].is_none()).collect();
+        let asked: Vec<&Assignment> = unknown.iter().map(|&k| assignments[k]).collect();
         let limits: Option<Vec<Vec<f64>>> = limits.map(|limits| unknown.iter().map(|&k| limits[k].clone()).collect());
         let new = match &mut self.engine {
             _ if asked.is_empty() => Vec::new(),
@@ -381,13 +386,13 @@ impl Run<'_, '_> {
     }
 
     /// Evaluates what is new of a batch, within the stage's evaluations; and how many of it were simulated.
-    fn batch(&mut self, k: usize, asked: &[Choice]) -> Result<(Batch, usize), StudyError> {
+    fn batch(&mut self, k: usize, asked: &[Assignment]) -> Result<(Batch, usize), StudyError> {
         let Stage { rung, evaluations, .. } = self.study.stages[k];
-        let mut fresh: Vec<&Choice> = Vec::new();
+        let mut fresh: Vec<&Assignment> = Vec::new();
         let mut listed = HashSet::new();
-        for choice in asked {
-            if self.rungs[rung].get(choice).is_none() && listed.insert(choice) {
-                fresh.push(choice);
+        for assignment in asked {
+            if self.rungs[rung].get(assignment).is_none() && listed.insert(assignment) {
+                fresh.push(assignment);
             }
         }
         let left = usize::try_from(evaluations - self.state.stages[k].evaluations).unwrap_or(usize::MAX);
@@ -396,15 +401,15 @@ impl Run<'_, '_> {
 
         let (entries, simulated) = self.entries(rung, &fresh, None)?;
         let whole = entries.len() == fresh.len();
-        for (choice, entry) in fresh.into_iter().zip(entries) {
+        for (assignment, entry) in fresh.into_iter().zip(entries) {
             self.count(k, &entry);
-            self.judge(rung, choice, entry);
+            self.judge(rung, assignment, entry);
         }
         if !whole {
             return Ok((if self.waits() { Batch::Asked } else { Batch::Interrupted }, simulated));
         }
         let losses =
-            asked.iter().map(|choice| self.rungs[rung].get(choice).map(|judged| judged.loss.clone())).collect();
+            asked.iter().map(|assignment| self.rungs[rung].get(assignment).map(|judged| judged.loss.clone())).collect();
         // What was cut off has no loss, and nobody asks further.
         Ok((if cut { None } else { losses }.map_or(Batch::Spent, Batch::Whole), simulated))
     }
@@ -417,12 +422,12 @@ impl Run<'_, '_> {
     }
 
     /// Takes down one evaluation.
-    pub fn judge(&mut self, rung: usize, choice: &Choice, entry: Entry) {
-        let judged = self.rungs[rung].add(self.study, choice, entry);
+    pub fn judge(&mut self, rung: usize, assignment: &Assignment, entry: Entry) {
+        let judged = self.rungs[rung].add(self.study, assignment, entry);
         let loss = judged.loss.clone();
-        if self.state.start.is_none() && *choice == self.first[0] {
+        if self.state.start.is_none() && *assignment == self.first[0] {
             let judged = judged.clone();
-            self.state.start = Some(Found::new(self.study, &self.rungs[rung], &judged, Proof::None));
+            self.state.start = Some(Found::new(self.study, &self.rungs[rung], &judged, LocalOptimality::None));
         }
         // The word of a finer step, or of more forces, counts more than any coarser one's.
         let fineness = |rung: usize| (-self.steps[rung], self.local.at[rung].forces.count());
@@ -434,21 +439,26 @@ impl Run<'_, '_> {
             let (evaluations, step) = (self.state.evaluations, self.steps[rung]);
             let within_limits = loss.miss == 0.0;
             self.state.history.push(Improvement { evaluations, step, loss: loss.total, within_limits });
-            self.top = Some((rung, choice.clone(), loss));
+            self.top = Some((rung, assignment.clone(), loss));
         }
     }
 
     /// What is proved of a search's best holds of the study's, if they are the same at the same step.
-    fn proof_of(&self, rung: usize, best: &Choice, proof: Proof) -> Proof {
-        let same = self.top.as_ref().is_some_and(|(at, choice, _)| *at == rung && choice == best);
-        if same { proof } else { Proof::None }
+    fn local_optimality_of(
+        &self,
+        rung: usize,
+        best: &Assignment,
+        local_optimality: LocalOptimality,
+    ) -> LocalOptimality {
+        let same = self.top.as_ref().is_some_and(|(at, assignment, _)| *at == rung && assignment == best);
+        if same { local_optimality } else { LocalOptimality::None }
     }
 
-    pub fn show_best(&mut self, proof: Proof) {
-        let Some((rung, choice, _)) = &self.top else { return };
+    pub fn show_best(&mut self, local_optimality: LocalOptimality) {
+        let Some((rung, assignment, _)) = &self.top else { return };
         let rung = &self.rungs[*rung];
-        let Some(judged) = rung.get(choice) else { return };
-        let found = Found::new(self.study, rung, judged, proof);
+        let Some(judged) = rung.get(assignment) else { return };
+        let found = Found::new(self.study, rung, judged, local_optimality);
         (self.state.best, self.state.nearest) =
             if found.within_limits { (Some(found), None) } else { (None, Some(found)) };
     }

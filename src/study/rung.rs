@@ -4,14 +4,14 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use super::aggregate::summary;
 use super::family::RayNotes;
-use super::over::summary;
-use super::{Entry, GlanceState, Study};
+use super::{Entry, Study, SurrogateState};
 use crate::design::{Design, DesignRef};
-use crate::evaluate::Glance;
+use crate::evaluate::ArrivalSurrogate;
 use crate::layout::LayoutStats;
 use crate::score::Scores;
-use crate::search::{Choice, Loss, rank_correlation};
+use crate::search::{Assignment, Loss, rank_correlation};
 
 /// Layouts that are guessed at, so that it takes a second or two.
 const GLANCED: usize = 256;
@@ -20,7 +20,7 @@ const GLANCED: usize = 256;
 #[derive(Clone, Debug)]
 pub struct Judged {
     /// The layout's letters.
-    pub choice: Choice,
+    pub assignment: Assignment,
     /// Its scores.
     pub entry: Entry,
     /// What the layout itself says.
@@ -32,7 +32,7 @@ pub struct Judged {
 impl Judged {
     /// All measures, each the value that counts over all impacts.
     pub fn scores(&self, study: &Study) -> Scores {
-        summary(&self.entry, &self.stats, study.objective.over)
+        summary(&self.entry, &self.stats, study.objective.aggregate)
     }
 }
 
@@ -40,22 +40,22 @@ impl Judged {
 #[derive(Clone, Debug, Default)]
 pub struct Rung {
     all: Vec<Judged>,
-    place: HashMap<Choice, usize>,
+    place: HashMap<Assignment, usize>,
 }
 
 impl Rung {
-    /// Adds an evaluation of a choice that is new here.
-    pub fn add(&mut self, study: &Study, choice: &Choice, entry: Entry) -> &Judged {
-        let stats = study.counter.stats(&study.materials(choice));
+    /// Adds an evaluation of an assignment that is new here.
+    pub fn add(&mut self, study: &Study, assignment: &Assignment, entry: Entry) -> &Judged {
+        let stats = study.counter.stats(&study.materials(assignment));
         let loss = study.objective.loss(&entry, &stats);
-        self.place.insert(choice.clone(), self.all.len());
-        self.all.push(Judged { choice: choice.clone(), entry, stats, loss });
+        self.place.insert(assignment.clone(), self.all.len());
+        self.all.push(Judged { assignment: assignment.clone(), entry, stats, loss });
         &self.all[self.all.len() - 1]
     }
 
-    /// What is known of a choice.
-    pub fn get(&self, choice: &Choice) -> Option<&Judged> {
-        self.place.get(choice).map(|&place| &self.all[place])
+    /// What is known of an assignment.
+    pub fn get(&self, assignment: &Assignment) -> Option<&Judged> {
+        self.place.get(assignment).map(|&place| &self.all[place])
     }
 
     /// All, in order.
@@ -64,8 +64,8 @@ impl Rung {
     }
 
     /// Which evaluation it was, from 1.
-    pub fn number(&self, choice: &Choice) -> Option<u64> {
-        self.place.get(choice).map(|&place| place as u64 + 1)
+    pub fn number(&self, assignment: &Assignment) -> Option<u64> {
+        self.place.get(assignment).map(|&place| place as u64 + 1)
     }
 
     /// Those that came to their end, the best first: by what they miss, then by their loss; of two that are alike the older.
@@ -75,29 +75,31 @@ impl Rung {
         ranked
     }
 
-    /// What guesses without a simulation would have said of some of the layouts, evenly over their order; and what rays said of
+    /// What surrogates without a simulation would have said of some of the layouts, evenly over their order; and what rays said of
     /// those of them that were laid from lenses, if there are any.
-    pub(super) fn glances(&self, study: &Study, rays: &RayNotes) -> Vec<GlanceState> {
+    pub(super) fn glances(&self, study: &Study, rays: &RayNotes) -> Vec<SurrogateState> {
         let finished: Vec<&Judged> = self.all.iter().filter(|judged| judged.loss.is_finite()).collect();
         let count = finished.len().min(GLANCED);
         let some: Vec<&Judged> = (0..count).map(|k| finished[k * finished.len() / count]).collect();
-        let told = |name: &str, costs: &[f64], losses: &[f64]| GlanceState {
+        let told = |name: &str, costs: &[f64], losses: &[f64]| SurrogateState {
             name: name.to_owned(),
             rank_correlation: rank_correlation(costs, losses),
             shared: losses.len() as u64,
         };
         let losses: Vec<f64> = some.iter().map(|judged| judged.loss.total).collect();
-        let late = |design: &Design, glance: Glance| {
-            let early: Vec<f64> =
-                some.par_iter().map(|judged| -glance.delay(design, &study.sheet(design, &judged.choice))).collect();
-            told(glance.name(), &early, &losses)
+        let late = |design: &Design, surrogate: ArrivalSurrogate| {
+            let early: Vec<f64> = some
+                .par_iter()
+                .map(|judged| -surrogate.delay(design, &study.sheet(design, &judged.assignment)))
+                .collect();
+            told(surrogate.name(), &early, &losses)
         };
         let mut glances = match study.design() {
-            DesignRef::Plane(design) => Glance::ALL.map(|glance| late(design, glance)).to_vec(),
+            DesignRef::Plane(design) => ArrivalSurrogate::ALL.map(|surrogate| late(design, surrogate)).to_vec(),
             // Both are of sheets.
             DesignRef::Space(_) => Vec::new(),
         };
-        let traced = some.iter().filter_map(|judged| Some((-rays.of(&judged.choice)?, judged.loss.total)));
+        let traced = some.iter().filter_map(|judged| Some((-rays.of(&judged.assignment)?, judged.loss.total)));
         let (scattered, losses): (Vec<f64>, Vec<f64>) = traced.unzip();
         if !losses.is_empty() {
             glances.push(told("rays", &scattered, &losses));
@@ -109,7 +111,7 @@ impl Rung {
     pub fn correlation(&self, finer: &Self) -> (Option<f64>, usize) {
         let finite = |judged: &&Judged| judged.loss.is_finite();
         let both = self.all.iter().filter(finite).filter_map(|coarse| {
-            let fine = finer.get(&coarse.choice).filter(finite)?;
+            let fine = finer.get(&coarse.assignment).filter(finite)?;
             Some((coarse.loss.total, fine.loss.total))
         });
         let (coarse, fine): (Vec<f64>, Vec<f64>) = both.unzip();

@@ -10,8 +10,8 @@ use super::{Study, StudyError};
 use crate::contact::LawKind;
 use crate::dem::ForcePulse;
 use crate::design::{Design, DesignRef};
-use crate::evaluate::{Blow, Case, Evaluated, Flaw};
-use crate::search::Dice;
+use crate::evaluate::{Evaluated, ImpactLoad, Imperfection, LoadCase};
+use crate::search::Rng;
 use crate::units::Dimension::{Angle, Force, Fraction, Length, Time};
 
 /// More are taken for a slip.
@@ -63,7 +63,7 @@ pub(super) fn read_impacts(
     source: &Source<'_>,
     files: &[ImpactFile],
     design: DesignRef<'_>,
-) -> Result<Vec<Blow>, StudyError> {
+) -> Result<Vec<ImpactLoad>, StudyError> {
     if files.len() > MOST_IMPACTS {
         let message = format!("{} impacts are given; at most {MOST_IMPACTS} can be.", files.len());
         return Err(source.fail_in("impact", MOST_IMPACTS, "", message));
@@ -93,7 +93,7 @@ pub(super) fn read_impacts(
         if angle != 0.0 && matches!(design, DesignRef::Space(_)) {
             return Err(fail("angle")("angle: in space impacts are along the axis. Leave it out.".to_owned()));
         }
-        let impact = Blow { pulse: ForcePulse { force, duration }, angle, place, law: None, friction: None };
+        let impact = ImpactLoad { pulse: ForcePulse { force, duration }, angle, place, law: None, friction: None };
         if impacts.contains(&impact) {
             return Err(fail("force")("the impact is given twice.".to_owned()));
         }
@@ -106,7 +106,11 @@ pub(super) fn read_impacts(
 }
 
 /// Each impact under each of the laws that a file names; all under the design's own if it names none. Names are those of the command line.
-pub(super) fn under_laws(source: &Source<'_>, names: &[String], impacts: Vec<Blow>) -> Result<Vec<Blow>, StudyError> {
+pub(super) fn under_laws(
+    source: &Source<'_>,
+    names: &[String],
+    impacts: Vec<ImpactLoad>,
+) -> Result<Vec<ImpactLoad>, StudyError> {
     let mut laws: Vec<LawKind> = Vec::new();
     for name in names {
         let law = name.parse().map_err(|error| source.fail("laws", format!("laws: {error}.")))?;
@@ -122,7 +126,10 @@ pub(super) fn under_laws(source: &Source<'_>, names: &[String], impacts: Vec<Blo
     if laws.is_empty() {
         return Ok(impacts);
     }
-    Ok(laws.iter().flat_map(|&law| impacts.iter().map(move |&impact| Blow { law: Some(law), ..impact })).collect())
+    Ok(laws
+        .iter()
+        .flat_map(|&law| impacts.iter().map(move |&impact| ImpactLoad { law: Some(law), ..impact }))
+        .collect())
 }
 
 /// Two distances from the axis (m), written with units or in sphere diameters.
@@ -185,24 +192,24 @@ impl Tolerance {
 impl Study {
     /// What every layout is judged by: each impact on the crystal as drawn, then on each of the tolerance's members; where several
     /// forces are asked for, each of these with every one of them.
-    pub fn cases(&self) -> Vec<Case> {
+    pub fn cases(&self) -> Vec<LoadCase> {
         let members = self.tolerance.map_or(0, |tolerance| tolerance.members);
-        let mut flaws = vec![Flaw::default()];
-        flaws.extend(self.flaws(0, members));
-        self.under_each_impact(&flaws)
+        let mut imperfections = vec![Imperfection::default()];
+        imperfections.extend(self.imperfections(0, members));
+        self.under_each_impact(&imperfections)
     }
 
-    /// Flaws under each impact, one flaw after the other.
-    pub(super) fn under_each_impact(&self, flaws: &[Flaw]) -> Vec<Case> {
-        let under = |blow: &Blow| -> Vec<Blow> {
-            let with = |force| Blow { pulse: ForcePulse { force, ..blow.pulse }, ..*blow };
-            self.forces.about(blow.pulse.force).into_iter().map(with).collect()
+    /// Imperfections under each impact, one imperfection after the other.
+    pub(super) fn under_each_impact(&self, imperfections: &[Imperfection]) -> Vec<LoadCase> {
+        let under = |load: &ImpactLoad| -> Vec<ImpactLoad> {
+            let with = |force| ImpactLoad { pulse: ForcePulse { force, ..load.pulse }, ..*load };
+            self.forces.about(load.pulse.force).into_iter().map(with).collect()
         };
-        let of = |flaw: &Flaw| -> Vec<Case> {
-            let blows = self.impacts.iter().flat_map(under);
-            blows.map(|blow| Case { flaw: flaw.clone(), ..Case::from(blow) }).collect()
+        let of = |imperfection: &Imperfection| -> Vec<LoadCase> {
+            let loads = self.impacts.iter().flat_map(under);
+            loads.map(|load| LoadCase { imperfection: imperfection.clone(), ..LoadCase::from(load) }).collect()
         };
-        flaws.iter().flat_map(of).collect()
+        imperfections.iter().flat_map(of).collect()
     }
 
     /// Runs in all cases, parted by impact: each part has a run for every force.
@@ -211,28 +218,28 @@ impl Study {
     }
 
     /// `count` crystals that are not as drawn; those of different streams have nothing in common.
-    pub(super) fn flaws(&self, stream: u64, count: u64) -> Vec<Flaw> {
+    pub(super) fn imperfections(&self, stream: u64, count: u64) -> Vec<Imperfection> {
         let Some(tolerance) = self.tolerance else { return Vec::new() };
-        let mut seeds = Dice::new(tolerance.seed.wrapping_add(stream << 32) ^ 0x746f_6c65_7261_6e63);
-        (0..count).map(|_| self.flaw(&tolerance, &mut Dice::new(seeds.bits()))).collect()
+        let mut seeds = Rng::new(tolerance.seed.wrapping_add(stream << 32) ^ 0x746f_6c65_7261_6e63);
+        (0..count).map(|_| self.imperfection(&tolerance, &mut Rng::new(seeds.bits()))).collect()
     }
 
-    fn flaw(&self, tolerance: &Tolerance, dice: &mut Dice) -> Flaw {
+    fn imperfection(&self, tolerance: &Tolerance, rng: &mut Rng) -> Imperfection {
         let mut left = self.free.clone();
-        let others = self.letters.len() as u64 - 1;
+        let others = self.alphabet.len() as u64 - 1;
         let wrong = tolerance
             .wrong
             .filter(|_| others > 0)
             .map_or(0, |part| ((part * self.free.len() as f64).round() as usize).clamp(1, self.free.len()));
         let wrong = (0..wrong)
             .map(|_| {
-                let site = left.swap_remove(dice.below(left.len() as u64) as usize);
-                (site, 1 + dice.below(others) as u8)
+                let site = left.swap_remove(rng.below(left.len() as u64) as usize);
+                (site, 1 + rng.below(others) as u8)
             })
             .collect();
         let radii = tolerance
             .radii
-            .map_or_else(Vec::new, |part| (0..self.design().sites()).map(|_| 1.0 - part * dice.unit()).collect());
-        Flaw { letters: self.letters.clone(), wrong, radii, ..Flaw::default() }
+            .map_or_else(Vec::new, |part| (0..self.design().sites()).map(|_| 1.0 - part * rng.unit()).collect());
+        Imperfection { alphabet: self.alphabet.clone(), wrong, radii, ..Imperfection::default() }
     }
 }

@@ -10,7 +10,7 @@ use super::asked::{Question, Shard, asked_in, shares};
 use super::journal::Ledger;
 use super::{Entry, Journal, Key, Local, Study, StudyError};
 use crate::Context;
-use crate::search::Choice;
+use crate::search::Assignment;
 
 /// What a shard has come to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -72,9 +72,9 @@ pub fn evaluate_shard(
         .map(|rung| Ok(Key::new(&study.at(rung), &study.plan(rung)?)))
         .collect::<Result<_, StudyError>>()?;
     let ours = |question: &Question| {
-        let choice = question.choice(study)?;
-        let key = keys.get(question.rung)?.of(&study.materials(&choice));
-        (key == question.key).then_some(choice)
+        let assignment = question.assignment(study)?;
+        let key = keys.get(question.rung)?.of(&study.materials(&assignment));
+        (key == question.key).then_some(assignment)
     };
     let mut known: HashSet<String> =
         Journal::read_if_there(&folder.join("journal.jsonl"))?.entries.into_iter().map(|entry| entry.key).collect();
@@ -85,13 +85,13 @@ pub fn evaluate_shard(
         }
     }
     // All that is not known, in order, by steps.
-    let mut open: Vec<Vec<Choice>> = vec![Vec::new(); study.rungs.len()];
+    let mut open: Vec<Vec<Assignment>> = vec![Vec::new(); study.rungs.len()];
     for question in shard.part(&asked.entries) {
         match ours(question) {
             None => done.others += 1,
-            Some(choice) => {
+            Some(assignment) => {
                 done.part += 1;
-                if known.insert(question.key.clone()) { open[question.rung].push(choice) } else { done.known += 1 }
+                if known.insert(question.key.clone()) { open[question.rung].push(assignment) } else { done.known += 1 }
             }
         }
     }
@@ -103,9 +103,9 @@ pub fn evaluate_shard(
     done.warnings.extend(loaded.warnings);
     // What is lost to a kill is one batch: registers of all threads.
     let batch = 8 * rayon::current_num_threads();
-    for (rung, choices) in open.iter().enumerate() {
-        for some in choices.chunks(batch) {
-            let some: Vec<&Choice> = some.iter().collect();
+    for (rung, assignments) in open.iter().enumerate() {
+        for some in assignments.chunks(batch) {
+            let some: Vec<&Assignment> = some.iter().collect();
             let entries = local.entries(study, rung, &some, context)?;
             journal.append(&entries)?;
             done.evaluated += entries.len();

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::rung::{Judged, Rung};
-use super::{BaselineScores, Entry, Final, Loses, Study};
+use super::{BaselineScores, Entry, Final, Robustness, Study};
 use crate::score::Scores;
-use crate::search::{Proof, front, hypervolume, knee};
+use crate::search::{LocalOptimality, front, hypervolume, knee};
 
 /// A layout that was found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,15 +30,15 @@ pub struct Found {
 
 impl Found {
     /// One of a rung's evaluations.
-    pub fn new(study: &Study, rung: &Rung, judged: &Judged, proof: Proof) -> Self {
+    pub fn new(study: &Study, rung: &Rung, judged: &Judged, local_optimality: LocalOptimality) -> Self {
         Self {
             scores: judged.scores(study),
             entry: judged.entry.clone(),
             loss: judged.loss.total,
-            evaluation: rung.number(&judged.choice).unwrap_or(0),
+            evaluation: rung.number(&judged.assignment).unwrap_or(0),
             within_limits: judged.loss.miss == 0.0,
-            one_opt: proof >= Proof::OneOpt,
-            two_opt: proof == Proof::TwoOpt,
+            one_opt: local_optimality >= LocalOptimality::OneOpt,
+            two_opt: local_optimality == LocalOptimality::TwoOpt,
         }
     }
 }
@@ -112,10 +112,10 @@ pub struct RungState {
     pub shared: u64,
 }
 
-/// What a guess without a simulation is worth.
+/// What a surrogate without a simulation is worth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GlanceState {
-    /// Which: see [`Glance`](crate::evaluate::Glance); or `rays`, of layouts that were laid from lenses: how many of these run
+pub struct SurrogateState {
+    /// Which: see [`ArrivalSurrogate`](crate::evaluate::ArrivalSurrogate); or `rays`, of layouts that were laid from lenses: how many of these run
     /// through the focus and not through the protected region.
     pub name: String,
     /// Spearman's rank correlation of its order, the most promising first, with that of the objective at the finest step.
@@ -171,9 +171,9 @@ pub struct State {
     pub nearest: Option<Found>,
     /// The different steps, in the order in which the stages use them.
     pub rungs: Vec<RungState>,
-    /// What guesses without a simulation are worth; at the end.
+    /// What surrogates without a simulation are worth; at the end.
     #[serde(default)]
-    pub glances: Vec<GlanceState>,
+    pub glances: Vec<SurrogateState>,
     /// Where several measures are traded: the front at the finest step that is reached.
     pub front: Option<Front>,
     /// Every evaluation that was the best so far, or the nearest to the limits.
@@ -185,7 +185,7 @@ pub struct State {
     pub finals: Vec<Final>,
     /// What the best layout, or the nearest, loses where it is not built as drawn, at the finest step that is reached.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tolerance: Option<Loses>,
+    pub tolerance: Option<Robustness>,
 }
 
 impl State {
@@ -197,7 +197,7 @@ impl State {
 
 /// The front of a rung's evaluations; none where nothing is traded.
 pub fn front_of(study: &Study, rung: &Rung, start: Option<&Judged>) -> Option<Front> {
-    let measures: Vec<String> = study.objective.aims().map(|wish| wish.measure.name().to_owned()).collect();
+    let measures: Vec<String> = study.objective.goals().map(|term| term.measure.name().to_owned()).collect();
     if measures.len() < 2 {
         return None;
     }
@@ -209,7 +209,7 @@ pub fn front_of(study: &Study, rung: &Rung, start: Option<&Judged>) -> Option<Fr
     let reference = start.filter(|start| start.loss.is_finite()).map(|start| start.loss.parts.as_slice());
     Some(Front {
         measures,
-        layouts: members.iter().map(|judged| Found::new(study, rung, judged, Proof::None)).collect(),
+        layouts: members.iter().map(|judged| Found::new(study, rung, judged, LocalOptimality::None)).collect(),
         hypervolume: reference.map(|reference| hypervolume(&points, reference)),
         knee: knee(&points),
     })

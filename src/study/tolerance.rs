@@ -2,16 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::over::of_runs;
+use super::aggregate::of_runs;
 use super::{Study, StudyError};
 use crate::Context;
-use crate::evaluate::{Evaluator, Flaw};
+use crate::evaluate::{Evaluator, Imperfection};
 use crate::score::{Measure, Scores};
 
-/// Losses over crystals that are built with flaws, each a part of what the crystal as drawn has; negative where something is
+/// Losses over crystals that are built with imperfections, each a part of what the crystal as drawn has; negative where something is
 /// gained.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Loses {
+pub struct Robustness {
     /// How many crystals were built.
     pub crystals: u64,
     /// How many of them a guard stopped; these count as having lost all.
@@ -49,17 +49,17 @@ impl Quantiles {
 /// Builds a layout with the tolerance's reported crystals and judges each under all impacts; none without a tolerance.
 pub(super) fn evaluate(
     study: &Study,
-    choice: &[u8],
+    assignment: &[u8],
     rung: usize,
     context: &Context,
-) -> Result<Option<Loses>, StudyError> {
+) -> Result<Option<Robustness>, StudyError> {
     let Some(tolerance) = study.tolerance.filter(|tolerance| tolerance.reported > 0) else { return Ok(None) };
-    let mut flaws = vec![Flaw::default()];
-    flaws.extend(study.flaws(1, tolerance.reported));
-    let cases = study.under_each_impact(&flaws);
+    let mut imperfections = vec![Imperfection::default()];
+    imperfections.extend(study.imperfections(1, tolerance.reported));
+    let cases = study.under_each_impact(&imperfections);
     let overrides = study.overrides(rung);
     let evaluator = Evaluator::new(study.design(), &cases, study.palette.clone(), overrides, context)?;
-    let layout = study.materials(choice);
+    let layout = study.materials(assignment);
     let runs = evaluator.scores(std::slice::from_ref(&layout), context)?.concat();
     let stats = study.counter.stats(&layout);
     let of_crystals = runs.chunks(study.impacts.len() * study.forces.count());
@@ -74,7 +74,7 @@ pub(super) fn evaluate(
         };
         Quantiles::of(built.iter().map(of).collect())
     };
-    Ok(Some(Loses {
+    Ok(Some(Robustness {
         crystals: built.len() as u64,
         stopped: built.iter().filter(|built| built.is_none()).count() as u64,
         contrast: losses(Measure::Contrast, |kept| 1.0 - kept),

@@ -94,7 +94,7 @@ impl Circumstances {
         let (free, base) = (digits(free.into_iter()), digits(study.bases[0].iter().copied()));
         let group = |site: &usize| study.groups.iter().position(|group| group.contains(site)).unwrap_or(0);
         let tied = if study.is_tied() { study.free.iter().map(group).collect() } else { Vec::new() };
-        Self { key: key.text(), settings, free, base, letters: study.letters.clone(), tied }
+        Self { key: key.text(), settings, free, base, letters: study.alphabet.clone(), tied }
     }
 
     /// Notes a study's settings beside its journal, if they are new there; gives what was not as it should be.

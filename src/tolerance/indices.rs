@@ -11,10 +11,10 @@ use serde::Serialize;
 use super::piece::Piece;
 use super::workshop::{Made, Workshop, WorkshopError};
 use crate::Context;
-use crate::chance::Mean;
 use crate::evaluate::Forces;
 use crate::score::{Measure, geometric};
-use crate::search::Dice;
+use crate::search::Rng;
+use crate::stats::Mean;
 
 /// Trajectories.
 const TRAJECTORIES: u64 = 12;
@@ -48,17 +48,17 @@ pub fn indices_runs(workshop: &Workshop) -> usize {
 /// See [`WorkshopError`].
 pub fn indices(workshop: &Workshop, seed: u64, context: &Context) -> Result<Vec<Index>, WorkshopError> {
     let quantities = workshop.quantities();
-    let mut dice = Dice::new(seed ^ 0x6d6f_7272_6973);
+    let mut rng = Rng::new(seed ^ 0x6d6f_7272_6973);
     let mut pieces = vec![Piece::nominal(quantities)];
     // Of each trajectory the order in which quantities change, and the sign.
     let mut ways: Vec<Vec<(usize, f64)>> = Vec::new();
     for _ in 0..TRAJECTORIES {
-        let chance = dice.bits();
+        let chance = rng.bits();
         // Two of the four levels lie below the middle; from there a change goes up, from above down.
-        let mut at: Vec<f64> = quantities.iter().map(|_| dice.below(4) as f64 / 3.0).collect();
+        let mut at: Vec<f64> = quantities.iter().map(|_| rng.below(4) as f64 / 3.0).collect();
         let mut order: Vec<usize> = (0..quantities.len()).collect();
         for k in (1..order.len()).rev() {
-            order.swap(k, dice.below(k as u64 + 1) as usize);
+            order.swap(k, rng.below(k as u64 + 1) as usize);
         }
         let piece = |at: &[f64]| {
             let value = |(quantity, part): (&super::Quantity, &f64)| {
@@ -102,7 +102,7 @@ pub fn indices(workshop: &Workshop, seed: u64, context: &Context) -> Result<Vec<
             let mu_star = own.iter().map(|effect| effect.abs()).sum::<f64>() / own.len() as f64;
             let mut means: Vec<f64> = (0..RESAMPLED)
                 .map(|_| {
-                    (0..own.len()).map(|_| own[dice.below(own.len() as u64) as usize].abs()).sum::<f64>()
+                    (0..own.len()).map(|_| own[rng.below(own.len() as u64) as usize].abs()).sum::<f64>()
                         / own.len() as f64
                 })
                 .collect();

@@ -4,10 +4,10 @@ use super::Tolerances;
 use super::quantity::{Kind, Quantity};
 use crate::dem::ForcePulse;
 use crate::design::Design;
-use crate::evaluate::{Blow, Case, Flaw, Projectile, Subject};
+use crate::evaluate::{ImpactLoad, Imperfection, LoadCase, Projectile, Subject};
 use crate::layout::Layout;
 use crate::material::Material;
-use crate::search::Dice;
+use crate::search::Rng;
 
 /// A piece: what its quantities are, in their order, and where its chance comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,9 +19,9 @@ pub struct Piece {
 }
 
 /// A generator for one purpose of one piece: purposes have nothing in common, and none depends on which others there are.
-fn dice(seed: u64, purpose: u64) -> Dice {
-    let mut first = Dice::new(seed ^ purpose.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    Dice::new(first.bits())
+fn rng(seed: u64, purpose: u64) -> Rng {
+    let mut first = Rng::new(seed ^ purpose.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    Rng::new(first.bits())
 }
 
 impl Piece {
@@ -32,12 +32,12 @@ impl Piece {
 
     /// The k-th piece of a workshop: it depends on the seed and on k alone, so that more pieces can be made later.
     pub fn made(quantities: &[Quantity], seed: u64, k: u64) -> Self {
-        let seed = Dice::new(seed.wrapping_add(k.wrapping_mul(0xd1b5_4a32_d192_ed03))).bits();
+        let seed = Rng::new(seed.wrapping_add(k.wrapping_mul(0xd1b5_4a32_d192_ed03))).bits();
         let value = |quantity: &Quantity| {
             let [low, high] = quantity.limits;
             match quantity.kind.is_random() {
                 true => high,
-                false => low + (high - low) * dice(seed, quantity.kind.stream()).unit(),
+                false => low + (high - low) * rng(seed, quantity.kind.stream()).unit(),
             }
         };
         Self { values: quantities.iter().map(value).collect(), seed }
@@ -54,14 +54,14 @@ impl Piece {
         quantities.iter().zip(&self.values).find(|(quantity, _)| quantity.kind == kind).map(|(_, value)| *value)
     }
 
-    /// Which places, sites or sites and images, hold a sphere of another material, and by how many letters it is another; `letters` are
+    /// Which places, sites or sites and images, hold a sphere of another material, and by how many letters it is another; `alphabet` are
     /// those of the layout.
-    fn wrong(&self, quantities: &[Quantity], places: usize, letters: usize) -> Vec<(usize, u8)> {
+    fn wrong(&self, quantities: &[Quantity], places: usize, alphabet: usize) -> Vec<(usize, u8)> {
         let chance = self.value(quantities, Kind::Wrong).unwrap_or(0.0);
-        let mut dice = dice(self.seed, Kind::Wrong.stream());
-        let others = letters.saturating_sub(1) as u64;
+        let mut rng = rng(self.seed, Kind::Wrong.stream());
+        let others = alphabet.saturating_sub(1) as u64;
         // Two numbers for every place, so that a greater chance only adds.
-        let drawn = (0..places).map(|place| (place, dice.unit(), 1 + dice.below(others.max(1)) as u8));
+        let drawn = (0..places).map(|place| (place, rng.unit(), 1 + rng.below(others.max(1)) as u8));
         drawn.filter(|&(_, u, _)| others > 0 && u < chance).map(|(place, _, shift)| (place, shift)).collect()
     }
 
@@ -69,7 +69,7 @@ impl Piece {
     pub fn diameters(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Vec<f64> {
         let layout = subject.layout;
         let built = self.materials_on_places(tolerances, quantities, subject);
-        let (mut lot, mut holes) = (dice(self.seed, Kind::Lot.stream()), dice(self.seed, Kind::Vacancies.stream()));
+        let (mut lot, mut holes) = (rng(self.seed, Kind::Lot.stream()), rng(self.seed, Kind::Vacancies.stream()));
         let variation = self.value(quantities, Kind::Lot).unwrap_or(0.0);
         let vacant = self.value(quantities, Kind::Vacancies).unwrap_or(0.0);
         let offset: Vec<f64> =
@@ -82,16 +82,16 @@ impl Piece {
         built.iter().map(of).collect()
     }
 
-    fn letters(subject: Subject<'_>) -> Vec<u8> {
+    fn alphabet(subject: Subject<'_>) -> Vec<u8> {
         (0..subject.layout.palette.len() as u8).filter(|&m| subject.holds(m)).collect()
     }
 
     /// What is built otherwise than drawn, but for diameters.
-    fn misplaced(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Flaw {
-        let (letters, layout) = (Self::letters(subject), subject.layout);
+    fn misplaced(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Imperfection {
+        let (alphabet, layout) = (Self::alphabet(subject), subject.layout);
         let places = tolerances.places(layout.materials.len());
-        let wrong = self.wrong(quantities, places, letters.len());
-        Flaw { letters, wrong, materials: self.materials(quantities, layout), ..Flaw::default() }
+        let wrong = self.wrong(quantities, places, alphabet.len());
+        Imperfection { alphabet, wrong, materials: self.materials(quantities, layout), ..Imperfection::default() }
     }
 
     fn materials_on_places(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Vec<u8> {
@@ -119,7 +119,7 @@ impl Piece {
     }
 
     /// What strikes it.
-    pub fn blow(&self, design: &Design, quantities: &[Quantity], factor: f64) -> Blow {
+    pub fn load(&self, design: &Design, quantities: &[Quantity], factor: f64) -> ImpactLoad {
         let value = |kind| self.value(quantities, kind).unwrap_or(0.0);
         let ForcePulse { force, duration } = design.impact;
         let pulse = ForcePulse {
@@ -129,7 +129,13 @@ impl Piece {
         let off = value(Kind::OffCentre);
         let half = design.lattice.half_width();
         let place = (off != 0.0).then(|| [(off - half).max(-half), (off + half).min(half)]);
-        Blow { pulse, angle: value(Kind::Angle), place, law: None, friction: self.value(quantities, Kind::Friction) }
+        ImpactLoad {
+            pulse,
+            angle: value(Kind::Angle),
+            place,
+            law: None,
+            friction: self.value(quantities, Kind::Friction),
+        }
     }
 
     /// The projectile that strikes it in place of the pulse, if one does: parts of the force are parts of its speed.
@@ -161,7 +167,7 @@ impl Piece {
         quantities: &[Quantity],
         subject: Subject<'_>,
         factor: f64,
-    ) -> Case {
+    ) -> LoadCase {
         let diameters = self.diameters(tolerances, quantities, subject);
         self.case_of((design, tolerances), quantities, subject, factor, &diameters)
     }
@@ -174,17 +180,17 @@ impl Piece {
         subject: Subject<'_>,
         factor: f64,
         diameters: &[f64],
-    ) -> Case {
+    ) -> LoadCase {
         let layout = subject.layout;
-        let mut flaw = self.misplaced(tolerances, quantities, subject);
+        let mut imperfection = self.misplaced(tolerances, quantities, subject);
         let largest = diameters.iter().copied().fold(0.0, f64::max);
         if diameters.iter().any(|&diameter| diameter != largest) {
-            flaw.radii = diameters.iter().map(|diameter| diameter / largest).collect();
-        } else if diameters.len() > layout.materials.len() && !flaw.wrong.is_empty() {
+            imperfection.radii = diameters.iter().map(|diameter| diameter / largest).collect();
+        } else if diameters.len() > layout.materials.len() && !imperfection.wrong.is_empty() {
             // Says that the other side is not alike.
-            flaw.radii = vec![1.0; diameters.len()];
+            imperfection.radii = vec![1.0; diameters.len()];
         }
-        let blow = self.blow(design, quantities, factor);
-        Case { blow, flaw, halves_differ: subject.left.is_some() }
+        let load = self.load(design, quantities, factor);
+        LoadCase { load, imperfection, halves_differ: subject.left.is_some() }
     }
 }

@@ -11,9 +11,9 @@ use super::criterion::Criterion;
 use super::piece::Piece;
 use super::workshop::{Made, Workshop, WorkshopError};
 use super::yields::Share;
-use crate::chance::Mean;
 use crate::score::{Measure, Scores};
-use crate::search::Dice;
+use crate::search::Rng;
+use crate::stats::Mean;
 use crate::{Context, Progress};
 
 /// Pieces by which it is judged.
@@ -61,7 +61,7 @@ pub fn rechoose(
         let need = |place: usize| (largest - diameters[place]) / energy[place % energy.len()].max(1e-12).sqrt();
         let mut order: Vec<usize> = (0..diameters.len()).filter(|&place| diameters[place] > 0.0).collect();
         order.sort_by(|&a, &b| need(b).total_cmp(&need(a)));
-        let mut dice = Dice::new(piece.seed ^ 0x7265_6368);
+        let mut rng = Rng::new(piece.seed ^ 0x7265_6368);
         // New ones of each lot, as many as are exchanged of it.
         let worst = &order[..spheres.min(order.len())];
         let nominal = layout.lattice.diameter();
@@ -72,7 +72,7 @@ pub fn rechoose(
         for letter in 0..layout.palette.len() as u8 {
             let places: Vec<usize> = worst.iter().copied().filter(|&place| materials[place] == letter).collect();
             let mut fresh: Vec<f64> =
-                places.iter().map(|_| nominal + offset(letter) + variation * (dice.unit() - 0.5)).collect();
+                places.iter().map(|_| nominal + offset(letter) + variation * (rng.unit() - 0.5)).collect();
             fresh.sort_by(|a, b| b.total_cmp(a));
             for (place, new) in places.into_iter().zip(fresh) {
                 diameters[place] = diameters[place].max(new);

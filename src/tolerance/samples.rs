@@ -130,7 +130,7 @@ impl Samples {
     ///
     /// # Errors
     /// See [`KeptError`].
-    pub fn take_up(&mut self, path: &Path, text: &str) -> Result<(), KeptError> {
+    pub fn restore(&mut self, path: &Path, text: &str) -> Result<(), KeptError> {
         let fail = |line: Option<usize>, message: String| KeptError { path: path.to_owned(), line, message };
         let mut lines = text.lines();
         let head = lines.next().unwrap_or_default();

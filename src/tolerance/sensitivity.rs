@@ -9,9 +9,9 @@ use serde::Serialize;
 use super::piece::Piece;
 use super::workshop::{Made, Workshop, WorkshopError};
 use crate::Context;
-use crate::chance::Mean;
 use crate::evaluate::Forces;
 use crate::score::{Measure, geometric};
+use crate::stats::Mean;
 
 /// The scores of which sensitivities are told besides those of thresholds.
 const JUDGED: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Protection];

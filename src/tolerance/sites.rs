@@ -6,12 +6,12 @@
 use serde::Serialize;
 
 use super::workshop::{Made, Workshop, WorkshopError};
-use crate::chance::Mean;
 use crate::dem::ForcePulse;
 use crate::design::Design;
-use crate::evaluate::{Blow, Case, Flaw, Forces, Subject};
+use crate::evaluate::{Forces, ImpactLoad, Imperfection, LoadCase, Subject};
 use crate::report::site_map;
 use crate::score::geometric;
+use crate::stats::Mean;
 use crate::{Context, Progress};
 
 /// The worst single sites, of which pairs are tried.
@@ -75,16 +75,16 @@ pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopEr
     let (design, subject) = (workshop.design(), workshop.subject());
     let (layout, drawn_on) = (subject.layout, subject.drawn());
     let lattice_sites = layout.lattice.sites();
-    let letters: Vec<u8> = (0..layout.palette.len() as u8).filter(|&m| subject.holds(m)).collect();
+    let alphabet: Vec<u8> = (0..layout.palette.len() as u8).filter(|&m| subject.holds(m)).collect();
     let count = layout.materials.len();
     let places = places(subject);
-    let case = |wrong: &[Wrong], force: f64| Case {
+    let case = |wrong: &[Wrong], force: f64| LoadCase {
         halves_differ: subject.left.is_some(),
-        blow: Blow::from(ForcePulse { force, ..design.impact }),
-        flaw: Flaw { letters: letters.clone(), wrong: wrong.to_vec(), ..Flaw::default() },
+        load: ImpactLoad::from(ForcePulse { force, ..design.impact }),
+        imperfection: Imperfection { alphabet: alphabet.clone(), wrong: wrong.to_vec(), ..Imperfection::default() },
     };
     let contrast = |made: &Made| if made.stop.is_some() { Some(0.0) } else { made.scores.contrast };
-    let run = |cases: Vec<Case>| -> Result<Vec<f64>, WorkshopError> {
+    let run = |cases: Vec<LoadCase>| -> Result<Vec<f64>, WorkshopError> {
         let mut found = Vec::with_capacity(cases.len());
         for block in cases.chunks(BLOCK) {
             found.extend(workshop.cases(block, context)?.iter().map(|made| contrast(made).unwrap_or(0.0)));
@@ -103,7 +103,7 @@ pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopEr
     let drawn_mean = geometric(&under_forces);
     // The difference of two scores under one force each scatters by √2 of one.
     let noise = 2.0 * 2.0_f64.sqrt() * Mean::of(&under_forces).deviation.unwrap_or(0.0) / drawn_mean;
-    let shifts = 1..letters.len().max(1) as u8;
+    let shifts = 1..alphabet.len().max(1) as u8;
     let singles: Vec<Wrong> =
         places.iter().flat_map(|&place| shifts.clone().map(move |shift| (place, shift))).collect();
     let found = run(singles.iter().map(|&single| case(&[single], design.impact.force)).collect())?;
@@ -122,8 +122,8 @@ pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopEr
     let told = |(place, shift): Wrong, change: f64| {
         let at = &lattice_sites[place % count];
         let there = drawn_on[place % drawn_on.len()];
-        let letter = letters.iter().position(|&letter| letter == there).unwrap_or(0);
-        let wrong = letters[(letter + usize::from(shift)) % letters.len()];
+        let letter = alphabet.iter().position(|&letter| letter == there).unwrap_or(0);
+        let wrong = alphabet[(letter + usize::from(shift)) % alphabet.len()];
         let name = |letter: u8| layout.palette[usize::from(letter)].name.clone();
         WrongSphere {
             row: at.row,

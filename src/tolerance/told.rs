@@ -11,9 +11,9 @@ use super::samples::Samples;
 use super::sensitivity::{AsBuilt, Change};
 use super::yields::{INTERVAL, Share, quantile};
 use super::{State, Tolerances};
-use crate::chance::Mean;
 use crate::outcome::Method;
 use crate::score::{Measure, Scores};
+use crate::stats::Mean;
 
 /// How a score is distributed over pieces that ran to their end.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -9,8 +9,8 @@ use crate::dem::Stop;
 use crate::dem::rig::RigStop;
 use crate::design::Design;
 use crate::evaluate::{
-    Blow, Case, Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, Overrides, Plan, Projectile, Subject,
-    held_energies, held_spheres,
+    Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, ImpactLoad, LoadCase, Overrides, Plan, Projectile,
+    Subject, held_energies, held_spheres,
 };
 use crate::layout::Layout;
 use crate::material::Material;
@@ -161,10 +161,10 @@ impl<'a> Workshop<'a> {
         context: &Context,
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let with = (self.design, self.tolerances);
-        let of = |piece: &Piece| -> Vec<Case> {
+        let of = |piece: &Piece| -> Vec<LoadCase> {
             factors.iter().map(|&factor| piece.case(with, &self.quantities, self.subject, factor)).collect()
         };
-        let cases: Vec<Case> = pieces.flat_map(of).collect();
+        let cases: Vec<LoadCase> = pieces.flat_map(of).collect();
         if cases.is_empty() {
             return Ok(Vec::new());
         }
@@ -175,7 +175,7 @@ impl<'a> Workshop<'a> {
     ///
     /// # Errors
     /// See [`WorkshopError`].
-    pub fn cases(&self, cases: &[Case], context: &Context) -> Result<Vec<Made>, WorkshopError> {
+    pub fn cases(&self, cases: &[LoadCase], context: &Context) -> Result<Vec<Made>, WorkshopError> {
         let given = Overrides {
             integrator: Some(self.plan.integrator),
             step: Some(self.plan.step),
@@ -204,8 +204,8 @@ impl<'a> Workshop<'a> {
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let (layout, sites) = (self.layout(), self.layout().materials.len());
         let strikes = |piece: &Piece, factor: f64| {
-            let blow = piece.blow(self.design, &self.quantities, factor);
-            (blow, piece.projectile(self.tolerances, &self.quantities, factor))
+            let load = piece.load(self.design, &self.quantities, factor);
+            (load, piece.projectile(self.tolerances, &self.quantities, factor))
         };
         let of = |piece: &Piece| {
             let (diameters, materials, palette) = piece.parts(self.tolerances, &self.quantities, self.subject);
@@ -221,36 +221,36 @@ impl<'a> Workshop<'a> {
             }
             (spheres, palette)
         };
-        let mut blows: Vec<(Blow, Option<Projectile>)> = Vec::new();
+        let mut loads: Vec<(ImpactLoad, Option<Projectile>)> = Vec::new();
         let mut jobs: Vec<(usize, Vec<HeldSphere>, Vec<Material>)> = Vec::new();
-        let mut place = |blow: (Blow, Option<Projectile>)| {
-            blows.iter().position(|known| *known == blow).unwrap_or_else(|| {
-                blows.push(blow);
-                blows.len() - 1
+        let mut place = |load: (ImpactLoad, Option<Projectile>)| {
+            loads.iter().position(|known| *known == load).unwrap_or_else(|| {
+                loads.push(load);
+                loads.len() - 1
             })
         };
         for piece in pieces {
             let (spheres, palette) = of(piece);
             for &factor in factors {
-                let blow = place(strikes(piece, factor));
-                jobs.push((blow, spheres.clone(), palette.clone()));
+                let load = place(strikes(piece, factor));
+                jobs.push((load, spheres.clone(), palette.clone()));
             }
         }
         let count = jobs.len();
         let reference = self.design.reference().cloned();
         let uniform: Vec<Material> = std::iter::once(layout.palette[0].clone()).chain(reference).collect();
-        for blow in 0..blows.len() {
+        for load in 0..loads.len() {
             for material in &uniform {
                 let spheres = held_spheres(layout).into_iter().map(|sphere| HeldSphere { material: 0, ..sphere });
-                jobs.push((blow, spheres.collect(), vec![material.clone()]));
+                jobs.push((load, spheres.collect(), vec![material.clone()]));
             }
         }
         let within = (&self.design.lattice, &self.design.target);
         let runs: Vec<Made> = jobs
             .into_par_iter()
-            .map(|(blow, spheres, palette)| {
-                let (blow, projectile) = &blows[blow];
-                let held = (frame, blow, *projectile);
+            .map(|(load, spheres, palette)| {
+                let (load, projectile) = &loads[load];
+                let held = (frame, load, *projectile);
                 match held_energies((self.design, self.plan), &palette, spheres, held, context) {
                     Ok(energies) => Ok(Made { scores: Scores::of_energies(&energies, within.0, within.1), stop: None }),
                     Err(HeldError::Stopped(RigStop::Interrupted { .. })) => Err(EvaluatorError::Interrupted.into()),
@@ -263,10 +263,10 @@ impl<'a> Workshop<'a> {
         let mut made = made.to_vec();
         // In the order in which they were put down: pieces, and their blows.
         let struck = pieces.iter().flat_map(|piece| factors.iter().map(|&factor| strikes(piece, factor)));
-        for (run, blow) in made.iter_mut().zip(struck) {
-            let blow = blows.iter().position(|known| *known == blow).unwrap_or_default();
+        for (run, load) in made.iter_mut().zip(struck) {
+            let load = loads.iter().position(|known| *known == load).unwrap_or_default();
             let of = |k: usize| {
-                let run = uniform_runs.get(uniform.len() * blow + k).filter(|_| k < uniform.len());
+                let run = uniform_runs.get(uniform.len() * load + k).filter(|_| k < uniform.len());
                 run.filter(|run| run.stop.is_none()).map(|run| &run.scores)
             };
             run.scores.relate(of(0).map(|host| host.focal_mean), of(1).map(|lens| lens.protected_mean));

@@ -71,10 +71,10 @@ mod tests {
     /// errors and Wilson's own unevenness of a percent.
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
-        let mut dice = crate::search::Dice::new(7);
+        let mut rng = crate::search::Rng::new(7);
         for chance in [0.5, 0.9] {
             let held = (0..2000).filter(|_| {
-                let passed = (0..100).filter(|_| dice.unit() < chance).count() as u64;
+                let passed = (0..100).filter(|_| rng.unit() < chance).count() as u64;
                 let [low, high] = Share::of(passed, 100).interval;
                 (low..=high).contains(&chance)
             });

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use granulens::search::Dice;
+use granulens::search::Rng;
 
 use super::network::SQUARES;
 use super::{Desk, names, shipped};
@@ -102,8 +102,8 @@ fn desk() -> Desk {
     let columns = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n2\nITEM: BOX BOUNDS pp pp pp\n0 3\n0 3\n0 1\n\
                    ITEM: ENTRIES c_pair[1] c_pair[2] c_force[1] c_force[2]\n1 2 3.0 0.5\n2 3 2.0 0.1\n";
     desk.write("contacts.dump", columns);
-    let mut dice = Dice::new(1);
-    let places: Vec<[f64; 2]> = (0..30).map(|_| [10.0 * dice.unit(), 10.0 * dice.unit()]).collect();
+    let mut rng = Rng::new(1);
+    let places: Vec<[f64; 2]> = (0..30).map(|_| [10.0 * rng.unit(), 10.0 * rng.unit()]).collect();
     let table = |shear: f64| {
         let rows: String =
             places.iter().enumerate().map(|(k, [x, z])| format!("{k},{},{z}\n", x + shear * z)).collect();

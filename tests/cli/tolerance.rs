@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use granulens::Context;
 use granulens::design::Design;
-use granulens::evaluate::{Blow, Case, Evaluator, Flaw, Frame, Overrides, Plan, held_energies, held_spheres};
+use granulens::evaluate::{
+    Evaluator, Frame, ImpactLoad, Imperfection, LoadCase, Overrides, Plan, held_energies, held_spheres,
+};
 use granulens::layout;
 use granulens::score::means;
 use serde_json::Value;
@@ -221,26 +223,30 @@ fn fast_and_slow_ways_agree_on_scattered_radii() {
         Overrides { integrator: Some(granulens::dem::Integrator::Verlet), step: Some(1e-7), ..Overrides::default() };
     let plan = Plan::new(&design, overrides, &drawn.palette).unwrap();
     let sites = drawn.materials.len();
-    let mut dice = granulens::search::Dice::new(20);
-    let mut flaws = vec![Flaw::default()];
-    flaws.extend(
-        (0..6).map(|_| Flaw { radii: (0..sites).map(|_| 1.0 - 1e-3 * dice.unit()).collect(), ..Flaw::default() }),
-    );
-    let blow = Blow::from(design.impact);
-    let cases: Vec<Case> = flaws.iter().map(|flaw| Case { flaw: flaw.clone(), ..Case::from(blow) }).collect();
+    let mut rng = granulens::search::Rng::new(20);
+    let mut imperfections = vec![Imperfection::default()];
+    imperfections.extend((0..6).map(|_| Imperfection {
+        radii: (0..sites).map(|_| 1.0 - 1e-3 * rng.unit()).collect(),
+        ..Imperfection::default()
+    }));
+    let load = ImpactLoad::from(design.impact);
+    let cases: Vec<LoadCase> = imperfections
+        .iter()
+        .map(|imperfection| LoadCase { imperfection: imperfection.clone(), ..LoadCase::from(load) })
+        .collect();
     let evaluator = Evaluator::new(&design, &cases, drawn.palette.clone(), overrides, &going).unwrap();
     let fast: Vec<f64> = evaluator.scores(std::slice::from_ref(&drawn.materials), &going).unwrap()[0]
         .iter()
         .map(|run| run.scores.contrast.unwrap())
         .collect();
-    let slow: Vec<f64> = flaws
+    let slow: Vec<f64> = imperfections
         .iter()
-        .map(|flaw| {
+        .map(|imperfection| {
             let mut spheres = held_spheres(&drawn);
             for sphere in &mut spheres {
-                sphere.diameter *= flaw.radii.get(sphere.site).unwrap_or(&1.0);
+                sphere.diameter *= imperfection.radii.get(sphere.site).unwrap_or(&1.0);
             }
-            let held = (Frame::Mirrors, &blow, None);
+            let held = (Frame::Mirrors, &load, None);
             let energies = held_energies((&design, &plan), &drawn.palette, spheres, held, &going).unwrap();
             let [focal, protected] = means(&energies, &design.lattice, &design.target);
             focal / protected

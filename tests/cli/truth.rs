@@ -7,7 +7,7 @@ use granulens::lattice::HexagonalSheet;
 use granulens::layout::{self, Layout};
 use granulens::material::{self, Material};
 use granulens::score::{Measure, Scores};
-use granulens::search::Dice;
+use granulens::search::Rng;
 use serde_json::Value;
 
 use super::{Desk, SMALL, names, shipped};
@@ -32,11 +32,11 @@ const WINDOW: &str = "100 us";
 const METALS: [&str; 4] = ["stainless-440c", "brass-260", "stainless-302", "aluminium-2017"];
 
 /// A small design drawn by chance: crystal, force, what the lens or, where there is none, the baselines are of.
-fn design(dice: &mut Dice) -> String {
-    let half_width = 3.5 + 0.5 * dice.below(4) as f64;
-    let (rows, force) = (12 + dice.below(3), 5 + dice.below(5));
-    let material = METALS[1 + dice.below(2) as usize];
-    let prices: String = METALS.iter().map(|name| format!("{name} = {}\n", 0.1 + dice.unit())).collect();
+fn design(rng: &mut Rng) -> String {
+    let half_width = 3.5 + 0.5 * rng.below(4) as f64;
+    let (rows, force) = (12 + rng.below(3), 5 + rng.below(5));
+    let material = METALS[1 + rng.below(2) as usize];
+    let prices: String = METALS.iter().map(|name| format!("{name} = {}\n", 0.1 + rng.unit())).collect();
     let text = SMALL
         .replace("rows = 12", &format!("rows = {rows}"))
         .replace("half_width = 4.5", &format!("half_width = {half_width}"))
@@ -45,7 +45,7 @@ fn design(dice: &mut Dice) -> String {
         .replace("brass-260", material);
     let (before, lens) = text.split_once("[lens]").unwrap();
     let (_, after) = lens.split_once("[run]").unwrap();
-    let text = match dice.below(2) {
+    let text = match rng.below(2) {
         // The lens's material need not be in a layout.
         0 => text.clone(),
         _ => format!("{before}[run]{after}material = \"{material}\"\n"),
@@ -54,16 +54,16 @@ fn design(dice: &mut Dice) -> String {
 }
 
 /// A layout drawn by chance of the host and one or two others.
-fn drawn(design: &Design, dice: &mut Dice) -> Layout {
+fn drawn(design: &Design, rng: &mut Rng) -> Layout {
     let mut palette = vec![design.host.clone()];
-    for _ in 0..1 + dice.below(2) {
-        let other: Material = material::find(METALS[1 + dice.below(3) as usize], &[]).unwrap();
+    for _ in 0..1 + rng.below(2) {
+        let other: Material = material::find(METALS[1 + rng.below(3) as usize], &[]).unwrap();
         if !palette.contains(&other) {
             palette.push(other);
         }
     }
     let letters = palette.len() as u64;
-    let materials = (0..design.lattice.len()).map(|_| dice.below(letters) as u8).collect();
+    let materials = (0..design.lattice.len()).map(|_| rng.below(letters) as u8).collect();
     Layout { lattice: design.lattice, palette, materials }
 }
 
@@ -75,11 +75,11 @@ fn bits(json: &Value) -> Vec<Option<u64>> {
 #[test]
 fn every_command_says_the_same_of_a_layout() {
     for seed in 0..6 {
-        let mut dice = Dice::new(seed);
+        let mut rng = Rng::new(seed);
         let desk = Desk::new();
-        desk.write("design.toml", design(&mut dice));
+        desk.write("design.toml", design(&mut rng));
         let read = Design::read(desk.path("design.toml")).unwrap();
-        let layout = drawn(&read, &mut dice);
+        let layout = drawn(&read, &mut rng);
         desk.write("layout.csv", layout::write(&layout));
         let materials: Vec<String> = layout.palette.iter().map(|m| format!("\"{}\"", m.name)).collect();
         let study = format!(
@@ -158,10 +158,10 @@ fn the_piece_is_what_its_layout_lists() {
         assert!(said.lines().any(|line| line.starts_with(&format!("piece: {count} "))), "{name}: {said}");
     }
     let palette: Vec<Material> = METALS.iter().map(|name| material::find(name, &[]).unwrap()).collect();
-    let mut dice = Dice::new(1);
+    let mut rng = Rng::new(1);
     for (rows, half_width) in [(7, 3.0), (8, 3.0), (7, 3.5), (8, 3.5), (50, 16.5)] {
         let lattice = HexagonalSheet::new(6.35e-3, rows, half_width).unwrap();
-        let materials = (0..lattice.len()).map(|_| dice.below(4) as u8).collect();
+        let materials = (0..lattice.len()).map(|_| rng.below(4) as u8).collect();
         let layout = Layout { lattice, palette: palette.clone(), materials };
         let (full, half) = (layout::write_full(&layout), layout::write(&layout));
         let [piece, own] = [layout.piece(|_| Some(1.0)), layout.half(|_| Some(1.0))];

@@ -17,10 +17,10 @@ use granulens::design::Design;
 use granulens::lattice::HexagonalSheet;
 use granulens::material::find;
 use granulens::sample::{Sample, Sphere};
-use granulens::setup::{Bench, Setup};
+use granulens::setup::{PreparedRig, Setup};
 use granulens::study::{Journal, Study};
 use granulens::{Context, Progress};
-use granulens::{layout, trial};
+use granulens::{layout, run};
 
 use mutate::Mutations;
 
@@ -134,7 +134,7 @@ fn records() {
     withstands("record", corpus, 800, |bytes| {
         fs::write(&path, bytes).unwrap();
         for most in [0, 1, 5, usize::MAX] {
-            let _ = trial::Series::read(&path, most);
+            let _ = run::Series::read(&path, most);
         }
     });
 }
@@ -186,7 +186,7 @@ fn rig() -> Simulation<2> {
     rig.flats.push(Flat::wall("floor", [0.0, 1.4 * 6.35e-3], [0.0, -1.0]));
     let watched =
         vec![Arrival::OwnMaximum(0.01), Arrival::FirstSphere(0.01), Arrival::Speed(0.1), Arrival::Displacement(1e-6)];
-    Simulation::new(rig, 1e-7).unwrap().watching(watched)
+    Simulation::new(rig, 1e-7).unwrap().recording(watched)
 }
 
 #[test]
@@ -198,26 +198,26 @@ fn checkpoints() {
         simulation.advance(60, &go).unwrap();
         corpus.push(simulation.checkpoint());
     }
-    let take_up = |bytes: &[u8]| {
+    let restore = |bytes: &[u8]| {
         let mut simulation = rig();
-        if simulation.take_up(bytes).is_ok() {
+        if simulation.restore(bytes).is_ok() {
             // Whatever it holds, it is a state: guards may stop it, nothing may panic.
             let _ = simulation.advance(70, &go);
             let _ = (simulation.arrivals(0), simulation.arrivals(3), simulation.ledger(), simulation.checkpoint());
             let _ = simulation.view().contacts().count();
         }
     };
-    withstands("checkpoint", corpus.clone(), 2000, take_up);
+    withstands("checkpoint", corpus.clone(), 2000, restore);
     // Twenty letters, a version, a checksum of the rest.
     withstands("sealed checkpoint", corpus.clone(), 6000, |bytes| {
         let body = bytes.get(28..).unwrap_or_default();
         let sealed = [&corpus[0][..24], &crc32fast::hash(body).to_le_bytes(), body].concat();
-        take_up(&sealed);
+        restore(&sealed);
     });
 }
 
 /// Three spheres in a row, recorded often.
-fn bench() -> Bench<1> {
+fn prepared() -> PreparedRig<1> {
     let text = r#"
         format = 1
         kind = "rig"
@@ -241,7 +241,7 @@ fn bench() -> Bench<1> {
         contacts = true
     "#;
     match Setup::parse("fuzz.toml", text) {
-        Ok(Setup::One(bench)) => bench,
+        Ok(Setup::One(prepared)) => prepared,
         other => panic!("{other:?}"),
     }
 }
@@ -249,10 +249,10 @@ fn bench() -> Bench<1> {
 /// A run that is taken up from any bytes either goes on to its end or says why not; its streams are cut where the bytes say.
 #[test]
 fn checkpoints_of_trials() {
-    let (bench, go) = (bench(), Context::default());
+    let (prepared, go) = (prepared(), Context::default());
     let folder = tempfile::tempdir().unwrap();
     let (begun, tried) = (folder.path().join("begun"), folder.path().join("tried"));
-    let keeping = |resume| trial::Keeping { resume, every: Duration::from_secs(3600) };
+    let keeping = |resume| run::Keeping { resume, every: Duration::from_secs(3600) };
     let stop = Context::default();
     let asked = stop.clone();
     let context = stop.telling(move |progress| {
@@ -260,11 +260,11 @@ fn checkpoints_of_trials() {
             asked.stop();
         }
     });
-    let (_, ending) = trial::run(&bench, &begun, keeping(false), &context).unwrap();
-    assert!(matches!(ending, trial::Ending::Interrupted { .. }), "{ending:?}");
+    let (_, ending) = run::run(&prepared, &begun, keeping(false), &context).unwrap();
+    assert!(matches!(ending, run::Ending::Interrupted { .. }), "{ending:?}");
     let whole = fs::read(begun.join("checkpoint")).unwrap();
     let opening = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
-    let take_up = |bytes: &[u8]| {
+    let restore = |bytes: &[u8]| {
         let _ = fs::remove_dir_all(&tried);
         fs::create_dir(&tried).unwrap();
         for entry in fs::read_dir(&begun).unwrap() {
@@ -272,15 +272,15 @@ fn checkpoints_of_trials() {
             fs::copy(entry.path(), tried.join(entry.file_name())).unwrap();
         }
         fs::write(tried.join("checkpoint"), bytes).unwrap();
-        match trial::run(&bench, &tried, keeping(true), &go) {
+        match run::run(&prepared, &tried, keeping(true), &go) {
             Ok((summary, _)) => drop(summary.json()),
             Err(error) => drop((error.to_string(), error.help())),
         }
     };
-    withstands("trial", vec![whole.clone()], 300, take_up);
+    withstands("trial", vec![whole.clone()], 300, restore);
     withstands("sealed trial", vec![whole.clone()], 900, |bytes| {
         let body = bytes.get(opening + 4..).unwrap_or_default();
-        take_up(&[&whole[..opening], &crc32fast::hash(body).to_le_bytes(), body].concat());
+        restore(&[&whole[..opening], &crc32fast::hash(body).to_le_bytes(), body].concat());
     });
 }
 

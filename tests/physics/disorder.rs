@@ -11,7 +11,7 @@ use granulens::contact::{Constants, LawKind};
 use granulens::dem::{ForcePulse, Impact, Integrator, Record, simulate};
 use granulens::material::find;
 use granulens::sample::{Sample, Sphere};
-use granulens::search::Dice;
+use granulens::search::Rng;
 
 const DIAMETER: f64 = 19.05e-3;
 
@@ -64,8 +64,8 @@ const ROWS: usize = 24;
 /// A packing of rows that are wide enough for no rim to be heard of, the sphere in the middle of row 1 first, and its spheres on the lattice line at 30 degrees to the blow and
 /// straight below, every second row; radii are less than nominal by up to a part.
 fn packing(part: f64, seed: u64) -> (Vec<Sphere<2>>, Vec<usize>, Vec<usize>) {
-    let mut dice = Dice::new(seed);
-    let mut radius = || 0.5 * DIAMETER * (1.0 - part * dice.unit());
+    let mut rng = Rng::new(seed);
+    let mut radius = || 0.5 * DIAMETER * (1.0 - part * rng.unit());
     let depth = 0.75_f64.sqrt();
     let mut spheres = vec![sphere(0.0, 0.0, radius())];
     let (mut line, mut below) = (vec![0], vec![0]);
@@ -127,7 +127,7 @@ fn gaps_keep_a_blow_on_the_lattice_line() {
         })
         .collect();
     let [on, below] =
-        [0, 1].map(|k| granulens::chance::Mean::of(&ratios.iter().map(|ratio| ratio[k]).collect::<Vec<_>>()));
+        [0, 1].map(|k| granulens::stats::Mean::of(&ratios.iter().map(|ratio| ratio[k]).collect::<Vec<_>>()));
     // 1.63 to three standard errors of both means, 0.17/√6 each.
     assert!((on.mean - 1.63).abs() < 3.0 * 0.17 * (2.0_f64 / 6.0).sqrt(), "{ratios:?}");
     assert!(below.mean < on.mean && below.mean < 1.0, "{ratios:?}");

@@ -3,9 +3,9 @@
 use super::*;
 
 /// A case's file, in the plane.
-fn case(path: &str) -> Bench<2> {
+fn case(path: &str) -> PreparedRig<2> {
     match Setup::read(shipped("tests/data/cases").join(path)) {
-        Ok(Setup::Two(bench)) => bench,
+        Ok(Setup::Two(prepared)) => prepared,
         other => panic!("{path}: {other:?}"),
     }
 }

@@ -73,17 +73,17 @@ fn a_ball_on_a_mirror_is_a_whole_ball() {
 /// wave and, as it strikes beside the middle, across it; what it turns by is recorded.
 #[test]
 fn an_ogive_hands_over_its_momentum() {
-    let bench = sheet(&format!(
+    let prepared = sheet(&format!(
         "{HEAD}[crystal]\npacking = \"hexagonal\"\ndiameter = \"6 mm\"\nlayers = 6\nx = [\"-4 D\", \"4 D\"]\nmaterial = \"brass\"\n\
          [[intruder]]\nname = \"ogive\"\nshape = \"ogive\"\nmaterial = \"440c\"\nhalf_width = \"2 D\"\nhalf_height = \"4 D\"\n\
          mass = \"50 g\"\nx = \"0.7 D\"\nvelocity = \"10 m/s\"\nturns = true\n\
          [run]\nwindow = \"100 us\"\n[record]\nlayers = [1, 6]\n"
     ));
-    let ran = Ran::of(&bench);
+    let ran = Ran::of(&prepared);
     assert_eq!(ran.ending, Ending::Complete);
     let (ogive, spheres) = (ran.series("intruders.csv"), ran.series("spheres.csv"));
     let mass = find("brass", &[]).unwrap().sphere_mass(6e-3);
-    let count = bench.sites.len();
+    let count = prepared.sites.len();
     for (axis, start) in [("x", 0.0), ("z", 0.5)] {
         let velocities = spheres.column(&format!("v{axis}_m_s"));
         let crystal: f64 = velocities[velocities.len() - count..].iter().map(|v| mass * v).sum();
@@ -103,12 +103,12 @@ fn an_ogive_hands_over_its_momentum() {
 /// crystal multiplies by less than a thousand in this time.
 #[test]
 fn an_outline_on_the_axis_moves_straight() {
-    let bench = sheet(&format!(
+    let prepared = sheet(&format!(
         "{HEAD}[crystal]\npacking = \"hexagonal\"\ndiameter = \"6 mm\"\nlayers = 8\nx = [\"-4 D\", \"4 D\"]\nmaterial = \"brass\"\n\
          [[intruder]]\nname = \"ogive\"\nshape = \"ogive\"\nmaterial = \"440c\"\nhalf_width = \"2 D\"\nhalf_height = \"4 D\"\n\
          mass = \"50 g\"\nx = \"0 D\"\nvelocity = \"10 m/s\"\nturns = true\n[run]\nwindow = \"80 us\"\n"
     ));
-    let ran = Ran::of(&bench);
+    let ran = Ran::of(&prepared);
     let ogive = ran.series("intruders.csv");
     assert!(last(&ogive, "ogive_vz_m_s") < 9.9);
     assert!(ogive.column("ogive_vx_m_s").iter().all(|v| v.abs() < 1e-9));
@@ -129,7 +129,7 @@ fn a_layout_is_a_pattern() {
         )
     };
     let read = |x: &str| match Setup::parse(shipped("designs/rig.toml"), &text(x)).unwrap() {
-        Setup::Two(bench) => bench.rig.sample,
+        Setup::Two(prepared) => prepared.rig.sample,
         other => panic!("{other:?}"),
     };
     let Setup::Two(lens) = Setup::read(shipped("designs/thesis-lens.toml")).unwrap() else { panic!() };

@@ -1,6 +1,6 @@
 //! Crystals that are followed by their rows.
 
-use granulens::trial::is_large;
+use granulens::run::is_large;
 
 use super::resume::{contents, same};
 use super::*;
@@ -38,14 +38,14 @@ layers = [3, 4]
 
 const RECORD: &str = "[record]\nevery = \"1 us\"\narrivals = \"0.1 m/s\"\ny = [\"0 D\", \"0.5 D\"]\n";
 
-fn bench(more: &str) -> Bench<3> {
+fn prepared(more: &str) -> PreparedRig<3> {
     solid(&format!("{HEAD}{RIG}{RECORD}{more}"))
 }
 
 /// Asked for events as well, the same rig is followed by the machine that looks for contacts: all that both write is the same to rounding.
 #[test]
 fn a_large_crystal_has_the_records_of_any_rig() {
-    let (by_rows, by_contacts) = (bench(""), bench("events = \"yields\"\n"));
+    let (by_rows, by_contacts) = (prepared(""), prepared("events = \"yields\"\n"));
     assert!(is_large(&by_rows) && !is_large(&by_contacts));
     let (ours, theirs) = (Ran::of(&by_rows), Ran::of(&by_contacts));
     assert_eq!((ours.ending.clone(), theirs.ending.clone()), (Ending::Complete, Ending::Complete));
@@ -78,15 +78,15 @@ fn a_large_crystal_has_the_records_of_any_rig() {
 /// On one thread and on two, in one go and in pieces, each ended between samples and gone on with from a checkpoint.
 #[test]
 fn a_large_crystal_goes_on_to_the_same_bytes_on_any_number_of_threads() {
-    let bench = bench("");
+    let prepared = prepared("");
     let on = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let whole = on(2).install(|| Ran::of(&bench));
+    let whole = on(2).install(|| Ran::of(&prepared));
     let folder = tempfile::tempdir().unwrap();
     let mut resume = false;
     for stop in [13, 57, 90, 143, u64::MAX] {
         let keeping = Keeping { resume, every: Duration::ZERO };
         let context = until(move |done, _| done >= stop);
-        let (_, ending) = on(1).install(|| trial::run(&bench, folder.path(), keeping, &context)).unwrap();
+        let (_, ending) = on(1).install(|| run::run(&prepared, folder.path(), keeping, &context)).unwrap();
         resume = true;
         assert_eq!(matches!(ending, Ending::Complete), stop == u64::MAX, "{ending:?}");
     }

@@ -26,8 +26,8 @@ mod steps;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use granulens::setup::{Bench, Setup};
-use granulens::trial::{self, Ending, Keeping, Series, Summary};
+use granulens::run::{self, Ending, Keeping, Series, Summary};
+use granulens::setup::{PreparedRig, Setup};
 use granulens::{Context, Progress};
 
 /// A file of the repository.
@@ -55,10 +55,10 @@ struct Ran {
 
 impl Ran {
     #[track_caller]
-    fn of<const D: usize>(bench: &Bench<D>) -> Self {
+    fn of<const D: usize>(prepared: &PreparedRig<D>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let keeping = Keeping { resume: false, every: Duration::from_secs(3600) };
-        let (summary, ending) = trial::run(bench, folder.path(), keeping, &Context::default()).unwrap();
+        let (summary, ending) = run::run(prepared, folder.path(), keeping, &Context::default()).unwrap();
         Self { folder, summary, ending }
     }
 
@@ -73,25 +73,25 @@ impl Ran {
 }
 
 #[track_caller]
-fn chain(text: &str) -> Bench<1> {
+fn chain(text: &str) -> PreparedRig<1> {
     match Setup::parse("rig.toml", text) {
-        Ok(Setup::One(bench)) => bench,
+        Ok(Setup::One(prepared)) => prepared,
         other => panic!("{other:?}"),
     }
 }
 
 #[track_caller]
-fn sheet(text: &str) -> Bench<2> {
+fn sheet(text: &str) -> PreparedRig<2> {
     match Setup::parse("rig.toml", text) {
-        Ok(Setup::Two(bench)) => bench,
+        Ok(Setup::Two(prepared)) => prepared,
         other => panic!("{other:?}"),
     }
 }
 
 #[track_caller]
-fn solid(text: &str) -> Bench<3> {
+fn solid(text: &str) -> PreparedRig<3> {
     match Setup::parse("rig.toml", text) {
-        Ok(Setup::Three(bench)) => bench,
+        Ok(Setup::Three(prepared)) => prepared,
         other => panic!("{other:?}"),
     }
 }

@@ -11,7 +11,7 @@ use super::*;
 const D: f64 = 0.01;
 
 /// A chain of 440c and another metal in turn, with Hertz contacts, fixed or periodic ends, squeezed by a force (N).
-fn squeezed(layers: u32, other: &str, ends: &str, force: f64, more: &str) -> Bench<1> {
+fn squeezed(layers: u32, other: &str, ends: &str, force: f64, more: &str) -> PreparedRig<1> {
     chain(&format!(
         "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"{D} m\"\nlayers = {layers}\nmaterial = \"440c\"\n\
          [[pattern]]\nkind = \"layers\"\nmaterials = [\"440c\", \"{other}\"]\n\
@@ -32,8 +32,8 @@ fn stiffness(metals: [&str; 2], force: f64) -> f64 {
     1.5 * k.powf(2.0 / 3.0) * force.powf(1.0 / 3.0)
 }
 
-fn modes(bench: &Bench<1>) -> Modes {
-    Modes::of(&Simulation::new(bench.rig.clone(), bench.plan.step).unwrap()).unwrap()
+fn modes(prepared: &PreparedRig<1>) -> Modes {
+    Modes::of(&Simulation::new(prepared.rig.clone(), prepared.plan.step).unwrap()).unwrap()
 }
 
 /// Between fixed ends n spheres have ω_k = 2 √(K/m) sin(k π/(2(n + 1))); in a ring of n, ω = 2 √(K/m) |sin(π k/n)|, each but the first and last
@@ -64,8 +64,8 @@ fn a_squeezed_chain_has_the_modes_of_the_closed_form() {
 #[test]
 fn a_dimer_has_the_band_edges_of_the_closed_form() {
     let force = 80.0;
-    let bench = squeezed(40, "al", "periodic", force, RUN);
-    let found = modes(&bench);
+    let prepared = squeezed(40, "al", "periodic", force, RUN);
+    let found = modes(&prepared);
     let (k, heavy, light) = (stiffness(["440c", "al"], force), mass("440c"), mass("al"));
     let edges = [(2.0 * k / heavy).sqrt(), (2.0 * k / light).sqrt(), (2.0 * k * (1.0 / heavy + 1.0 / light)).sqrt()];
     let frequencies: Vec<f64> = found.squared.iter().map(|squared| squared.max(0.0).sqrt()).collect();
@@ -91,10 +91,10 @@ fn a_squeezed_sheet_stays_at_rest() {
         )
     };
     let sides = "[sides]\nx = \"periodic\"\nz = \"wall\"\n";
-    let bench = sheet(&text(sides, "[preload]\nstrain = [\"0.05 %\", \"0.1 %\"]\n"));
-    let preload = bench.preload.clone().unwrap();
+    let prepared = sheet(&text(sides, "[preload]\nstrain = [\"0.05 %\", \"0.1 %\"]\n"));
+    let preload = prepared.preload.clone().unwrap();
     assert!(preload.unbalanced < 1e-7 && preload.force.iter().all(|&force| force > 10.0), "{preload}");
-    let ran = Ran::of(&bench);
+    let ran = Ran::of(&prepared);
     assert_eq!(ran.ending, Ending::Complete);
     let stored = ran.summary.energies.stored;
     assert!(ran.summary.energies.kinetic < 1e-9 * stored, "{:?}", ran.summary.energies);
@@ -151,7 +151,7 @@ fn travelling(crest: f64) -> (f64, Vec<f64>) {
 fn a_squeezed_chain_carries_waves_from_the_sonic_to_the_solitary_limit() {
     // So little that the deepest of the waves stays far within the spheres.
     let (force, count) = (1.0, 150);
-    let bench = squeezed(count, "440c", "fixed", force, RUN);
+    let prepared = squeezed(count, "440c", "fixed", force, RUN);
     let steel = find("440c", &[]).unwrap();
     let k = Pair::new([&steel; 2], [0.5 * D; 2], Constants::Code).hertz_coefficient();
     let rest = (force / k).powf(2.0 / 3.0);
@@ -174,7 +174,7 @@ fn a_squeezed_chain_carries_waves_from_the_sonic_to_the_solitary_limit() {
             let i = half as isize + (contact - 45) * POINTS as isize;
             usize::try_from(i).ok().and_then(|i| phi.get(i)).copied().unwrap_or(0.0)
         };
-        let mut rig = bench.rig.clone();
+        let mut rig = prepared.rig.clone();
         let spheres = rig.sample.spheres.len() as isize;
         for n in 0..spheres {
             let shift: f64 = (n..spheres - 1).map(at).sum();
@@ -190,7 +190,7 @@ fn a_squeezed_chain_carries_waves_from_the_sonic_to_the_solitary_limit() {
             rig.velocity[n][0] = rest / unit * gained / speed;
         }
         // A stiffer contact than that of the preload.
-        let step = 0.5 * bench.plan.step / (1.0 + crest).powf(0.25);
+        let step = 0.5 * prepared.plan.step / (1.0 + crest).powf(0.25);
         let mut simulation = Simulation::new(rig, step).unwrap();
         let marks = [70, 120];
         let steps = ((marks[1] + 20 - 45) as f64 / speed * unit / step) as u64;

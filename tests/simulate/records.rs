@@ -38,7 +38,7 @@ fn events(ran: &Ran) -> Vec<Line> {
 }
 
 /// Two spheres of 10 mm, of which the first comes at `speed` (m/s).
-fn pair(law: &str, speed: f64, rest: &str) -> Bench<1> {
+fn pair(law: &str, speed: f64, rest: &str) -> PreparedRig<1> {
     chain(&format!(
         "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"10 mm\"\nlayers = 2\nmaterial = \"440c\"\n[law]\nkind = \"{law}\"\n\
          [[moving]]\nlayers = 1\nvelocity = \"{speed} m/s\"\n[run]\nwindow = \"300 us\"\nstep = \"0.05 us\"\n[record]\n{rest}"
@@ -157,7 +157,7 @@ fn events_are_those_of_the_chosen_spheres() {
 #[test]
 fn regions_share_the_energies() {
     let region = |name: &str, layers: &str| format!("[[region]]\nname = \"{name}\"\nlayers = {layers}\n");
-    let bench = sheet(&format!(
+    let prepared = sheet(&format!(
         "{HEAD}[crystal]\npacking = \"hexagonal\"\ndiameter = \"6 mm\"\nlayers = 8\nx = [\"0 D\", \"5 D\"]\nmaterial = \"brass\"\n\
          [sides]\nx = \"mirror\"\n\
          [[load]]\nkind = \"force\"\nlayers = 1\npulse = \"square\"\npeak = \"3 kN\"\nduration = \"10 us\"\n\
@@ -165,7 +165,7 @@ fn regions_share_the_energies() {
         region("front", "[1, 3]"),
         region("back", "[4, 8]"),
     ));
-    let ran = Ran::of(&bench);
+    let ran = Ran::of(&prepared);
     let (regions, energies) = (ran.series("regions.csv"), ran.series("energies.csv"));
     for quantity in ["kinetic_J", "dissipated_J"] {
         let whole = energies.column(quantity);
@@ -190,7 +190,8 @@ fn regions_share_the_energies() {
     }
     // Contacts of the chosen spheres only.
     let contacts = ran.series("contacts.csv");
-    let chosen: Vec<f64> = (0..layer.len()).filter(|&i| bench.sites[i].column == 1).map(|i| (i + 1) as f64).collect();
+    let chosen: Vec<f64> =
+        (0..layer.len()).filter(|&i| prepared.sites[i].column == 1).map(|i| (i + 1) as f64).collect();
     assert!(contacts.column("a").len() > 20);
     for (a, b) in contacts.column("a").iter().zip(contacts.column("b")) {
         assert!(chosen.contains(a) || chosen.contains(b), "{a} {b}");
@@ -232,10 +233,10 @@ contacts = "all"
 /// Tables hold what the state is, column by column: a run beside, to the same bits, whose contacts, spheres and energies are looked at by name.
 #[test]
 fn columns_hold_the_state_of_their_name() {
-    let Ok(Setup::Two(bench)) = Setup::parse(shipped("rig.toml"), TABLES) else { panic!() };
-    let ran = Ran::of(&bench);
-    let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step).unwrap();
-    simulation.advance(bench.plan.steps(), &Context::default()).unwrap();
+    let Ok(Setup::Two(prepared)) = Setup::parse(shipped("rig.toml"), TABLES) else { panic!() };
+    let ran = Ran::of(&prepared);
+    let mut simulation = Simulation::new(prepared.rig.clone(), prepared.plan.step).unwrap();
+    simulation.advance(prepared.plan.steps(), &Context::default()).unwrap();
     let (view, ledger) = (simulation.view(), simulation.ledger());
     let contacts = ran.series("contacts.csv");
     let end = *contacts.column("time_s").last().unwrap();
@@ -259,7 +260,7 @@ fn columns_hold_the_state_of_their_name() {
         }
     }
     let spheres = ran.series("spheres.csv");
-    let count = bench.rig.mass.len();
+    let count = prepared.rig.mass.len();
     let last = spheres.column("time_s").len() - count;
     for i in 0..count {
         for (column, value) in [
@@ -295,7 +296,7 @@ fn columns_hold_the_state_of_their_name() {
         assert_eq!(*flats.column(column).last().unwrap(), value, "{column}");
     }
     // What is drawn is in the unit that stands beside it: the highest number on the axis is a round one below the greatest force.
-    granulens::report::draw_trial(ran.folder.path()).unwrap();
+    granulens::report::draw_run(ran.folder.path()).unwrap();
     let drawn = std::fs::read_to_string(ran.folder.path().join("flats.svg")).unwrap();
     let greatest = 1e-3 * flats.column("ram_force_N").iter().copied().fold(0.0, f64::max);
     let numbers = drawn.split("</text>").filter_map(|part| part.rsplit('>').next()?.parse::<f64>().ok());

@@ -1,7 +1,7 @@
 //! Runs that are killed, interrupted and taken up.
 
 use granulens::Context;
-use granulens::trial::TrialError;
+use granulens::run::RunError;
 
 use super::*;
 
@@ -43,7 +43,7 @@ name = "end"
 layers = [7, 8]
 "#;
 
-fn bench() -> Bench<2> {
+fn prepared() -> PreparedRig<2> {
     sheet(&format!("{HEAD}{RIG}"))
 }
 
@@ -82,9 +82,9 @@ fn places(count: u64, total: u64) -> impl Iterator<Item = u64> {
 /// Ctrl-C at 20 places, each time gone on with: the files are those of a run that nobody disturbed.
 #[test]
 fn an_interrupted_run_goes_on_to_the_same_bytes() {
-    let bench = bench();
-    let whole = Ran::of(&bench);
-    let mut stops: Vec<u64> = places(20, bench.plan.steps()).collect();
+    let prepared = prepared();
+    let whole = Ran::of(&prepared);
+    let mut stops: Vec<u64> = places(20, prepared.plan.steps()).collect();
     stops.sort_unstable();
     let folder = tempfile::tempdir().unwrap();
     let mut resume = false;
@@ -92,7 +92,7 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
     for stop in stops.into_iter().chain([u64::MAX]) {
         let keeping = Keeping { resume, every: NEVER };
         let (summary, ending) =
-            trial::run(&bench, folder.path(), keeping, &until(move |done, _| done >= stop)).unwrap();
+            run::run(&prepared, folder.path(), keeping, &until(move |done, _| done >= stop)).unwrap();
         resume = true;
         match ending {
             Ending::Interrupted { time } => {
@@ -111,9 +111,9 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
 /// A kill leaves the last checkpoint and longer files, the last line perhaps half written.
 #[test]
 fn a_killed_run_goes_on_to_the_same_bytes() {
-    let bench = bench();
-    let whole = Ran::of(&bench);
-    for stop in places(6, bench.plan.steps()) {
+    let prepared = prepared();
+    let whole = Ran::of(&prepared);
+    for stop in places(6, prepared.plan.steps()) {
         let killed = tempfile::tempdir().unwrap();
         let copy = tempfile::tempdir().unwrap();
         let keeping = Keeping { resume: false, every: Duration::ZERO };
@@ -134,57 +134,57 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
                 }
             }
         });
-        trial::run(&bench, killed.path(), keeping, &killing).unwrap();
+        run::run(&prepared, killed.path(), keeping, &killing).unwrap();
         // At the very end there is nothing left to copy.
         if !copy.path().join("checkpoint").exists() {
             continue;
         }
         let keeping = Keeping { resume: true, every: NEVER };
-        trial::run(&bench, copy.path(), keeping, &Context::default()).unwrap();
+        run::run(&prepared, copy.path(), keeping, &Context::default()).unwrap();
         same(whole.folder.path(), copy.path());
     }
 }
 
 /// A folder with a run that was interrupted half way.
-fn half_way() -> (Bench<2>, tempfile::TempDir) {
-    let bench = bench();
+fn half_way() -> (PreparedRig<2>, tempfile::TempDir) {
+    let prepared = prepared();
     let folder = tempfile::tempdir().unwrap();
     let keeping = Keeping { resume: false, every: NEVER };
-    let half = bench.plan.steps() / 2;
-    let (_, ending) = trial::run(&bench, folder.path(), keeping, &until(move |done, _| done >= half)).unwrap();
+    let half = prepared.plan.steps() / 2;
+    let (_, ending) = run::run(&prepared, folder.path(), keeping, &until(move |done, _| done >= half)).unwrap();
     assert!(matches!(ending, Ending::Interrupted { .. }));
-    (bench, folder)
+    (prepared, folder)
 }
 
 #[track_caller]
-fn refused(bench: &Bench<2>, folder: &Path, resume: bool) -> TrialError {
+fn refused(prepared: &PreparedRig<2>, folder: &Path, resume: bool) -> RunError {
     let keeping = Keeping { resume, every: NEVER };
-    trial::run(bench, folder, keeping, &Context::default()).map(|_| ()).unwrap_err()
+    run::run(prepared, folder, keeping, &Context::default()).map(|_| ()).unwrap_err()
 }
 
 #[test]
 fn a_damaged_checkpoint_is_refused_with_the_reason() {
-    let (bench, folder) = half_way();
+    let (prepared, folder) = half_way();
     let path = folder.path().join("checkpoint");
     let bytes = std::fs::read(&path).unwrap();
     for at in [40, bytes.len() / 2, bytes.len() - 1] {
         let mut damaged = bytes.clone();
         damaged[at] ^= 16;
         std::fs::write(&path, damaged).unwrap();
-        assert!(refused(&bench, folder.path(), true).to_string().contains("damaged"), "byte {at}");
+        assert!(refused(&prepared, folder.path(), true).to_string().contains("damaged"), "byte {at}");
     }
     std::fs::write(&path, &bytes[..bytes.len() - 7]).unwrap();
-    assert!(refused(&bench, folder.path(), true).to_string().contains("damaged"));
+    assert!(refused(&prepared, folder.path(), true).to_string().contains("damaged"));
     let later = String::from_utf8_lossy(&bytes[..28]).replace('4', "5").into_bytes();
     std::fs::write(&path, [&later, &bytes[28..]].concat()).unwrap();
-    assert!(refused(&bench, folder.path(), true).to_string().contains("another version"));
+    assert!(refused(&prepared, folder.path(), true).to_string().contains("another version"));
     std::fs::write(&path, "what is this?").unwrap();
-    assert!(refused(&bench, folder.path(), true).to_string().contains("no checkpoint"));
+    assert!(refused(&prepared, folder.path(), true).to_string().contains("no checkpoint"));
 
     // The right bytes, but a record that lost its end.
     std::fs::write(&path, &bytes).unwrap();
     std::fs::write(folder.path().join("energies.csv"), "time_s\n").unwrap();
-    assert!(refused(&bench, folder.path(), true).to_string().contains("shorter"));
+    assert!(refused(&prepared, folder.path(), true).to_string().contains("shorter"));
 }
 
 #[test]
@@ -198,38 +198,38 @@ fn another_rig_does_not_go_on_with_a_run() {
 /// Another seed is another rig; it is told apart before anything else.
 #[test]
 fn another_seed_does_not_go_on_with_a_run() {
-    let (bench, folder) = half_way();
-    assert_eq!(bench.seeds, [3]);
+    let (prepared, folder) = half_way();
+    assert_eq!(prepared.seeds, [3]);
     let file = tempfile::tempdir().unwrap();
     let path = file.path().join("rig.toml");
     std::fs::write(&path, format!("{HEAD}{RIG}")).unwrap();
     let Ok(Setup::Two(other)) = Setup::read_seeded(&path, Some(4)) else { panic!() };
     assert_eq!(other.seeds, [4]);
-    assert_ne!(bench.rig.sample, other.rig.sample);
+    assert_ne!(prepared.rig.sample, other.rig.sample);
     let error = refused(&other, folder.path(), true).to_string();
     assert!(error.contains("other seeds (3); give the same --seed"), "{error}");
     // The file's own seed, given from outside, is the file's rig.
     let Ok(Setup::Two(same)) = Setup::read_seeded(&path, Some(3)) else { panic!() };
-    assert_eq!(same.rig.sample, bench.rig.sample);
+    assert_eq!(same.rig.sample, prepared.rig.sample);
 }
 
 #[test]
 fn what_stands_in_the_folder_is_not_lost() {
-    let (bench, folder) = half_way();
-    assert!(matches!(refused(&bench, folder.path(), false), TrialError::Unfinished(_)));
+    let (prepared, folder) = half_way();
+    assert!(matches!(refused(&prepared, folder.path(), false), RunError::Unfinished(_)));
     let foreign = tempfile::tempdir().unwrap();
     std::fs::write(foreign.path().join("thesis.txt"), "mine").unwrap();
-    assert!(matches!(refused(&bench, foreign.path(), false), TrialError::Foreign(_)));
-    assert!(matches!(refused(&bench, foreign.path(), true), TrialError::Nothing(_)));
+    assert!(matches!(refused(&prepared, foreign.path(), false), RunError::Foreign(_)));
+    assert!(matches!(refused(&prepared, foreign.path(), true), RunError::Nothing(_)));
     // A file of the same name by somebody else.
     std::fs::write(foreign.path().join("trial.json"), "{\"verdict\": \"guilty\"}").unwrap();
-    assert!(matches!(refused(&bench, foreign.path(), false), TrialError::Foreign(_)));
-    let ran = Ran::of(&bench);
-    assert!(matches!(refused(&bench, ran.folder.path(), true), TrialError::Finished(_)));
+    assert!(matches!(refused(&prepared, foreign.path(), false), RunError::Foreign(_)));
+    let ran = Ran::of(&prepared);
+    assert!(matches!(refused(&prepared, ran.folder.path(), true), RunError::Finished(_)));
     // A finished one is replaced, and what else lies there stays.
     std::fs::write(ran.folder.path().join("measured.csv"), "mine").unwrap();
     let keeping = Keeping { resume: false, every: NEVER };
-    trial::run(&bench, ran.folder.path(), keeping, &Context::default()).unwrap();
+    run::run(&prepared, ran.folder.path(), keeping, &Context::default()).unwrap();
     assert!(ran.folder.path().join("measured.csv").exists());
 }
 
@@ -254,6 +254,23 @@ fn a_guard_keeps_what_was_computed() {
     // Stable at rest, not under load.
     let words = stopped("window = \"120 us\"", "window = \"120 us\"\nstep = \"4 us\"");
     assert!(words.contains("unstable") || words.contains("overlap") || words.contains("ledger"), "{words}");
+}
+
+/// What 0.1 and 0.2 call `run.squeezed` is `run.precompressed`: by either name a sphere that is too large for its place is let in, and without
+/// it is not.
+#[test]
+fn keys_of_older_files_are_read() {
+    let rig = |key: &str| {
+        let text = format!(
+            "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"6.35 mm\"\nlayers = 4\nmaterial = \"440c\"\n[[edit]]\ndiameter = \"6.352 mm\"\nlayers = [2, 2]\n\
+             [law]\nkind = \"hertz\"\n[run]\nwindow = \"1 us\"\n{key}"
+        );
+        let prepared = chain(&text);
+        granulens::dem::rig::Simulation::new(prepared.rig.clone(), prepared.plan.step).map(|_| prepared.rig)
+    };
+    let [now, before] = ["precompressed = true\n", "squeezed = true\n"].map(|key| rig(key).unwrap());
+    assert!(now.precompressed && before.precompressed);
+    assert!(rig("").is_err());
 }
 
 /// Ten times the window, ten times the samples: the streams grow, what is held does not. The high-water mark of the process

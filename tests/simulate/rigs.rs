@@ -7,17 +7,17 @@ use granulens::design::Design;
 use granulens::evaluate::{Overrides, Plan, evaluate};
 use granulens::lens::propose;
 use granulens::material::find;
-use granulens::trial::Ending;
+use granulens::run::Ending;
 use granulens::wave;
 
 use super::*;
 
 macro_rules! any {
-    ($setup:expr, $bench:ident => $body:expr) => {
+    ($setup:expr, $prepared:ident => $body:expr) => {
         match $setup {
-            Setup::One($bench) => $body,
-            Setup::Two($bench) => $body,
-            Setup::Three($bench) => $body,
+            Setup::One($prepared) => $body,
+            Setup::Two($prepared) => $body,
+            Setup::Three($prepared) => $body,
         }
     };
 }
@@ -26,9 +26,9 @@ fn read(name: &str) -> Setup {
     Setup::read(shipped("designs").join(name)).unwrap()
 }
 
-fn two(name: &str) -> Bench<2> {
+fn two(name: &str) -> PreparedRig<2> {
     match read(name) {
-        Setup::Two(bench) => bench,
+        Setup::Two(prepared) => prepared,
         other => panic!("{other:?}"),
     }
 }
@@ -46,14 +46,14 @@ fn every_file_runs_briefly() {
     assert!(files.len() >= 16, "{files:?}");
     for name in files {
         any!(read(&name), mut_bench => {
-            let mut bench = mut_bench;
-            bench.plan.window = 30e-6;
-            bench.record.every = 10;
-            let ran = Ran::of(&bench);
+            let mut prepared = mut_bench;
+            prepared.plan.window = 30e-6;
+            prepared.record.every = 10;
+            let ran = Ran::of(&prepared);
             assert_eq!(ran.ending, Ending::Complete, "{name}");
             assert!(ran.summary.residual.unwrap().abs() < 1e-3, "{name}: {:?}", ran.summary.residual);
             assert!(ran.summary.energies.work_in > 0.0, "{name}");
-            let drawn = granulens::report::draw_trial(ran.folder.path()).unwrap();
+            let drawn = granulens::report::draw_run(ran.folder.path()).unwrap();
             assert!(drawn.len() >= 2, "{name}: {drawn:?}");
         });
     }
@@ -78,8 +78,8 @@ fn a_lens_as_a_rig_is_the_lens() {
     let plan = Plan::new(&design, verlet, &layout.palette).unwrap();
     let expected = evaluate(&design, &layout, &plan, &Context::default()).unwrap().record.max_kinetic;
 
-    let Setup::Two(bench) = Setup::read(&path).unwrap() else { panic!() };
-    let ran = Ran::of(&bench);
+    let Setup::Two(prepared) = Setup::read(&path).unwrap() else { panic!() };
+    let ran = Ran::of(&prepared);
     let found = ran.spheres("max_kinetic_J");
     let largest = expected.iter().copied().fold(0.0, f64::max);
     assert_eq!(found.len(), expected.len());
@@ -131,19 +131,19 @@ fn a_crystal_that_is_none_any_more_still_finds_its_contacts() {
 /// The sample measured 11.4 cm by 8.3 cm and held 263 spheres, ten to each side of the wedge (section 2.2.3).
 #[test]
 fn the_sliding_rig_is_the_published_one() {
-    let bench = two("sliding-rig-wedge.toml");
-    let spheres = &bench.rig.sample.spheres;
+    let prepared = two("sliding-rig-wedge.toml");
+    let spheres = &prepared.rig.sample.spheres;
     assert_eq!(spheres.len(), 263);
     let extent = |k: usize| spheres.iter().map(|s| s.centre[k]).fold(0.0, f64::max) + 6.35e-3;
     assert!((extent(0) - 0.114).abs() < 5e-4 && (extent(1) - 0.083).abs() < 5e-4, "{} {}", extent(0), extent(1));
-    let brass = |i: &usize| bench.rig.sample.materials[spheres[*i].material].name == "brass-260";
+    let brass = |i: &usize| prepared.rig.sample.materials[spheres[*i].material].name == "brass-260";
     let wedge: Vec<usize> = (0..spheres.len()).filter(brass).collect();
     assert_eq!(wedge.len(), 55);
     for layer in 6..=15 {
-        assert_eq!(wedge.iter().filter(|&&i| bench.sites[i].layer == layer).count(), layer as usize - 5);
+        assert_eq!(wedge.iter().filter(|&&i| prepared.sites[i].layer == layer).count(), layer as usize - 5);
     }
     assert_eq!(
-        bench.rig.flats.iter().map(|flat| flat.name.as_str()).collect::<Vec<_>>(),
+        prepared.rig.flats.iter().map(|flat| flat.name.as_str()).collect::<Vec<_>>(),
         ["bar", "x-low", "x-high", "z-high"]
     );
 }
@@ -152,8 +152,8 @@ fn the_sliding_rig_is_the_published_one() {
 /// beside it agree before it and diverge along it (fig. 5.4b).
 #[test]
 fn the_wedge_delays_the_wave() {
-    let bench = two("sliding-rig-wedge.toml");
-    let ran = Ran::of(&bench);
+    let prepared = two("sliding-rig-wedge.toml");
+    let ran = Ran::of(&prepared);
     assert_eq!(ran.ending, Ending::Complete);
     let (x, layer) = (ran.spheres("x_m"), ran.spheres("layer"));
     let arrival = ran.spheres("arrival_0.000191_m_s");
@@ -177,8 +177,8 @@ fn the_wedge_delays_the_wave() {
 /// T = 200 us is integrated to some (h/T)² = 1e-4.
 #[test]
 fn the_force_on_the_impactor_is_its_change_of_momentum() {
-    let Setup::Three(bench) = read("drop-tower-hcp.toml") else { panic!() };
-    let ran = Ran::of(&bench);
+    let Setup::Three(prepared) = read("drop-tower-hcp.toml") else { panic!() };
+    let ran = Ran::of(&prepared);
     let flats = ran.series("flats.csv");
     let (time, force) = (flats.column("time_s"), flats.column("impactor_force_N"));
     let velocity = flats.column("impactor_velocity_m_s");
@@ -187,16 +187,16 @@ fn the_force_on_the_impactor_is_its_change_of_momentum() {
     let lost = 2.3 * (velocity[0] - velocity[end] + 9.81 * time[end]);
     assert!((impulse / lost - 1.0).abs() < 3e-4, "{impulse} {lost}");
     assert_eq!(velocity[0], 4.0);
-    assert_eq!(bench.sites.iter().filter(|site| site.layer == 1).count(), 331);
+    assert_eq!(prepared.sites.iter().filter(|site| site.layer == 1).count(), 331);
 }
 
 /// The drop tower is symmetric: a hexagon on a hexagonal crystal has three mirror planes, and spheres that are images of each
 /// other move alike, to rounding.
 #[test]
 fn the_drop_tower_keeps_its_symmetry() {
-    let Setup::Three(mut bench) = read("drop-tower-hexagons.toml") else { panic!() };
-    bench.plan.window = 60e-6;
-    let ran = Ran::of(&bench);
+    let Setup::Three(mut prepared) = read("drop-tower-hexagons.toml") else { panic!() };
+    prepared.plan.window = 60e-6;
+    let ran = Ran::of(&prepared);
     let (x, y, layer) = (ran.spheres("x_m"), ran.spheres("y_m"), ran.spheres("layer"));
     let kinetic = ran.spheres("max_kinetic_J");
     let largest = kinetic.iter().copied().fold(0.0, f64::max);
@@ -212,8 +212,8 @@ fn the_drop_tower_keeps_its_symmetry() {
 }
 
 /// Mean speed of the wave between two layers, by 1 % of each sphere's greatest velocity.
-fn speed<const D: usize>(bench: &Bench<D>, from: u32, to: u32) -> f64 {
-    let ran = Ran::of(bench);
+fn speed<const D: usize>(prepared: &PreparedRig<D>, from: u32, to: u32) -> f64 {
+    let ran = Ran::of(prepared);
     let (layer, z) = (ran.spheres("layer"), ran.spheres("z_m"));
     let arrival = ran.spheres("arrival_0.01_of_own_s");
     let mean = |at: u32| {
@@ -251,10 +251,10 @@ fn waves_in_columns_have_the_published_speeds() {
 /// table says.
 #[test]
 fn the_bar_answers_with_its_impedance() {
-    let Setup::One(bench) = read("hopkinson-chain-50.toml") else { panic!() };
+    let Setup::One(prepared) = read("hopkinson-chain-50.toml") else { panic!() };
     let exact = std::f64::consts::PI / 4.0 * 0.01905_f64.powi(2) * (190e9 * 8000.0_f64).sqrt();
-    assert!((bench.rig.bars[0].impedance / exact - 1.0).abs() < 1e-12);
-    let ran = Ran::of(&bench);
+    assert!((prepared.rig.bars[0].impedance / exact - 1.0).abs() < 1e-12);
+    let ran = Ran::of(&prepared);
     let bars = ran.series("bars.csv");
     let (time, velocity) = (bars.column("time_s"), bars.column("bar_1_velocity_m_s"));
     let force = bars.column("bar_1_force_N");
@@ -270,8 +270,8 @@ fn the_bar_answers_with_its_impedance() {
 /// with Z far above √(K m) the sphere's inertia is a small part: the two differ by less than 1 % of the greatest force.
 #[test]
 fn a_contact_in_the_bar_shows_its_force() {
-    let Setup::One(bench) = read("hopkinson-contact.toml") else { panic!() };
-    let ran = Ran::of(&bench);
+    let Setup::One(prepared) = read("hopkinson-contact.toml") else { panic!() };
+    let ran = Ran::of(&prepared);
     let (contacts, bars) = (ran.series("contacts.csv"), ran.series("bars.csv"));
     let (time, force) = (contacts.column("time_s"), contacts.column("force_N"));
     let largest = force.iter().copied().fold(0.0, f64::max);
@@ -297,8 +297,8 @@ fn stripes_turn_the_plastic_wave() {
     let degrees = |law: &str| {
         let text = text.replace("layers = [8, 20]\ncolumns = 8\n", "layers = [13, 16]\n");
         let text = text.replace("kind = \"thesis\"", &format!("kind = \"{law}\""));
-        let bench = sheet(&text);
-        let ran = Ran::of(&bench);
+        let prepared = sheet(&text);
+        let ran = Ran::of(&prepared);
         let series = ran.series("spheres.csv");
         let (sphere, vx, vz) = (series.column("sphere"), series.column("vx_m_s"), series.column("vz_m_s"));
         let mut greatest = std::collections::BTreeMap::new();

@@ -7,11 +7,11 @@ use super::*;
 /// Two spheres of a chain that hit a third: velocities of equal elastic spheres are handed on (Hertz; to the step's accuracy).
 #[test]
 fn moving_spheres_hand_their_velocity_on() {
-    let bench = chain(&format!(
+    let prepared = chain(&format!(
         "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"10 mm\"\nlayers = 2\nmaterial = \"440c\"\n[law]\nkind = \"hertz\"\n\
          [[moving]]\nlayers = 1\nvelocity = \"1 m/s\"\n[run]\nwindow = \"300 us\"\n[record]\nevery = \"1 us\"\n"
     ));
-    let ran = Ran::of(&bench);
+    let ran = Ran::of(&prepared);
     let series = ran.series("spheres.csv");
     let last: Vec<f64> = series.column("vz_m_s").iter().rev().take(2).rev().copied().collect();
     // 0.1 % is what the step is chosen for.
@@ -25,12 +25,12 @@ fn moving_spheres_hand_their_velocity_on() {
 #[test]
 fn pulses_have_their_impulse() {
     let speed = |pulse: &str| {
-        let bench = sheet(&format!(
+        let prepared = sheet(&format!(
             "{HEAD}[crystal]\npacking = \"square\"\ndiameter = \"10 mm\"\nlayers = 1\nx = [\"0 D\", \"0 D\"]\nmaterial = \"440c\"\n\
              [[load]]\nkind = \"force\"\nlayers = 1\ndirection = [3.0, 4.0]\n{pulse}\n\
              [run]\nwindow = \"50 us\"\nstep = \"0.1 us\"\n"
         ));
-        let ran = Ran::of(&bench);
+        let ran = Ran::of(&prepared);
         let series = ran.series("spheres.csv");
         let last = |name: &str| *series.column(name).last().unwrap();
         [last("vx_m_s"), last("vz_m_s")]
@@ -58,8 +58,8 @@ fn a_prescribed_displacement_is_followed() {
          [[load]]\nkind = \"displacement\"\nlayers = 1\npulse = \"table\"\nfile = \"path.csv\"\n\
          [run]\nwindow = \"40 us\"\nstep = \"0.03 us\"\n[record]\nevery = \"0.3 us\"\n"
     );
-    let Ok(Setup::One(bench)) = Setup::parse(folder.path().join("rig.toml"), &text) else { panic!() };
-    let series = Ran::of(&bench).series("spheres.csv");
+    let Ok(Setup::One(prepared)) = Setup::parse(folder.path().join("rig.toml"), &text) else { panic!() };
+    let series = Ran::of(&prepared).series("spheres.csv");
     let (time, moved) = (series.column("time_s"), series.column("uz_m"));
     assert!(time.len() > 100);
     for (t, u) in time.iter().zip(moved) {
@@ -127,15 +127,15 @@ fn mirrors_are_the_periodic_crystal() {
 /// Held spheres stay, others do not; a fixed side holds its spheres.
 #[test]
 fn held_spheres_stay() {
-    let bench = sheet(&format!(
+    let prepared = sheet(&format!(
         "{HEAD}[crystal]\npacking = \"square\"\ndiameter = \"6 mm\"\nlayers = 4\nx = [\"0 D\", \"2 D\"]\nmaterial = \"brass\"\n\
          [sides]\nz = [\"free\", \"fixed\"]\n[[edit]]\nlayers = 2\ncolumns = 2\nhold = [\"x\", \"z\"]\n\
          [[load]]\nkind = \"force\"\nlayers = 1\npulse = \"square\"\npeak = \"2 kN\"\nduration = \"10 us\"\n\
          [run]\nwindow = \"60 us\"\n"
     ));
-    let ran = Ran::of(&bench);
+    let ran = Ran::of(&prepared);
     let speed = ran.spheres("max_speed_m_s");
-    for (site, speed) in bench.sites.iter().zip(&speed) {
+    for (site, speed) in prepared.sites.iter().zip(&speed) {
         let held = site.layer == 4 || (site.layer == 2 && site.column == 2);
         // Behind the held sphere of a square sheet nothing is pushed.
         let behind = site.layer == 3 && site.column == 2;
@@ -157,11 +157,12 @@ fn vacancies_pairs_and_tables_hold() {
          [[load]]\nkind = \"force\"\nlayers = 1\npulse = \"square\"\npeak = \"2 kN\"\nduration = \"10 us\"\n\
          [run]\nwindow = \"15 us\"\n[record]\nevery = \"0.2 us\"\ncontacts = true\n"
     );
-    let Setup::Two(bench) = Setup::parse(folder.path().join("rig.toml"), &text).unwrap() else { panic!() };
-    assert_eq!(bench.sites.len(), 8);
-    let ran = Ran::of(&bench);
+    let Setup::Two(prepared) = Setup::parse(folder.path().join("rig.toml"), &text).unwrap() else { panic!() };
+    assert_eq!(prepared.sites.len(), 8);
+    let ran = Ran::of(&prepared);
     let speed = ran.spheres("max_speed_m_s");
-    let at = |layer: u32, column: u32| bench.sites.iter().position(|s| (s.layer, s.column) == (layer, column)).unwrap();
+    let at =
+        |layer: u32, column: u32| prepared.sites.iter().position(|s| (s.layer, s.column) == (layer, column)).unwrap();
     assert_eq!(speed[at(3, 1)], 0.0);
     assert!(speed[at(3, 3)] > 0.1);
     let contacts = ran.series("contacts.csv");
@@ -211,8 +212,8 @@ fn loads_act_on_flats() {
              [[flat]]\nname = \"ram\"\npoint = [\"-1 m\"]\nnormal = [1.0]\nmass = \"2 kg\"\n[[load]]\nflat = \"ram\"\n{load}\n\
              [run]\nwindow = \"40 us\"\nstep = \"0.1 us\"\n[record]\nevery = \"1 us\"\n"
         );
-        let Ok(Setup::One(bench)) = Setup::parse(folder.path().join("rig.toml"), &text) else { panic!() };
-        let series = Ran::of(&bench).series("flats.csv");
+        let Ok(Setup::One(prepared)) = Setup::parse(folder.path().join("rig.toml"), &text) else { panic!() };
+        let series = Ran::of(&prepared).series("flats.csv");
         (series.column("time_s").to_vec(), series.column("ram_velocity_m_s").to_vec())
     };
     let (_, pushed) = velocity("kind = \"force\"\npulse = \"table\"\nfile = \"force.csv\"");
@@ -252,11 +253,11 @@ fn friction_turns_spheres() {
 #[test]
 fn disks_and_hexagons_bound_layers() {
     let count = |outline: &str| {
-        let bench = solid(&format!(
+        let prepared = solid(&format!(
             "{HEAD}[crystal]\npacking = \"fcc-111\"\ndiameter = \"6 mm\"\nlayers = 3\n{outline}\nmaterial = \"brass\"\n\
              [run]\nwindow = \"1 us\"\n"
         ));
-        (1..=3).map(|layer| bench.sites.iter().filter(|s| s.layer == layer).count()).collect::<Vec<_>>()
+        (1..=3).map(|layer| prepared.sites.iter().filter(|s| s.layer == layer).count()).collect::<Vec<_>>()
     };
     assert_eq!(count("hexagon = 5"), [19, 12, 12]);
     assert_eq!(count("disk = \"2 D\""), [7, 3, 3]);

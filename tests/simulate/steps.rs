@@ -11,9 +11,9 @@ use super::*;
 fn case(name: &str) -> Ran {
     let text = std::fs::read_to_string(shipped(&format!("tests/data/cases/{name}.toml"))).unwrap();
     match Setup::parse(format!("{name}.toml"), &text).unwrap() {
-        Setup::One(bench) => Ran::of(&bench),
-        Setup::Two(bench) => Ran::of(&bench),
-        Setup::Three(bench) => Ran::of(&bench),
+        Setup::One(prepared) => Ran::of(&prepared),
+        Setup::Two(prepared) => Ran::of(&prepared),
+        Setup::Three(prepared) => Ran::of(&prepared),
     }
 }
 
@@ -31,14 +31,14 @@ fn events(ran: &Ran, kind: &str, column: usize) -> Vec<[f64; 2]> {
 
 /// What a blow is measured by.
 #[derive(Clone, Copy, Debug)]
-struct Blow {
+struct Collision {
     peak: f64,
     /// From the touch until the surfaces, moving on as at the end, would part.
     lasts: f64,
 }
 
 /// Follows a blow of two spheres, or of one and a flat, that touch after `free` (s).
-fn blow<const D: usize>(rig: Rig<D>, step: f64, steps: u64, free: f64) -> Result<Blow, RigStop> {
+fn blow<const D: usize>(rig: Rig<D>, step: f64, steps: u64, free: f64) -> Result<Collision, RigStop> {
     let mut simulation = Simulation::new(rig, step).unwrap();
     let mut peak = 0.0_f64;
     // Every law of a file remembers its greatest force, though the contact may open between two looks.
@@ -61,7 +61,7 @@ fn blow<const D: usize>(rig: Rig<D>, step: f64, steps: u64, free: f64) -> Result
             (distance - rig.sample.spheres[0].radius - rig.sample.spheres[1].radius, speed)
         }
     };
-    Ok(Blow { peak, lasts: simulation.time() - apart / speed - free })
+    Ok(Collision { peak, lasts: simulation.time() - apart / speed - free })
 }
 
 /// One of the three hundred.
@@ -134,15 +134,15 @@ impl Trial {
     }
 
     /// Peak force and duration under Hertz's law (Johnson 1985, section 11.4).
-    fn hertz(&self) -> Blow {
+    fn hertz(&self) -> Collision {
         let [a, b] = self.metals.map(|name| find(name, &[]).unwrap());
         let k = Pair::new([&a, &b], [0.5 * DIAMETER; 2], Constants::Code).hertz_coefficient();
         let overlap = (5.0 * self.reduced() * self.speed * self.speed / (4.0 * k)).powf(0.4);
-        Blow { peak: k * overlap.powf(1.5), lasts: 2.943_275_2 * overlap / self.speed }
+        Collision { peak: k * overlap.powf(1.5), lasts: 2.943_275_2 * overlap / self.speed }
     }
 
     /// Peak force and duration of δ″ + 2β δ′ + ω₀² δ = 0 until the force ends; then the surfaces part at the speed they have.
-    fn damped(&self) -> Blow {
+    fn damped(&self) -> Collision {
         let mass = self.reduced();
         let law = Dashpot::with_restitution(STIFFNESS, mass, self.restitution(), true);
         let (natural, beta) = ((STIFFNESS / mass).sqrt(), 0.5 * law.damping / mass);
@@ -157,7 +157,7 @@ impl Trial {
         let end = (std::f64::consts::PI - (2.0 * beta * omega).atan2(omega * omega - beta * beta)) / omega;
         let peak = (0..=100_000).map(|k| at(end * f64::from(k) / 1e5).2).fold(0.0, f64::max);
         let (overlap, speed, _) = at(end);
-        Blow { peak, lasts: end - overlap / speed }
+        Collision { peak, lasts: end - overlap / speed }
     }
 
     /// The file of a lab that gives no step, and the time until the touch.
@@ -215,19 +215,23 @@ impl Trial {
     /// What the chosen step gives, what is right, and how that is known.
     ///
     /// `residual` is the part of the energy that the ledger may miss, where it is not the rig's own.
-    fn measure(&self, residual: Option<f64>) -> (Result<Blow, RigStop>, Blow) {
+    fn measure(&self, residual: Option<f64>) -> (Result<Collision, RigStop>, Collision) {
         let (text, free) = self.text();
-        fn both<const D: usize>(bench: &Bench<D>, free: f64, residual: Option<f64>) -> (Result<Blow, RigStop>, Blow) {
-            let (step, steps) = (bench.plan.step, bench.plan.steps());
-            let mut rig = bench.rig.clone();
+        fn both<const D: usize>(
+            prepared: &PreparedRig<D>,
+            free: f64,
+            residual: Option<f64>,
+        ) -> (Result<Collision, RigStop>, Collision) {
+            let (step, steps) = (prepared.plan.step, prepared.plan.steps());
+            let mut rig = prepared.rig.clone();
             rig.residual_limit = residual.unwrap_or(rig.residual_limit);
             let tenth = Rig { resolution: None, ..rig.clone() };
             let finer = blow(tenth, 0.1 * step, 10 * steps, free);
-            (blow(rig, step, steps, free), finer.unwrap_or(Blow { peak: f64::NAN, lasts: f64::NAN }))
+            (blow(rig, step, steps, free), finer.unwrap_or(Collision { peak: f64::NAN, lasts: f64::NAN }))
         }
         let (found, finer) = match Setup::parse("blow.toml", &text).unwrap() {
-            Setup::One(bench) => both(&bench, free, residual),
-            Setup::Two(bench) => both(&bench, free, residual),
+            Setup::One(prepared) => both(&prepared, free, residual),
+            Setup::Two(prepared) => both(&prepared, free, residual),
             Setup::Three(_) => unreachable!(),
         };
         // In an oblique blow the normal turns as the spheres pass.
@@ -400,15 +404,15 @@ fn restitution_is_that_of_each_pair() {
     for pull in [false, true] {
         for e in [0.05, 0.1, 0.3, 0.7, 0.9, 1.0] {
             for gap in ["0.13 um", "0.31 um", "0.59 um", "0.87 um"] {
-                let bench = chain(&format!(
+                let prepared = chain(&format!(
                     "{HEAD}[crystal]\npacking = \"chain\"\ndiameter = \"10 mm\"\nlayers = 2\nmaterial = \"440c\"\n\
                      [[pattern]]\nkind = \"layers\"\nmaterials = [\"440c\", \"al\"]\ndiameters = [\"10 mm\", \"7 mm\"]\n\
                      [law]\nkind = \"spring-dashpot\"\nstiffness = \"1 MN/m\"\nrestitution = {e}\npull = {pull}\n\
                      [[edit]]\nlayers = 2\nmove = [\"{gap}\"]\n\
                      [[moving]]\nlayers = 1\nvelocity = \"1 m/s\"\n[run]\nwindow = \"2 ms\"\n"
                 ));
-                let mut simulation = Simulation::new(bench.rig, bench.plan.step).unwrap();
-                simulation.advance(bench.plan.steps(), &Context::default()).unwrap();
+                let mut simulation = Simulation::new(prepared.rig, prepared.plan.step).unwrap();
+                simulation.advance(prepared.plan.steps(), &Context::default()).unwrap();
                 let found = simulation.view().velocity(1)[0] - simulation.view().velocity(0)[0];
                 assert!((found / e - 1.0).abs() < 1e-3, "e {e}, pull {pull}, gap {gap}: {found}");
             }
@@ -432,8 +436,8 @@ fn what_was_not_foreseen_is_run_again_with_half_the_step() {
     };
     let ran = Ran::of(&chain(&text("")));
     assert_eq!(ran.ending, Ending::Complete);
-    let bench = chain(&text(""));
-    let times = bench.plan.step / ran.summary.method.step_s;
+    let prepared = chain(&text(""));
+    let times = prepared.plan.step / ran.summary.method.step_s;
     assert!(times >= 2.0 && times.log2().fract() == 0.0, "{times}");
     assert!(ran.summary.method.step_reason.contains("begun again"), "{}", ran.summary.method.step_reason);
     let given = Ran::of(&chain(&text(&format!("step = \"{:?} s\"\n", ran.summary.method.step_s))));
@@ -446,11 +450,12 @@ fn what_was_not_foreseen_is_run_again_with_half_the_step() {
     // Interrupted after the run has begun again, and taken up.
     let folder = tempfile::tempdir().unwrap();
     let keeping = |resume| Keeping { resume, every: Duration::ZERO };
-    let total = bench.plan.steps();
+    let total = prepared.plan.steps();
     let (_, ending) =
-        trial::run(&bench, folder.path(), keeping(false), &until(move |done, of| of > total && done > of / 3)).unwrap();
+        run::run(&prepared, folder.path(), keeping(false), &until(move |done, of| of > total && done > of / 3))
+            .unwrap();
     assert!(matches!(ending, Ending::Interrupted { .. }), "{ending:?}");
-    let (summary, ending) = trial::run(&bench, folder.path(), keeping(true), &Context::default()).unwrap();
+    let (summary, ending) = run::run(&prepared, folder.path(), keeping(true), &Context::default()).unwrap();
     assert_eq!((ending, summary.method.step_s), (Ending::Complete, ran.summary.method.step_s));
     for file in ["energies.csv", "flats.csv", "spheres.csv"] {
         assert!(read(&ran, file) == std::fs::read_to_string(folder.path().join(file)).unwrap(), "{file}");

@@ -48,7 +48,7 @@ fn a_build_without_it_says_so() {
 mod built {
     use std::process::Command;
 
-    use granulens::search::Dice;
+    use granulens::search::Rng;
     use granulens::study::{Ended, Study};
 
     use super::{STUDY, desk};
@@ -63,9 +63,9 @@ mod built {
             let (state, told) = with_threads(1, || desk.run()).unwrap();
             let journal = desk.journal();
             assert_eq!((state.evaluations, state.ended, told.simulated), (24, Ended::Budget, 24));
-            let mut dice = Dice::new(1);
+            let mut rng = Rng::new(1);
             for threads in [1, 2, 3] {
-                let cut = dice.below(journal.len() as u64) as usize;
+                let cut = rng.below(journal.len() as u64) as usize;
                 desk.put(&journal[..cut]);
                 let (again, _) = with_threads(threads, || desk.run()).unwrap();
                 assert_eq!(again, state, "cut at {cut}, {threads} threads");

@@ -5,7 +5,7 @@ use granulens::dem::ForcePulse;
 use granulens::evaluate::{Evaluator, Forces, Overrides, Plan, beside_uniform};
 use granulens::layout::Layout;
 use granulens::score::Measure;
-use granulens::search::Dice;
+use granulens::search::Rng;
 use granulens::study::{Ended, Journal, Key, State, Watch, run};
 
 use crate::{Desk, STUDY, with_threads};
@@ -35,13 +35,16 @@ fn a_climb_finds_the_optimum_of_a_crystal_that_can_be_enumerated() {
     let never = Context::default();
     let evaluator =
         Evaluator::new(&judge.design, &judge.cases(), judge.palette.clone(), judge.overrides(1), &never).unwrap();
-    let choices: Vec<Vec<u8>> = (0..4096_u32).map(|bits| (0..12).map(|k| (bits >> k & 1) as u8).collect()).collect();
-    let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.materials(choice)).collect();
+    let assignments: Vec<Vec<u8>> =
+        (0..4096_u32).map(|bits| (0..12).map(|k| (bits >> k & 1) as u8).collect()).collect();
+    let layouts: Vec<Vec<u8>> = assignments.iter().map(|assignment| study.materials(assignment)).collect();
     let key = Key::new(&judge, evaluator.plan());
     let mut rung = granulens::study::Rung::default();
-    for ((choice, layout), runs) in choices.iter().zip(&layouts).zip(evaluator.scores(&layouts, &never).unwrap()) {
+    for ((assignment, layout), runs) in
+        assignments.iter().zip(&layouts).zip(evaluator.scores(&layouts, &never).unwrap())
+    {
         let entry = granulens::study::Entry::new(key.of(layout), String::new(), &judge.by_impact(&runs));
-        rung.add(&judge, choice, entry);
+        rung.add(&judge, assignment, entry);
     }
     let optimum = rung.ranked()[0];
     let best = state.best.unwrap();
@@ -61,8 +64,8 @@ fn a_climb_comes_to_the_same_bits() {
     let desk = Desk::new(&text);
     let (state, told) = desk.run().unwrap();
     let journal = desk.journal();
-    let mut dice = Dice::new(1);
-    let mut cuts: Vec<usize> = (0..12).map(|_| dice.below(journal.len() as u64) as usize).collect();
+    let mut rng = Rng::new(1);
+    let mut cuts: Vec<usize> = (0..12).map(|_| rng.below(journal.len() as u64) as usize).collect();
     cuts.push(journal.len());
     for cut in cuts {
         desk.put(&journal[..cut]);
@@ -86,7 +89,7 @@ fn a_climb_comes_to_the_same_bits() {
     let screen =
         Evaluator::new(&study.design, &study.cases(), study.palette.clone(), study.overrides(1), &never).unwrap();
     assert_eq!([0, 1, 2].map(|rung| study.plan(rung).unwrap().window), [80e-6, 72e-6, 80e-6]);
-    let layouts: Vec<Vec<u8>> = cut.iter().map(|entry| study.materials(&entry.choice(12, 2).unwrap())).collect();
+    let layouts: Vec<Vec<u8>> = cut.iter().map(|entry| study.materials(&entry.assignment(12, 2).unwrap())).collect();
     for (entry, whole) in cut.iter().zip(screen.scores(&layouts, &never).unwrap()) {
         assert!(entry.stop.as_ref().unwrap().contains("cannot be reached"), "{:?}", entry.stop);
         assert!(entry.impacts[0].protected_mean <= whole[0].scores.protected_mean);
@@ -129,7 +132,7 @@ fn final_figures_are_those_of_check() {
     let study = desk.study();
     let found = state.best.unwrap();
     let (design, palette) = (study.design.plane().unwrap(), study.palette.clone());
-    let materials = study.materials(&found.entry.choice(12, 2).unwrap());
+    let materials = study.materials(&found.entry.assignment(12, 2).unwrap());
     let layout = Layout { lattice: design.lattice, palette, materials };
     assert_eq!(state.finals.iter().map(|of| of.step).collect::<Vec<_>>(), [4e-7, 2e-7]);
     assert_eq!(state.finals[0].exact.contrast, found.scores.contrast);

@@ -1,7 +1,7 @@
 //! Journals that are torn, damaged, foreign, or of other settings.
 
 use granulens::Context;
-use granulens::search::Dice;
+use granulens::search::Rng;
 use granulens::study::{Journal, Study, run};
 
 use crate::{DESIGN, Desk, STUDY, Told};
@@ -12,11 +12,11 @@ fn a_flipped_bit_is_found_and_its_evaluation_done_anew() {
     let (state, _) = desk.run().unwrap();
     let journal = desk.journal();
     let header = journal.iter().position(|&byte| byte == b'\n').unwrap() + 1;
-    let mut dice = Dice::new(2);
+    let mut rng = Rng::new(2);
     for _ in 0..20 {
         let mut flipped = journal.clone();
-        let at = header + dice.below((journal.len() - header) as u64) as usize;
-        flipped[at] ^= 1 << dice.below(8);
+        let at = header + rng.below((journal.len() - header) as u64) as usize;
+        flipped[at] ^= 1 << rng.below(8);
         // A flip that ends the last line's end makes it a torn one.
         desk.put(&flipped);
         let (again, told) = desk.run().unwrap();

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use granulens::search::Dice;
+use granulens::search::Rng;
 
 use crate::{Desk, STUDY};
 
@@ -29,12 +29,12 @@ fn a_study_killed_twenty_times_ends_as_if_it_had_not_been() {
     let desk = Desk::new(STUDY);
     assert!(start(&desk, "whole").wait().unwrap().success());
     let journal = desk.path("killed/journal.jsonl");
-    let mut dice = Dice::new(7);
+    let mut rng = Rng::new(7);
     let step = size(&desk.path("whole/journal.jsonl")) / 20;
     let mut killed = 0;
     while killed < 20 {
         let mut child = start(&desk, "killed");
-        let until = size(&journal) + dice.below(step);
+        let until = size(&journal) + rng.below(step);
         while size(&journal) < until && child.try_wait().unwrap().is_none() {
             std::thread::sleep(Duration::from_micros(200));
         }

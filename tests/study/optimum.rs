@@ -6,18 +6,18 @@ use granulens::study::{Entry, Key, Rung, Study, Work, run};
 
 use crate::{Desk, STUDY, evaluator};
 
-/// All 4096 choices, by brute force.
+/// All 4096 assignments, by brute force.
 fn enumerated(study: &Study) -> Rung {
     let evaluator = evaluator(study);
     let key = Key::new(study, evaluator.plan());
-    let choices: Vec<Vec<u8>> = (0..1_u32 << study.free.len())
+    let assignments: Vec<Vec<u8>> = (0..1_u32 << study.free.len())
         .map(|bits| (0..study.free.len()).map(|k| (bits >> k & 1) as u8).collect::<Vec<_>>())
         .collect();
-    let layouts: Vec<Vec<u8>> = choices.iter().map(|choice| study.materials(choice)).collect();
+    let layouts: Vec<Vec<u8>> = assignments.iter().map(|assignment| study.materials(assignment)).collect();
     let runs = evaluator.scores(&layouts, &Context::default()).unwrap();
     let mut rung = Rung::default();
-    for ((choice, layout), runs) in choices.iter().zip(&layouts).zip(&runs) {
-        rung.add(study, choice, Entry::new(key.of(layout), String::new(), &study.by_impact(runs)));
+    for ((assignment, layout), runs) in assignments.iter().zip(&layouts).zip(&runs) {
+        rung.add(study, assignment, Entry::new(key.of(layout), String::new(), &study.by_impact(runs)));
     }
     rung
 }
@@ -43,7 +43,7 @@ fn every_method_finds_the_optimum_of_a_crystal_that_can_be_enumerated() {
     }
 }
 
-/// The front of two measures, against all choices; its knee and its volume are those of the true one.
+/// The front of two measures, against all assignments; its knee and its volume are those of the true one.
 #[test]
 fn nsga_finds_the_front_of_a_crystal_that_can_be_enumerated() {
     let traded = "objective = { contrast = { maximise = 1 }, mass = { minimise = 1 }, focal-gain = { min = 0.8 } }\n";

@@ -1,4 +1,4 @@
-//! Rays as a guess of what a lens is worth: from the lenses that a study asks for to what it says of them.
+//! Rays as a surrogate of what a lens is worth: from the lenses that a study asks for to what it says of them.
 
 use std::collections::HashMap;
 use std::process::Command;
@@ -61,15 +61,15 @@ fn what_rays_are_worth_is_told_at_the_end() {
     };
     let told: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
     let glances = told["study"]["glances"].as_array().unwrap();
-    let of_rays: Vec<_> = glances.iter().filter(|glance| glance["name"] == "rays").collect();
+    let of_rays: Vec<_> = glances.iter().filter(|surrogate| surrogate["name"] == "rays").collect();
     let [rays] = of_rays[..] else { panic!("{glances:?}") };
 
     let study = desk.study();
     let said = prisms(&study);
     let entries = Journal::read(&desk.path("s/journal.jsonl")).unwrap().entries;
     assert_eq!((entries.len(), &rays["shared"]), (12, &12.into()));
-    let choices = entries.iter().map(|entry| entry.choice(study.free.len(), 2).unwrap());
-    let gathered: Vec<f64> = choices.map(|choice| said[&choice]).collect();
+    let assignments = entries.iter().map(|entry| entry.assignment(study.free.len(), 2).unwrap());
+    let gathered: Vec<f64> = assignments.map(|assignment| said[&assignment]).collect();
     let contrast: Vec<f64> = entries.iter().map(|entry| entry.impacts[0].contrast.unwrap()).collect();
     let correlation = rank_correlation(&gathered, &contrast).unwrap();
     // More contrast is less loss: ranks from the other end, with the same differences.

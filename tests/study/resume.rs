@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use granulens::Context;
 use granulens::evaluate::EvaluatorError;
-use granulens::search::Dice;
+use granulens::search::Rng;
 use granulens::study::{Ended, State, StudyError, Watch, run};
 
 use crate::{Desk, STAGED, STUDY, with_threads};
@@ -18,8 +18,8 @@ fn a_study_killed_anywhere_comes_to_the_same_bits() {
         let journal = desk.journal();
         assert_eq!((state.evaluations, state.ended, told.simulated), (evaluations as u64, Ended::Budget, evaluations));
         assert!(told.warnings.is_empty());
-        let mut dice = Dice::new(1);
-        let mut cuts: Vec<usize> = (0..20).map(|_| dice.below(journal.len() as u64) as usize).collect();
+        let mut rng = Rng::new(1);
+        let mut cuts: Vec<usize> = (0..20).map(|_| rng.below(journal.len() as u64) as usize).collect();
         // Nothing, within the first line, and the whole.
         cuts.extend([0, 5, journal.len()]);
         for cut in cuts {

@@ -5,7 +5,9 @@ use granulens::Context;
 use granulens::contact::LawKind;
 use granulens::dem::{ForcePulse, Stop};
 use granulens::design::AnyDesign;
-use granulens::evaluate::{Blow, Case, Detail, Evaluated, Evaluator, Flaw, Overrides, Plan, evaluate};
+use granulens::evaluate::{
+    Detail, Evaluated, Evaluator, ImpactLoad, Imperfection, LoadCase, Overrides, Plan, evaluate,
+};
 use granulens::layout::Layout;
 use granulens::score::{Measure, Needs, Scores};
 use granulens::study::{Ended, Study};
@@ -15,7 +17,7 @@ use crate::{Desk, STUDY};
 const PULSE: ForcePulse = ForcePulse { force: 16e3, duration: 20e-6 };
 
 /// Scores of one layout of the tiny crystal in some cases, with all that can be recorded if `detail`.
-fn scores(study: &Study, layout: &[u8], cases: &[Case], detail: Detail) -> Vec<Scores> {
+fn scores(study: &Study, layout: &[u8], cases: &[LoadCase], detail: Detail) -> Vec<Scores> {
     let never = Context::default();
     let evaluator = Evaluator::new(&study.design, cases, study.palette.clone(), study.overrides(0), &never).unwrap();
     let runs = evaluator.recording(detail).scores(&[layout.to_vec()], &never).unwrap().remove(0);
@@ -50,8 +52,8 @@ fn assert_alike(a: &Scores, b: &Scores, tolerance: f64) {
 fn both_halves_under_a_straight_blow_are_one_half() {
     let desk = Desk::new(STUDY);
     let study = desk.study();
-    let straight = Blow::from(PULSE);
-    let whole = Blow { place: Some([-1.0, 1.0]), ..straight };
+    let straight = ImpactLoad::from(PULSE);
+    let whole = ImpactLoad { place: Some([-1.0, 1.0]), ..straight };
     assert!(straight.is_symmetric() && !whole.is_symmetric());
     let of = scores(&study, &layout(&study), &[straight.into(), whole.into()], Detail::Everything);
     assert_alike(&of[0], &of[1], 1e-9);
@@ -70,9 +72,9 @@ fn both_halves_under_a_straight_blow_are_one_half() {
 fn blows_from_left_and_right_are_alike() {
     let desk = Desk::new(STUDY);
     let study = desk.study();
-    let straight = Blow::from(PULSE);
-    let at = |angle: f64| Blow { angle, ..straight }.into();
-    let off = |from: f64, to: f64| Blow { place: Some([from * 6.35e-3, to * 6.35e-3]), ..straight }.into();
+    let straight = ImpactLoad::from(PULSE);
+    let at = |angle: f64| ImpactLoad { angle, ..straight }.into();
+    let off = |from: f64, to: f64| ImpactLoad { place: Some([from * 6.35e-3, to * 6.35e-3]), ..straight }.into();
     let cases = [straight.into(), at(0.35), at(-0.35), off(0.0, 2.0), off(-2.0, 0.0)];
     let of = scores(&study, &layout(&study), &cases, Detail::Everything);
     assert_alike(&of[1], &of[2], 1e-9);
@@ -119,12 +121,16 @@ fn flaws_are_what_they_say() {
     let study = desk.study();
     let drawn = layout(&study);
     let site = study.free[4];
-    let wrong = Flaw { letters: study.letters.clone(), wrong: vec![(site, 1)], ..Flaw::default() };
+    let wrong = Imperfection { alphabet: study.alphabet.clone(), wrong: vec![(site, 1)], ..Imperfection::default() };
     let mut swapped = drawn.clone();
     swapped[site] = 1 - swapped[site];
-    let nominal = Flaw { radii: vec![1.0; drawn.len()], ..Flaw::default() };
-    let smaller = Flaw { radii: (0..drawn.len()).map(|i| 1.0 - 1e-4 * (i % 7) as f64).collect(), ..Flaw::default() };
-    let cases = [Flaw::default(), wrong, nominal, smaller].map(|flaw| Case { flaw, ..Case::from(PULSE) });
+    let nominal = Imperfection { radii: vec![1.0; drawn.len()], ..Imperfection::default() };
+    let smaller = Imperfection {
+        radii: (0..drawn.len()).map(|i| 1.0 - 1e-4 * (i % 7) as f64).collect(),
+        ..Imperfection::default()
+    };
+    let cases = [Imperfection::default(), wrong, nominal, smaller]
+        .map(|imperfection| LoadCase { imperfection, ..LoadCase::from(PULSE) });
     let of = scores(&study, &drawn, &cases, Detail::Energies);
     assert_eq!(of[1], scores(&study, &swapped, &cases[..1], Detail::Energies)[0]);
     assert_ne!(of[1], of[0]);
@@ -141,23 +147,23 @@ fn scattered_radii_and_friction_have_the_bits_of_one_by_one() {
     let study = desk.study();
     let never = Context::default();
     let sites = study.design().sites();
-    let scattered = |k: usize| Flaw {
+    let scattered = |k: usize| Imperfection {
         radii: (0..sites).map(|i| 1.0 - 1e-4 * ((7 * i + k) % 11) as f64).collect(),
-        ..Flaw::default()
+        ..Imperfection::default()
     };
-    let cases: Vec<Case> = [None, Some(0.2)]
+    let cases: Vec<LoadCase> = [None, Some(0.2)]
         .into_iter()
         .flat_map(|friction| {
-            let blow = Blow { friction, ..Blow::from(PULSE) };
-            (0..3).map(move |k| (blow, k))
+            let load = ImpactLoad { friction, ..ImpactLoad::from(PULSE) };
+            (0..3).map(move |k| (load, k))
         })
-        .map(|(blow, k)| Case { flaw: scattered(k), ..Case::from(blow) })
+        .map(|(load, k)| LoadCase { imperfection: scattered(k), ..LoadCase::from(load) })
         .collect();
     // More than a vector register holds.
     let layouts: Vec<Vec<u8>> = (0..11)
         .map(|k| study.materials(&std::array::from_fn::<u8, 12, _>(|i| u8::from(i % 5 == k % 5 || i == k))))
         .collect();
-    let of = |cases: &[Case]| {
+    let of = |cases: &[LoadCase]| {
         Evaluator::new(&study.design, cases, study.palette.clone(), study.overrides(0), &never).unwrap()
     };
     let together = of(&cases).scores(&layouts, &never).unwrap();

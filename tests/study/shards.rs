@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use granulens::Context;
-use granulens::search::{Choice, Dice};
+use granulens::search::{Assignment, Rng};
 use granulens::study::{
     Asking, Ended, Engine, Entry, Local, Shard, State, Study, StudyError, evaluate_shard, merge, run, run_with,
 };
@@ -29,16 +29,16 @@ impl Desk {
     /// Asks for so many different layouts.
     fn random(&self, count: usize) {
         let study = self.study();
-        let mut dice = Dice::new(5);
-        let mut choices: Vec<Choice> = Vec::new();
-        while choices.len() < count {
-            let choice = study.space().random(&mut dice);
-            if !choices.contains(&choice) {
-                choices.push(choice);
+        let mut rng = Rng::new(5);
+        let mut assignments: Vec<Assignment> = Vec::new();
+        while assignments.len() < count {
+            let assignment = study.space().random(&mut rng);
+            if !assignments.contains(&assignment) {
+                assignments.push(assignment);
             }
         }
         let (mut asking, _) = Asking::open(&study, self.0.path()).unwrap();
-        asking.ask(0, &choices.iter().collect::<Vec<_>>()).unwrap();
+        asking.ask(0, &assignments.iter().collect::<Vec<_>>()).unwrap();
     }
 
     fn lines(&self) -> BTreeSet<String> {
@@ -46,8 +46,8 @@ impl Desk {
     }
 }
 
-fn shuffled<T>(mut items: Vec<T>, dice: &mut Dice) -> Vec<T> {
-    (0..items.len()).map(|_| items.swap_remove(dice.below(items.len() as u64) as usize)).collect()
+fn shuffled<T>(mut items: Vec<T>, rng: &mut Rng) -> Vec<T> {
+    (0..items.len()).map(|_| items.swap_remove(rng.below(items.len() as u64) as usize)).collect()
 }
 
 /// Generations that depend on each other: a driver that forgets everything between two rounds, and three evaluators in any order.
@@ -58,7 +58,7 @@ fn a_study_in_shards_comes_to_the_bits_of_one_machine() {
         let (whole, _) = desk.run().unwrap();
         let journal = desk.journal();
         let desk = Desk::new(text);
-        let mut dice = Dice::new(3);
+        let mut rng = Rng::new(3);
         let mut rounds = 0;
         loop {
             let (state, asked) = desk.ask();
@@ -70,7 +70,7 @@ fn a_study_in_shards_comes_to_the_bits_of_one_machine() {
             // To ask again without an answer asks for nothing new.
             assert_eq!(desk.ask(), (state, 0));
             let evaluated: usize =
-                shuffled(Shard::all(3).collect(), &mut dice).into_iter().map(|shard| desk.shard(shard)).sum();
+                shuffled(Shard::all(3).collect(), &mut rng).into_iter().map(|shard| desk.shard(shard)).sum();
             assert_eq!(evaluated, asked);
             let merged = merge(desk.0.path()).unwrap();
             assert!(merged.is_whole() && merged.folded == asked, "{merged:?}");
@@ -90,11 +90,11 @@ fn shards_fold_in_any_order_and_as_often_as_wanted() {
     merge(desk.0.path()).unwrap();
     let (journal, lines) = (desk.journal(), desk.lines());
     assert_eq!(lines.len(), 61);
-    let mut dice = Dice::new(11);
+    let mut rng = Rng::new(11);
     for folds in 0..4 {
         let desk = Desk::new(STUDY);
         desk.random(60);
-        for shard in shuffled(Shard::all(4).collect(), &mut dice) {
+        for shard in shuffled(Shard::all(4).collect(), &mut rng) {
             desk.shard(shard);
             if folds > 0 {
                 merge(desk.0.path()).unwrap();
@@ -214,10 +214,10 @@ struct Elsewhere<'a> {
 }
 
 impl Engine for Elsewhere<'_> {
-    fn entries(&mut self, rung: usize, choices: &[&Choice]) -> Result<Vec<Entry>, StudyError> {
-        let some = choices.len().min(self.left);
+    fn entries(&mut self, rung: usize, assignments: &[&Assignment]) -> Result<Vec<Entry>, StudyError> {
+        let some = assignments.len().min(self.left);
         self.left -= some;
-        let mut entries = self.local.entries(self.study, rung, &choices[..some], &Context::default())?;
+        let mut entries = self.local.entries(self.study, rung, &assignments[..some], &Context::default())?;
         if self.wrong {
             entries.reverse();
         }

@@ -1,7 +1,7 @@
 //! Several impacts, several steps, one after the other.
 
 use granulens::Context;
-use granulens::study::{Entry, Over, Study, summary};
+use granulens::study::{Aggregate, Entry, Study, summary};
 
 use crate::{Desk, STAGED, evaluator};
 
@@ -10,7 +10,7 @@ use crate::{Desk, STAGED, evaluator};
 fn several_impacts_are_scored_as_each_by_itself() {
     let desk = Desk::new(STAGED);
     let study = desk.study();
-    let layouts: Vec<Vec<u8>> = study.first().iter().map(|choice| study.materials(choice)).collect();
+    let layouts: Vec<Vec<u8>> = study.first().iter().map(|assignment| study.materials(assignment)).collect();
     let never = Context::default();
     let together = evaluator(&study).scores(&layouts, &never).unwrap();
     for (k, impact) in study.impacts.iter().enumerate() {
@@ -26,7 +26,8 @@ fn several_impacts_are_scored_as_each_by_itself() {
     let entry = Entry::new(String::new(), String::new(), &study.by_impact(&together[0]));
     let stats = study.counter.stats(&layouts[0]);
     let contrast = |k: usize| together[0][k].scores.contrast.unwrap();
-    let [mean, worst] = [Over::Mean, Over::Worst].map(|over| summary(&entry, &stats, over).contrast);
+    let [mean, worst] =
+        [Aggregate::Mean, Aggregate::Worst].map(|aggregate| summary(&entry, &stats, aggregate).contrast);
     assert_eq!(mean, Some((contrast(0) + contrast(1)) / 2.0));
     assert_eq!(worst, Some(contrast(0).min(contrast(1))));
 }
@@ -47,12 +48,12 @@ fn stages_promote_the_best_and_steps_are_compared() {
     assert!(coarse.rank_correlation.unwrap() > 0.8, "{coarse:?}");
     // The best is one of the finest step, as simulated by itself.
     let (study, best) = (desk.study(), state.best.unwrap());
-    let choice = best.entry.choice(study.free.len(), 2).unwrap();
+    let assignment = best.entry.assignment(study.free.len(), 2).unwrap();
     let mut fine = study.clone();
     fine.rungs.remove(0);
-    let runs = evaluator(&fine).scores(&[study.materials(&choice)], &Context::default()).unwrap();
+    let runs = evaluator(&fine).scores(&[study.materials(&assignment)], &Context::default()).unwrap();
     assert_eq!(best.entry.impacts[0].contrast, runs[0][0].scores.contrast);
-    let stats = study.counter.stats(&study.materials(&choice));
+    let stats = study.counter.stats(&study.materials(&assignment));
     assert_eq!((best.scores.half_mass, best.scores.lone), (Some(stats.half.mass), stats.lone));
 }
 

@@ -151,7 +151,7 @@ fn means_of_long_tables_are_those_of_the_values_beside_them() {
         let Some(values) = values.filter(|values| values.len() > 2) else { return };
         // Each value is rounded too.
         let rounded = values.iter().map(|value| value.1).fold(0.0, f64::max);
-        let found = granulens::chance::Mean::of(&values.iter().map(|value| value.0).collect::<Vec<_>>());
+        let found = granulens::stats::Mean::of(&values.iter().map(|value| value.0).collect::<Vec<_>>());
         assert!((found.mean - mean).abs() <= of_mean + rounded, "{list}: {} is not {mean}", found.mean);
         let interval = found.interval.unwrap();
         assert!((interval - half).abs() <= of_half + 3.0 * rounded, "{list}: {interval} is not {half}");
@@ -225,10 +225,10 @@ fn stored_layouts_have_the_same_scores_one_by_one() {
     for (layout, marks) in layouts.iter().zip(evaluator.scores(&numbers, &never).unwrap()) {
         let sample = layout.sample();
         for (case, marks) in cases.iter().zip(marks) {
-            let design = Design { impact: case.blow.pulse, ..study.design.plane().unwrap().clone() };
+            let design = Design { impact: case.load.pulse, ..study.design.plane().unwrap().clone() };
             let alone = evaluate(&design, layout, evaluator.plan(), &never).unwrap();
             let said = [alone.scores.focal_mean, alone.scores.protected_mean];
-            assert_eq!([marks.scores.focal_mean, marks.scores.protected_mean], said, "{:?}", case.blow);
+            assert_eq!([marks.scores.focal_mean, marks.scores.protected_mean], said, "{:?}", case.load);
             let late = alone.record.contacts.iter().filter(|contact| {
                 let [a, b] = contact.spheres.map(|i| sample.spheres[i].centre);
                 (a[0] - b[0]).hypot(a[1] - b[1]) > 1.1 * layout.lattice.diameter()

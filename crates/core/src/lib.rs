@@ -9,7 +9,7 @@
 
 mod context;
 pub mod units;
-pub mod chance;
+pub mod stats;
 pub mod search;
 pub mod real;
 pub mod material;

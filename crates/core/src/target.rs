@@ -35,7 +35,7 @@ impl Region {
 /// A part of a crystal in space about the axis x = y = 0, itself and its image in the plane x = 0. Edges count as inside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "shape", rename_all = "kebab-case")]
-pub enum Solid {
+pub enum SpaceRegion {
     /// Whole layers between two distances from the plane x = 0 and two places along y.
     Box {
         /// First and last layer, both included, from 1.
@@ -61,7 +61,7 @@ pub enum Solid {
     },
 }
 
-impl Solid {
+impl SpaceRegion {
     /// Whether a site lies inside; edges count as inside to one part in 10⁹ of the diameter.
     pub fn contains(&self, site: &CrystalSite<3>, diameter: f64) -> bool {
         let slack = 1e-9 * diameter;
@@ -157,7 +157,7 @@ pub struct Target<R = Region> {
     pub protect: R,
 }
 
-impl Target<Solid> {
+impl Target<SpaceRegion> {
     /// The sites of its regions, each once for every sphere of the whole crystal that it stands for.
     pub fn on(&self, block: &Block) -> TargetSites {
         let wanted =
@@ -283,20 +283,20 @@ mod tests {
         let sides = [BlockSide::Mirror, BlockSide::Free];
         let block = Block::new(Cell::<3>::named("hcp").unwrap(), 1.0, 5, [8, 5], 3, sides).unwrap();
         let spacing = block.layer_spacing();
-        let disc = Solid::Cylinder { layers: [3, 3], r: [0.0, 1.0] };
-        let ball = Solid::Sphere { centre: [0.0, 0.0, 2.0 * spacing], radius: 0.5 };
-        let cube = Solid::Box { layers: [3, 3], x: [0.0, 1.0], y: [-0.9, 0.9] };
+        let disc = SpaceRegion::Cylinder { layers: [3, 3], r: [0.0, 1.0] };
+        let ball = SpaceRegion::Sphere { centre: [0.0, 0.0, 2.0 * spacing], radius: 0.5 };
+        let cube = SpaceRegion::Box { layers: [3, 3], x: [0.0, 1.0], y: [-0.9, 0.9] };
         assert_eq!((disc.sites(&block).len(), ball.sites(&block).len()), (7, 1));
         assert_eq!(cube.sites(&block), disc.sites(&block));
         // Twelve neighbours, three of them in each layer beside.
-        let all = Solid::Sphere { centre: [0.0, 0.0, 2.0 * spacing], radius: 1.0 };
+        let all = SpaceRegion::Sphere { centre: [0.0, 0.0, 2.0 * spacing], radius: 1.0 };
         assert_eq!((all.sites(&block).len(), all.layers(spacing, 5)), (13, [2, 4]));
-        let ring = Solid::Sphere { centre: [2.0, 0.0, 2.0 * spacing], radius: 0.5 };
+        let ring = SpaceRegion::Sphere { centre: [2.0, 0.0, 2.0 * spacing], radius: 0.5 };
         assert_eq!((ring.sites(&block).len(), ring.distances()), (2, [1.5, 2.5]));
         let target = Target { foci: vec![Focus { region: disc, share: 1.0 }], protect: ring };
         let text = serde_json::to_string(&target).unwrap();
         assert!(text.starts_with(r#"{"focus":{"shape":"cylinder","layers":[3,3],"r":[0.0,1.0]}"#), "{text}");
-        assert_eq!(serde_json::from_str::<Target<Solid>>(&text).unwrap(), target);
+        assert_eq!(serde_json::from_str::<Target<SpaceRegion>>(&text).unwrap(), target);
         assert_eq!(target.on(&block).focal.len(), 7);
     }
 

@@ -3,7 +3,7 @@
 use granulens::dem::rig::{Arrival, Gain, RigStop, Simulation};
 use granulens::design::Design;
 use granulens::layout::Layout;
-use granulens::setup::{Bench, Setup};
+use granulens::setup::{PreparedRig, Setup};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -97,13 +97,13 @@ pub fn play(asked: &Asked, shared: &Shared) -> Result<Answer, Failure> {
 }
 
 fn run(design: &Design, name: &str, layout: &Layout, frames: usize, job: &Job) -> Result<Run, Failure> {
-    let Setup::Two(Bench { rig, plan, .. }) = Setup::of_layout(design, layout)? else {
+    let Setup::Two(PreparedRig { rig, plan, .. }) = Setup::of_layout(design, layout)? else {
         return Err(Failure::input("a design is a sheet"));
     };
     let failed = |error: &dyn std::fmt::Display| Failure::input(format!("{name} cannot be run: {error}"));
     // The convention of records: reached at 1 % of its own greatest speed.
     let simulation = Simulation::new(rig, plan.step).map_err(|error| failed(&error))?;
-    let mut simulation = simulation.watching(vec![Arrival::OwnMaximum(0.01)]);
+    let mut simulation = simulation.recording(vec![Arrival::OwnMaximum(0.01)]);
     let steps = plan.steps();
     let mut run = Run {
         name: name.to_owned(),

@@ -168,8 +168,8 @@ fn about(study: &Study) -> Value {
         "design_file": study.design().path(),
         "seed": study.seed,
         "sites": study.free.len(),
-        "materials": study.letters.iter().map(|&place| &study.palette[usize::from(place)].name).collect::<Vec<_>>(),
-        "wanted": study.objective.aims().map(|wish| wish.measure.name()).collect::<Vec<_>>(),
+        "materials": study.alphabet.iter().map(|&place| &study.palette[usize::from(place)].name).collect::<Vec<_>>(),
+        "wanted": study.objective.goals().map(|term| term.measure.name()).collect::<Vec<_>>(),
         "measures": measures,
         "stages": study.stages.iter().map(|stage| json!({
             "method": stage.work.name(), "evaluations": stage.evaluations, "rung": stage.rung,
@@ -180,9 +180,9 @@ fn about(study: &Study) -> Value {
 /// What is wanted, and the usual three.
 fn measures(study: &Study) -> Vec<Measure> {
     let mut found = vec![Measure::Contrast, Measure::FocalGain, Measure::Protection];
-    for wish in &study.objective.wishes {
-        if !found.contains(&wish.measure) {
-            found.push(wish.measure);
+    for term in &study.objective.terms {
+        if !found.contains(&term.measure) {
+            found.push(term.measure);
         }
     }
     found
@@ -289,7 +289,7 @@ pub fn layout(asked: &One, shared: &Shared) -> Result<Value, Failure> {
     let Known { study, rungs, .. } = find(&here(&asked.path, shared)?, &band, &common)?;
     let judged = rungs.get(asked.rung).and_then(|(_, rung)| rung.all().get(asked.evaluation));
     let judged = judged.ok_or_else(|| Failure::input("the journal has no such evaluation"))?;
-    let layout = study.layout(&judged.choice);
+    let layout = study.layout(&judged.assignment);
     Ok(json!({
         "palette": layout.palette().iter().map(|material| &material.name).collect::<Vec<_>>(),
         "materials": layout.materials(),

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use granulens::bed::{
     Bed, BedFile, Case, Cell, Ensemble, Measures, Origin, Outcome, Pile, measure, scaling, strike, summarise,
 };
-use granulens::chance::Mean;
 use granulens::dem::rig::RigStop;
 use granulens::output;
 use granulens::report::{Provenance, draw_ensemble, ensemble_page};
+use granulens::stats::Mean;
 use rayon::prelude::*;
 use serde_json::json;
 

@@ -85,7 +85,7 @@ impl Recording {
         let taken_up = kept.exists();
         if taken_up {
             let bytes = fs::read(&kept).map_err(|error| Failure::input(format!("{}: {error}", kept.display())))?;
-            strike.take_up(&bytes).map_err(|error| {
+            strike.restore(&bytes).map_err(|error| {
                 Failure::input_with_help(
                     format!("{} holds a run that cannot be taken up: {error}", self.folder.display()),
                     "Delete it to begin anew, or choose another place with --out.",

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use granulens::outcome::FORMAT;
-use granulens::search::{Choice, Dice};
+use granulens::search::{Assignment, Rng};
 use granulens::study::{Asking, Study, asked_in, merge, run_with};
 use serde_json::json;
 
@@ -44,10 +44,10 @@ impl Ask {
         warnings.iter().for_each(|warning| note(common, &format!("note: {warning}")));
         let given = match self.random {
             Some(count) => {
-                let mut dice = Dice::new(study.seed);
-                (0..count).map(|_| study.space().random(&mut dice)).collect()
+                let mut rng = Rng::new(study.seed);
+                (0..count).map(|_| study.space().random(&mut rng)).collect()
             }
-            None => self.layouts.iter().map(|path| choice(&study, path)).collect::<Result<Vec<_>, _>>()?,
+            None => self.layouts.iter().map(|path| assignment(&study, path)).collect::<Result<Vec<_>, _>>()?,
         };
         if given.is_empty() && self.random.is_none() {
             let begun = Instant::now();
@@ -58,7 +58,7 @@ impl Ask {
             return finish(Ran { study: &study, folder: &folder, state, meter, seconds }, common);
         }
         let rung = study.stages.last().map_or(0, |stage| stage.rung);
-        asking.ask(rung, &given.iter().collect::<Vec<&Choice>>())?;
+        asking.ask(rung, &given.iter().collect::<Vec<&Assignment>>())?;
         if common.json {
             emit_json(&json!({ "format": FORMAT, "asked": asking.asked, "waiting": asking.waiting }));
         } else {
@@ -74,9 +74,9 @@ impl Ask {
 }
 
 /// A layout of the study's from a file.
-fn choice(study: &Study, path: &Path) -> Result<Choice, Failure> {
+fn assignment(study: &Study, path: &Path) -> Result<Assignment, Failure> {
     let layout = study.design().read_layout(path, &study.palette)?;
-    study.choice(layout.materials()).ok_or_else(|| {
+    study.assignment(layout.materials()).ok_or_else(|| {
         Failure::input_with_help(
             format!("{}: differs from the study's start where nothing may change, or holds a material that may not be chosen", path.display()),
             "Widen rows or layers, x, r or materials of the study, or ask for another layout.",

@@ -170,8 +170,8 @@ fn same_problem(a: &Report, b: &Report) -> bool {
 /// The best layout, its materials by name.
 fn layout(report: &Report) -> Option<Vec<String>> {
     let best = report.state.best.as_ref()?;
-    let letters = best.entry.choice(report.sites, report.materials.len() as u8)?;
-    letters.into_iter().map(|letter| report.materials.get(usize::from(letter)).cloned()).collect()
+    let alphabet = best.entry.assignment(report.sites, report.materials.len() as u8)?;
+    alphabet.into_iter().map(|letter| report.materials.get(usize::from(letter)).cloned()).collect()
 }
 
 fn differing(a: &[String], b: &[String]) -> Option<usize> {

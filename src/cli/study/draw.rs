@@ -26,8 +26,8 @@ pub fn page(study: &Studied, report: &Report) -> String {
         .with("Problem", report.problem.clone().unwrap_or_default())
         .with("Q and baselines refer to", report.reference.clone().unwrap_or_else(|| "nothing".to_owned()));
     let layout = report.state.found().and_then(|found| {
-        let choice = found.entry.choice(study.variables(), study.letters.len() as u8)?;
-        Some(study.layout(&choice))
+        let assignment = found.entry.assignment(study.variables(), study.alphabet.len() as u8)?;
+        Some(study.layout(&assignment))
     });
     report::study_page(&StudyPage {
         name: &name,

@@ -106,8 +106,8 @@ pub fn folder(common: &Common, study: &Studied) -> PathBuf {
 
 /// A layout file's text.
 fn best_layout(study: &Studied, entry: &Entry) -> Result<String, Failure> {
-    let choice = entry
-        .choice(study.variables(), study.letters.len() as u8)
+    let assignment = entry
+        .assignment(study.variables(), study.alphabet.len() as u8)
         .ok_or_else(|| Failure::input("the best layout belongs to another study"))?;
-    Ok(study.layout(&choice).csv())
+    Ok(study.layout(&assignment).csv())
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use granulens::search::Proof;
+use granulens::search::LocalOptimality;
 use granulens::study::{Found, Journal, Key, Rung, Study as Studied, StudyError, differs, why};
 use granulens::units::Dimension::Time;
 use serde_json::json;
@@ -45,10 +45,10 @@ pub fn find(path: &Path, forces: &Band, common: &Common) -> Result<Known, Failur
         let plan = study.plan(place).map_err(StudyError::from)?;
         let mut rung = Rung::default();
         let at = study.at(place);
-        for (choice, entry) in Key::new(&at, &plan).own(&at, &loaded.entries) {
+        for (assignment, entry) in Key::new(&at, &plan).own(&at, &loaded.entries) {
             cut += usize::from(entry.cut);
-            if rung.get(&choice).is_none() && !entry.cut {
-                rung.add(&study, &choice, entry.clone());
+            if rung.get(&assignment).is_none() && !entry.cut {
+                rung.add(&study, &assignment, entry.clone());
             }
         }
         own += rung.all().len();
@@ -58,7 +58,7 @@ pub fn find(path: &Path, forces: &Band, common: &Common) -> Result<Known, Failur
     let finest = known.min_by(|a, b| a.0.total_cmp(&b.0));
     let best = finest.and_then(|(_, rung)| {
         let best = *rung.ranked().first()?;
-        Some(Found::new(&study, rung, best, Proof::None))
+        Some(Found::new(&study, rung, best, LocalOptimality::None))
     });
     for warning in &loaded.warnings {
         note(common, &format!("note: {warning}"));

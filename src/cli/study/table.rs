@@ -9,7 +9,7 @@ struct Line<'a> {
     step: f64,
     evaluation: usize,
     crystal: usize,
-    case: &'a granulens::evaluate::Case,
+    case: &'a granulens::evaluate::LoadCase,
     scores: Scores,
     judged: &'a granulens::study::Judged,
 }
@@ -57,11 +57,11 @@ pub fn journal(study: &Study, rungs: &[(f64, Rung)]) -> Columns {
         ("step_s", number(&|line| line.step)),
         ("evaluation", whole(&|line| line.evaluation as u64)),
         ("crystal", whole(&|line| line.crystal as u64)),
-        ("force_N", number(&|line| line.case.blow.pulse.force)),
-        ("duration_s", number(&|line| line.case.blow.pulse.duration)),
-        ("angle_rad", number(&|line| line.case.blow.angle)),
-        ("x_from_m", maybe(&|line| Some(line.case.blow.place?[0]))),
-        ("x_to_m", maybe(&|line| Some(line.case.blow.place?[1]))),
+        ("force_N", number(&|line| line.case.load.pulse.force)),
+        ("duration_s", number(&|line| line.case.load.pulse.duration)),
+        ("angle_rad", number(&|line| line.case.load.angle)),
+        ("x_from_m", maybe(&|line| Some(line.case.load.place?[0]))),
+        ("x_to_m", maybe(&|line| Some(line.case.load.place?[1]))),
     ];
     table.extend(measures(false));
     table.push(("loss", number(&|line| line.judged.loss.total)));

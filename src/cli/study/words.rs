@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use granulens::evaluate::Forces;
 use granulens::score::{Measure, Scores, Spreads};
-use granulens::study::{BaselineScores, Ended, Final, Found, GlanceState, Loses, Quantiles, Spread, StageState, State};
+use granulens::study::{
+    BaselineScores, Ended, Final, Found, Quantiles, Robustness, Spread, StageState, State, SurrogateState,
+};
 use granulens::units::Dimension::{Fraction, Time};
 
 /// What a study has come to.
@@ -47,9 +49,9 @@ pub fn words(state: &State) -> String {
             }
         }
     }
-    for glance in &state.glances {
-        if let Some(correlation) = glance.rank_correlation {
-            let GlanceState { name, shared, .. } = glance;
+    for surrogate in &state.glances {
+        if let Some(correlation) = surrogate.rank_correlation {
+            let SurrogateState { name, shared, .. } = surrogate;
             let _ = writeln!(
                 text,
                 "{name}, without a simulation: rank correlation with the finest {correlation:.3}, over {shared} layouts"
@@ -133,12 +135,12 @@ fn baseline_words(baseline: &BaselineScores) -> String {
 }
 
 /// What is lost by half and by nine tenths of the crystals that are not as drawn, at most.
-fn loses_words(loses: &Loses) -> String {
+fn loses_words(loses: &Robustness) -> String {
     let show = |quantiles: Option<Quantiles>| {
         let percent = |Quantiles { median, ninety }| format!("{:.1} % ({:.1} %)", 100.0 * median, 100.0 * ninety);
         quantiles.map_or_else(|| "-".to_owned(), percent)
     };
-    let Loses { crystals, stopped, contrast, focal_gain, protection } = *loses;
+    let Robustness { crystals, stopped, contrast, focal_gain, protection } = *loses;
     format!(
         "built otherwise than drawn, {crystals} crystals, {stopped} stopped: median loss (90 %) C {}  G {}  Q {}\n",
         show(contrast),
@@ -149,14 +151,14 @@ fn loses_words(loses: &Loses) -> String {
 
 fn remarks(best: &Found) -> String {
     let limits = if best.within_limits { "within the limits" } else { "MISSES A LIMIT" };
-    let proof = match (best.one_opt, best.two_opt) {
+    let local_optimality = match (best.one_opt, best.two_opt) {
         (_, true) => "; no change of one or two spheres improves it (2-opt)",
         (true, _) => "; no flip of one sphere improves it (1-opt)",
         _ => "",
     };
     let count = |measure: Measure| best.scores.get(measure).unwrap_or_default();
     format!(
-        "evaluation {}, {limits}{proof}; {} spheres of the piece not of the host; in the half {} touch none of their material",
+        "evaluation {}, {limits}{local_optimality}; {} spheres of the piece not of the host; in the half {} touch none of their material",
         best.evaluation,
         count(Measure::PieceSpheres),
         count(Measure::Lone)

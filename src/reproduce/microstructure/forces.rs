@@ -6,9 +6,9 @@ use super::super::{Part, Row, RowError, Verdict};
 use super::{above, of_each, ratios, watch};
 use crate::Context;
 use crate::bed::{Bed, Frame, Grains};
-use crate::chance::Mean;
 use crate::network::{ANGLE, Chains, Contact, Network, Part as Force};
-use crate::search::Dice;
+use crate::search::Rng;
+use crate::stats::Mean;
 
 pub(super) const ROWS: &[Row] = &[
     Row {
@@ -86,10 +86,10 @@ fn in_chains(network: &Network) -> Option<f64> {
 
 /// The same contacts, each with the forces of another.
 fn shuffled(network: &Network, seed: u64) -> Option<Network> {
-    let mut dice = Dice::new(seed);
+    let mut rng = Rng::new(seed);
     let mut order: Vec<usize> = (0..network.contacts().len()).collect();
     for k in (1..order.len()).rev() {
-        order.swap(k, dice.below(k as u64 + 1) as usize);
+        order.swap(k, rng.below(k as u64 + 1) as usize);
     }
     let of = |(contact, &other): (&Contact, &usize)| {
         let Contact { normal, tangential, .. } = network.contacts()[other];

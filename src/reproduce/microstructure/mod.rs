@@ -21,7 +21,7 @@ use super::kondic::{SPEED, disk};
 use super::{Part, Row, RowError};
 use crate::Context;
 use crate::bed::{Bed, BedImpact, Frame, Grains, Moment, Strike};
-use crate::chance::Mean;
+use crate::stats::Mean;
 
 /// All of them.
 pub(super) fn rows() -> impl Iterator<Item = &'static Row> {

@@ -6,8 +6,8 @@ use super::super::{Part, Row, RowError, Verdict};
 use super::{WINDOW, above, lower_end, watch};
 use crate::Context;
 use crate::bed::{Bed, Frame, Grains};
-use crate::chance::Mean;
 use crate::network::{Carrier, Part as Force, Topology};
+use crate::stats::Mean;
 
 pub(super) const ROWS: &[Row] = &[
     Row {

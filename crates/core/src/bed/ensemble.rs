@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{BedImpact, Course, Fitted, Grains, Measures, exponent, stop_words};
-use crate::chance::Mean;
+use crate::stats::Mean;
 
 /// Which impacts are made: every speed with every kind of friction on every sample.
 #[derive(Clone, Debug, PartialEq)]

@@ -140,7 +140,7 @@ impl Grains {
         }
         rig.gravity = [0.0, -self.fall()];
         rig.periods = [bed.periodic.then_some(bed.width), None];
-        rig.squeezed = true;
+        rig.precompressed = true;
         // Soft disks overlap by a third under a hard blow (Kondic et al. 2012); contacts begin and end with a jump of the
         // dashpot's force, which the trapezoids of the ledger resolve to a few percent of what it takes.
         (rig.overlap_limit, rig.residual_limit) = (Some(0.9), 0.1);

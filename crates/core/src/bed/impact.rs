@@ -172,7 +172,7 @@ impl Strike {
         let moment = self.look();
         let size = moment.force[0].hypot(moment.force[1]);
         let view = self.simulation.view();
-        let mut pushed = view.pressed();
+        let mut pushed = view.normal_force_sum();
         pushed.truncate(self.count[0]);
         if size > self.seen.peak_force[0] {
             self.seen.peak_force = [size, moment.time];
@@ -251,12 +251,12 @@ impl Strike {
     ///
     /// # Errors
     /// See [`CheckpointError`].
-    pub fn take_up(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
         let (state, seen): (Vec<u8>, Seen) = postcard::from_bytes(bytes).map_err(|_| CheckpointError::Damaged)?;
         if seen.moments.is_empty() || seen.grain_force.len() != self.count[0] {
             return Err(CheckpointError::Damaged);
         }
-        self.simulation.take_up(&state)?;
+        self.simulation.restore(&state)?;
         self.seen = seen;
         Ok(())
     }
@@ -330,14 +330,14 @@ mod tests {
         (0..9).for_each(|_| left.go_on(&never));
         let bytes = left.checkpoint();
         let mut taken_up = Strike::new(&bed, &impact).unwrap();
-        taken_up.take_up(&bytes).unwrap();
+        taken_up.restore(&bytes).unwrap();
         assert_eq!((taken_up.looks(), taken_up.frame()), (9, left.frame()));
         let whole = finish(Strike::new(&bed, &impact).unwrap());
         assert_eq!(finish(taken_up), whole);
         assert_eq!(strike(&bed, &impact, &never, |_| ()).unwrap(), whole.1);
         assert!(whole.0.contacts.iter().any(|contact| contact.tangential != 0.0));
-        assert!(Strike::new(&bed, &impact).unwrap().take_up(&bytes[..bytes.len() / 2]).is_err());
+        assert!(Strike::new(&bed, &impact).unwrap().restore(&bytes[..bytes.len() / 2]).is_err());
         let other = BedImpact { grains: Grains { stiffness: 3000.0, ..grains }, ..impact };
-        assert!(Strike::new(&bed, &other).unwrap().take_up(&bytes).is_err());
+        assert!(Strike::new(&bed, &other).unwrap().restore(&bytes).is_err());
     }
 }

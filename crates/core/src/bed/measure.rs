@@ -170,7 +170,7 @@ mod tests {
 
     use super::*;
     use crate::bed::{Packing, Pile, Sides};
-    use crate::chance::fraction;
+    use crate::stats::fraction;
 
     /// Touching disks on a hexagonal lattice cover π/(2√3) of the plane; in a periodic bed of R rows by C columns, squeezed by a
     /// thousandth, there are 3RC − 2C contacts among grains, and the lowest row touches walls.

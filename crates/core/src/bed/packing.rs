@@ -5,7 +5,7 @@ use rand_xoshiro::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
 use super::{Bed, Disk};
-use crate::chance::fraction;
+use crate::stats::fraction;
 
 /// Order of the grains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

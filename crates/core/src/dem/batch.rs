@@ -24,7 +24,7 @@ use crate::sample::Sample;
 
 /// What is kept of one design of a batch.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Brief {
+pub struct PeakEnergies {
     /// Greatest kinetic energy of each sphere (J), over accepted steps.
     pub max_kinetic: Vec<f64>,
     /// Why the run ended early or is not to be trusted, if so. No energy ledger is kept in a batch.
@@ -75,7 +75,7 @@ pub fn simulate_batch<const D: usize>(
     impact: &Impact,
     width: Width,
     context: &Context,
-) -> Result<Vec<Brief>, BatchError> {
+) -> Result<Vec<PeakEnergies>, BatchError> {
     Ok(dispatch(samples, width, &terms(impact, context))?.0)
 }
 
@@ -93,7 +93,7 @@ pub fn simulate_batch_within<const D: usize>(
     limit: &Limit,
     width: Width,
     context: &Context,
-) -> Result<Vec<Brief>, BatchError> {
+) -> Result<Vec<PeakEnergies>, BatchError> {
     Limit::assert_each(Some(limit), samples.len());
     Ok(dispatch(samples, width, &Terms { limit: Some(limit), ..terms(impact, context) })?.0)
 }
@@ -107,7 +107,7 @@ pub fn simulate_batch_timed<const D: usize>(
     impact: &Impact,
     width: Width,
     context: &Context,
-) -> Result<(Vec<Brief>, Phases), BatchError> {
+) -> Result<(Vec<PeakEnergies>, Phases), BatchError> {
     dispatch(samples, width, &Terms { timed: true, ..terms(impact, context) })
 }
 
@@ -126,7 +126,7 @@ pub fn simulate_batch_with_friction(
     limit: Option<&Limit>,
     width: Width,
     context: &Context,
-) -> Result<Vec<Brief>, BatchError> {
+) -> Result<Vec<PeakEnergies>, BatchError> {
     Limit::assert_each(limit, samples.len());
     Ok(side_by_side(samples, width, &Terms { limit, friction: Some(coefficient), ..terms(impact, context) })?.0)
 }
@@ -147,7 +147,7 @@ pub fn simulate_batch_under<const D: usize>(
     limit: Option<&Limit>,
     width: Width,
     context: &Context,
-) -> Result<Vec<Brief>, BatchError> {
+) -> Result<Vec<PeakEnergies>, BatchError> {
     assert!(pulses.len() >= samples.len(), "a pulse for each of {} samples", samples.len());
     Limit::assert_each(limit, samples.len());
     assert!(friction.is_none() || D == 2, "friction is written for the plane");
@@ -164,7 +164,7 @@ fn dispatch<const D: usize>(
     samples: &[Sample<D>],
     width: Width,
     terms: &Terms,
-) -> Result<(Vec<Brief>, Phases), BatchError> {
+) -> Result<(Vec<PeakEnergies>, Phases), BatchError> {
     // Only what has a size can be told apart by its type: a vector of samples, copied in a millionth of the run's time.
     let samples = samples.to_vec();
     let dimension: &dyn Any = &samples;
@@ -186,13 +186,13 @@ fn side_by_side<const D: usize>(
     samples: &[Sample<D>],
     width: Width,
     terms: &Terms,
-) -> Result<(Vec<Brief>, Phases), BatchError> {
+) -> Result<(Vec<PeakEnergies>, Phases), BatchError> {
     let width = if terms.impact.integrator == Integrator::Rk4 { Width::Scalar } else { width };
     let Some(first) = samples.first() else { return Ok((Vec::new(), Phases::default())) };
     if let Some(other) = samples.iter().position(|sample| !have_same_centres(sample, first)) {
         return Err(BatchError::Geometry(other));
     }
-    let (mut briefs, mut phases) = (Vec::with_capacity(samples.len()), Phases::default());
+    let (mut peak_energies, mut phases) = (Vec::with_capacity(samples.len()), Phases::default());
     let lanes = width.lanes();
     for (samples, start) in samples.chunks(lanes).zip((0..).step_by(lanes)) {
         // What belongs to some of the samples.
@@ -203,19 +203,19 @@ fn side_by_side<const D: usize>(
         let limit = limits(range.clone());
         let of_group = Terms { limit: limit.as_ref(), pulses: pulses(range), ..*terms };
         if let Some((of_group, spent)) = in_lanes(samples, width, &of_group)? {
-            briefs.extend(of_group);
+            peak_energies.extend(of_group);
             phases += spent;
             continue;
         }
         for (k, sample) in (start..).zip(samples) {
             let limit = limits(k..k + 1);
             let of_sample = Terms { limit: limit.as_ref(), pulses: pulses(k..k + 1), ..*terms };
-            let Alone { brief, phases: spent, .. } = alone(sample, &of_sample, false)?;
-            briefs.push(brief);
+            let Alone { peaks, phases: spent, .. } = alone(sample, &of_sample, false)?;
+            peak_energies.push(peaks);
             phases += spent;
         }
     }
-    Ok((briefs, phases))
+    Ok((peak_energies, phases))
 }
 
 fn have_same_centres<const D: usize>(a: &Sample<D>, b: &Sample<D>) -> bool {
@@ -227,7 +227,7 @@ fn in_lanes<const D: usize>(
     samples: &[Sample<D>],
     width: Width,
     terms: &Terms,
-) -> Result<Option<(Vec<Brief>, Phases)>, OverlapAtRest> {
+) -> Result<Option<(Vec<PeakEnergies>, Phases)>, OverlapAtRest> {
     if width == Width::Scalar {
         return Ok(None);
     }
@@ -236,20 +236,20 @@ fn in_lanes<const D: usize>(
     let group = Group::new(&samples, terms)?;
     clock.lap(Phase::Preparing);
     let mut phases = clock.phases();
-    Ok(width.run_side_by_side(&group).flatten().map(|(briefs, spent)| {
+    Ok(width.run_side_by_side(&group).flatten().map(|(peak_energies, spent)| {
         phases += spent;
-        (briefs, phases)
+        (peak_energies, phases)
     }))
 }
 
 impl<const D: usize> Kernel for &Group<'_, D> {
-    type Output = Option<(Vec<Brief>, Phases)>;
+    type Output = Option<(Vec<PeakEnergies>, Phases)>;
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
         let law = self.terms.impact.law;
         let run = follow::<V, D, ()>(self, || law.choose(Tabulated(self)), || (), Sweep::Accept)?;
-        Some((run.briefs(self.samples), run.phases()))
+        Some((run.peak_energies(self.samples), run.phases()))
     }
 }
 
@@ -267,10 +267,10 @@ pub fn screen_batch(
     impact: &Impact,
     limit: Option<&Limit>,
     context: &Context,
-) -> Result<Vec<Brief>, BatchError> {
+) -> Result<Vec<PeakEnergies>, BatchError> {
     Limit::assert_each(limit, samples.len());
     let whole = Terms { limit, ..terms(impact, context) };
-    let mut briefs = Vec::with_capacity(samples.len());
+    let mut peak_energies = Vec::with_capacity(samples.len());
     for (group, start) in samples.chunks(16).zip((0..).step_by(16)) {
         let limit = limit.map(|limit| limit.of(start..start + group.len()));
         let terms = Terms { limit: limit.as_ref(), ..whole };
@@ -286,18 +286,18 @@ pub fn screen_batch(
             }
         };
         match screened {
-            Some(screened) => briefs.extend(screened),
-            None => briefs.extend(side_by_side(group, Width::widest(), &terms)?.0),
+            Some(screened) => peak_energies.extend(screened),
+            None => peak_energies.extend(side_by_side(group, Width::widest(), &terms)?.0),
         }
     }
-    Ok(briefs)
+    Ok(peak_energies)
 }
 
 /// A group in single precision.
 struct Screen<'a, 'b>(&'b Group<'a, 2>);
 
 impl Kernel for Screen<'_, '_> {
-    type Output = Option<Vec<Brief>>;
+    type Output = Option<Vec<PeakEnergies>>;
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
@@ -310,7 +310,7 @@ impl Kernel for Screen<'_, '_> {
             LawKind::Consistent | LawKind::ConsistentStatic => WithLaw::with::<Consistent>(table),
             _ => None,
         };
-        Some(follow::<V, 2, ()>(group, laws, || (), Sweep::Accept)?.briefs(group.samples))
+        Some(follow::<V, 2, ()>(group, laws, || (), Sweep::Accept)?.peak_energies(group.samples))
     }
 }
 

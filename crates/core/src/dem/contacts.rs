@@ -146,7 +146,7 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
     }
 
     /// Takes up contacts between spheres that have come near each other, and of spheres with their image in a mirror.
-    pub fn take_up(
+    pub fn restore(
         &mut self,
         pairs: &[[usize; 2]],
         images: &[(usize, Mirror)],
@@ -154,7 +154,7 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
         grains: &Grains<V, D>,
         laws: &mut dyn Laws<V, D>,
     ) -> Result<(), NoRoom> {
-        let from = self.list.take_up(self.samples[0], pairs, images, mirrors, &grains.mobility);
+        let from = self.list.restore(self.samples[0], pairs, images, mirrors, &grains.mobility);
         self.history = from.iter().map(|c| c.map_or_else(History::new, |c| self.history[c])).collect();
         if self.keeps_accounts {
             self.account = from.iter().map(|c| c.map_or_else(Account::new, |c| self.account[c])).collect();
@@ -322,7 +322,7 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
     }
 
     /// Radii sum by which an overlap of this contact is judged in one of the designs (m).
-    pub fn reach(&self, contact: usize, lane: usize) -> f64 {
+    pub fn radii_sum(&self, contact: usize, lane: usize) -> f64 {
         match (&self.sizes, self.list.pairs.get(contact)) {
             (Some(sizes), _) => sizes[contact].reach.lane(lane),
             (None, Some(touch)) => touch.reach,

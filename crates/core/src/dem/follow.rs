@@ -2,7 +2,7 @@
 //!
 //! What a contact's law costs is compiled for each law, in sweeps of their own ([`Laws`]); all else once for each width and dimension.
 
-use super::batch::{Brief, Limit};
+use super::batch::{Limit, PeakEnergies};
 use super::body::Grains;
 use super::boundary::{Mirror, Period};
 use super::clock::{Clock, Phase, Phases};
@@ -73,12 +73,12 @@ pub(super) struct Run<'a, V, const D: usize, O> {
 }
 
 impl<V: Lanes, const D: usize, O> Run<'_, V, D, O> {
-    pub fn briefs(&self, samples: &[&Sample<D>]) -> Vec<Brief> {
-        let brief = |lane: usize| Brief {
+    pub fn peak_energies(&self, samples: &[&Sample<D>]) -> Vec<PeakEnergies> {
+        let peaks = |lane: usize| PeakEnergies {
             max_kinetic: self.ended[lane].clone().unwrap_or_else(|| energies(samples[lane], &self.fastest, lane)),
             stop: self.stops[lane].clone(),
         };
-        (0..samples.len()).map(brief).collect()
+        (0..samples.len()).map(peaks).collect()
     }
 
     pub fn phases(&self) -> Phases {

@@ -184,7 +184,7 @@ impl<V: Lanes> Watch<V> {
             }
             let [a, b] = contacts.list.spheres(c);
             let spheres = [a + 1, b + 1];
-            let overlap_ratio = overlap_max / contacts.reach(c, lane);
+            let overlap_ratio = overlap_max / contacts.radii_sum(c, lane);
             // No law has a lower limit; few contacts are asked for theirs.
             if overlap_ratio > OVERLAP_LIMIT {
                 let limit = laws.one(c, lane).overlap_limit();

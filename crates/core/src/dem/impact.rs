@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use super::batch::Brief;
+use super::batch::PeakEnergies;
 use super::body::Grains;
 use super::boundary::{Mirror, Period};
 use super::clock::Phases;
@@ -13,7 +13,7 @@ use super::ledger::Ledger;
 use super::list::List;
 use super::load::ForcePulse;
 use super::neighbour::OverlapAtRest;
-use super::record::Felt;
+use super::record::Peaks;
 use super::table::LawTable;
 use super::{Integrator, bulk, same};
 use crate::Context;
@@ -201,7 +201,7 @@ fn recorded<const D: usize>(sample: &Sample<D>, terms: &Terms) -> Result<Record<
 
 /// What a run of one design comes to.
 pub(super) struct Alone<const D: usize> {
-    pub brief: Brief,
+    pub peaks: PeakEnergies,
     pub phases: Phases,
     record: Option<Record<D>>,
 }
@@ -214,14 +214,14 @@ pub(super) fn alone<const D: usize>(
 ) -> Result<Alone<D>, OverlapAtRest> {
     let mut outcome = None;
     followed(sample, terms, records, &mut |run| {
-        let brief = run.briefs(&[sample]).remove(0);
-        outcome = Some(Alone { brief, phases: run.phases(), record: records.then(|| record(sample, run)) });
+        let peaks = run.peak_energies(&[sample]).remove(0);
+        outcome = Some(Alone { peaks, phases: run.phases(), record: records.then(|| record(sample, run)) });
     })?;
     Ok(outcome.expect("a run that was followed has been looked at"))
 }
 
 /// A run of one design that has ended, with what was felt in it where that was asked for.
-type Ended<'a, const D: usize> = Run<'a, f64, D, Option<Felt<D>>>;
+type Ended<'a, const D: usize> = Run<'a, f64, D, Option<Peaks<D>>>;
 
 /// A run of one design, to be looked at once it has ended. All such runs are compiled here.
 fn followed<const D: usize>(
@@ -236,7 +236,7 @@ fn followed<const D: usize>(
     let run = follow(
         &group,
         || Some(Box::new(LawTable::new(sample, &group.touching, impact.law, impact.constants))),
-        || records.then(|| Felt::<D>::new(sample.spheres.len(), impact.exit.clone())),
+        || records.then(|| Peaks::<D>::new(sample.spheres.len(), impact.exit.clone())),
         if records { Sweep::AcceptAndAccount } else { Sweep::Accept },
     )
     .expect("a table for one design has room for every law, and its last attempt ends");
@@ -273,7 +273,7 @@ pub fn steps_in(window: f64, step: f64) -> u64 {
 
 fn collect<const D: usize>(sample: &Sample<D>, run: &Ended<'_, D>) -> Record<D> {
     let Run { grains, contacts, laws, stepper, observer, .. } = run;
-    let felt = observer.as_ref().expect("what is recorded was felt");
+    let peaks = observer.as_ref().expect("what is recorded was felt");
     let spheres = sample.spheres.len();
     let mut max_contact_force = vec![0.0_f64; spheres];
     let mut dissipated = vec![0.0; spheres];
@@ -299,15 +299,15 @@ fn collect<const D: usize>(sample: &Sample<D>, run: &Ended<'_, D>) -> Record<D> 
     }
     let mass = |i: usize| sample.mass(i);
     Record {
-        max_kinetic: (0..spheres).map(|i| 0.5 * mass(i) * felt.speed_squared[i]).collect(),
-        max_net_force: (0..spheres).map(|i| mass(i) * felt.acceleration_squared[i].sqrt()).collect(),
+        max_kinetic: (0..spheres).map(|i| 0.5 * mass(i) * peaks.speed_squared[i]).collect(),
+        max_net_force: (0..spheres).map(|i| mass(i) * peaks.acceleration_squared[i].sqrt()).collect(),
         max_contact_force,
-        arrival: felt.arrivals(stepper.step),
+        arrival: peaks.arrivals(stepper.step),
         dissipated,
         contacts: records,
         ledger: Ledger::default(),
-        exit_momentum: felt.exit_momentum,
-        exit_force: felt.exit_force,
+        exit_momentum: peaks.exit_momentum,
+        exit_force: peaks.exit_force,
         displacement: grains.displacement.clone(),
         velocity: grains.velocity.clone(),
         steps: stepper.count,

@@ -55,7 +55,7 @@ impl<const D: usize> List<D> {
 
     /// Takes up contacts between spheres that have come near each other, and of spheres with their image in a mirror. For each
     /// contact, where it stood before.
-    pub fn take_up(
+    pub fn restore(
         &mut self,
         first: &Sample<D>,
         pairs: &[[usize; 2]],

@@ -45,7 +45,7 @@ mod table;
 
 pub use adjoint::{Gradient, GradientError, Gradients, gradient};
 pub use batch::{
-    BatchError, Brief, Limit, screen_batch, simulate_batch, simulate_batch_timed, simulate_batch_under,
+    BatchError, Limit, PeakEnergies, screen_batch, simulate_batch, simulate_batch_timed, simulate_batch_under,
     simulate_batch_with_friction, simulate_batch_within,
 };
 pub use boundary::{Mirror, Period};

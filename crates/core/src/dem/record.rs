@@ -11,12 +11,12 @@ pub(super) trait Observer<V, const D: usize> {
 
 /// Maxima over accepted steps, first arrivals, and what leaves the crystal.
 #[derive(Clone, Debug)]
-pub(super) struct Felt<const D: usize> {
+pub(super) struct Peaks<const D: usize> {
     /// v² (m²/s²)
     pub speed_squared: Vec<f64>,
     /// |contact acceleration|² (m²/s⁴)
     pub acceleration_squared: Vec<f64>,
-    arrivals: Vec<Rise>,
+    arrivals: Vec<ArrivalTracker>,
     exit: Vec<usize>,
     /// Greatest momentum of the exit spheres along the last axis (kg m/s)
     pub exit_momentum: f64,
@@ -26,7 +26,7 @@ pub(super) struct Felt<const D: usize> {
 
 /// A sphere's speed at the accepted steps at which it was greater than ever before, as far as they can still matter.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Rise {
+pub(super) struct ArrivalTracker {
     pub points: Vec<Point>,
     pub previous: f64,
 }
@@ -42,7 +42,7 @@ pub(super) struct Point {
 /// A sphere has been reached when its speed is this part of its own maximum.
 pub(super) const ARRIVAL: f64 = 0.01;
 
-impl Rise {
+impl ArrivalTracker {
     /// The speed (m/s) at an accepted step, and whether it is the greatest so far. Speeds below `floor` will not be asked for.
     #[inline]
     pub fn push(&mut self, time: f64, speed: f64, is_maximum: bool, floor: f64) {
@@ -68,12 +68,12 @@ impl Rise {
     }
 }
 
-impl<const D: usize> Felt<D> {
+impl<const D: usize> Peaks<D> {
     pub fn new(spheres: usize, exit: Vec<usize>) -> Self {
         Self {
             speed_squared: vec![0.0; spheres],
             acceleration_squared: vec![0.0; spheres],
-            arrivals: vec![Rise::default(); spheres],
+            arrivals: vec![ArrivalTracker::default(); spheres],
             exit,
             exit_momentum: 0.0,
             exit_force: 0.0,
@@ -82,7 +82,7 @@ impl<const D: usize> Felt<D> {
 
     /// First arrivals (s), with the step by which the run advanced.
     pub fn arrivals(&self, step: f64) -> Vec<Option<f64>> {
-        self.arrivals.iter().map(|rise| rise.arrival(step, ARRIVAL * rise.maximum()?)).collect()
+        self.arrivals.iter().map(|tracker| tracker.arrival(step, ARRIVAL * tracker.maximum()?)).collect()
     }
 }
 
@@ -92,16 +92,16 @@ impl<V, const D: usize> Observer<V, D> for () {
     fn accepted(&mut self, _: f64, _: &Grains<V, D>) {}
 }
 
-impl<const D: usize> Observer<f64, D> for Option<Felt<D>> {
+impl<const D: usize> Observer<f64, D> for Option<Peaks<D>> {
     #[inline(always)]
     fn accepted(&mut self, time: f64, grains: &Grains<f64, D>) {
-        if let Some(felt) = self {
-            felt.accepted(time, grains);
+        if let Some(peaks) = self {
+            peaks.accepted(time, grains);
         }
     }
 }
 
-impl<const D: usize> Observer<f64, D> for Felt<D> {
+impl<const D: usize> Observer<f64, D> for Peaks<D> {
     fn accepted(&mut self, time: f64, grains: &Grains<f64, D>) {
         for i in 0..grains.reached {
             let speed_squared = grains.speed_squared(i);

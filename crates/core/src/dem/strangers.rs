@@ -221,7 +221,7 @@ impl<const D: usize> Strangers<D> {
         if pairs.is_empty() && images.is_empty() {
             return Ok(());
         }
-        Ok(contacts.take_up(&pairs, &images, &self.mirrors, grains, laws)?)
+        Ok(contacts.restore(&pairs, &images, &self.mirrors, grains, laws)?)
     }
 
     fn block(&self, block: usize) -> std::ops::Range<usize> {

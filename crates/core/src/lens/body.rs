@@ -12,9 +12,9 @@ use super::problem::Problem;
 use super::raster::{Raster, drawn, greatest};
 use super::symmetry::Symmetry;
 use super::{LensError, LensRequest, Stack, check, shape, unreachable};
-use crate::chance::fraction;
 use crate::contact::Constants;
 use crate::material::Material;
+use crate::stats::fraction;
 use crate::target::Target;
 use crate::wave::{Dimension, bound, mixture_speed};
 

@@ -1,7 +1,7 @@
 //! How much of the struck width rays send through the focal region.
 
 use super::symmetry::Symmetry;
-use crate::ray::{Bench, Event, Optics, Trace, enter, leave, starts};
+use crate::ray::{Event, Optics, PlanoConvex, Trace, enter, leave, starts};
 
 /// Slopes of rays for a set of places on the front, the same for lenses of all sizes: where a ray goes depends on the
 /// angle of the face that it meets, and so on x/R only.
@@ -68,7 +68,7 @@ impl Fan {
     /// lens without steps. Where the place of arrival turns (the caustic), many rays arrive close together and the best
     /// lens has the edge of the region just there: the fan is 32 times denser at such a turn. With 256 rays the fraction
     /// is then within 10⁻⁴ of the limit of many, without the denser part only within 10⁻³.
-    pub(super) fn fraction(&self, bench: &Bench, depth: f64, region: [f64; 2]) -> f64 {
+    pub(super) fn fraction(&self, bench: &PlanoConvex, depth: f64, region: [f64; 2]) -> f64 {
         let (radius, half_width, aperture) = (bench.radius, bench.half_width, bench.aperture());
         let within = Stripes::new(region, half_width);
         let thickness = bench.back - bench.apex;
@@ -301,7 +301,7 @@ mod tests {
     /// whole: 0.69 × 5 D/256 of 16.5 D.
     #[test]
     fn the_fraction_is_that_of_traced_rays() {
-        let bench = |radius, back, speeds| Bench { apex: 3.5, radius, back, half_width: 16.5, end: 45.0, speeds };
+        let bench = |radius, back, speeds| PlanoConvex { apex: 3.5, radius, back, half_width: 16.5, end: 45.0, speeds };
         for (bench, tolerance) in [
             (bench(19.05, 13.0, [1345.0, 791.0]), 4e-4),
             (bench(12.0, 7.0, [1345.0, 791.0]), 4e-4),

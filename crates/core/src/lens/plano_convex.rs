@@ -2,7 +2,7 @@
 
 use super::Stack;
 use crate::lattice::{HexagonalSheet, Site};
-use crate::ray::Bench;
+use crate::ray::PlanoConvex;
 
 /// A lens with a circular front, convex towards the impact, and a flat back.
 ///
@@ -23,9 +23,9 @@ pub struct Shape {
 
 impl Shape {
     /// The lens as rays see it.
-    pub fn bench(&self, stack: impl Into<Stack>, speeds: [f64; 2]) -> Bench {
+    pub fn bench(&self, stack: impl Into<Stack>, speeds: [f64; 2]) -> PlanoConvex {
         let stack = stack.into();
-        Bench {
+        PlanoConvex {
             apex: stack.depth(f64::from(self.apex_row)),
             radius: self.radius,
             back: stack.depth(f64::from(self.back_row)),
@@ -76,7 +76,7 @@ impl Shape {
         if ratio >= 1.0 {
             return None;
         }
-        let Bench { apex, back, .. } = self.bench(lattice, speeds);
+        let PlanoConvex { apex, back, .. } = self.bench(lattice, speeds);
         let in_lens = self.radius / (1.0 - ratio);
         let left = in_lens - (back - apex);
         Some(if left > 0.0 { back + ratio * left } else { apex + in_lens })

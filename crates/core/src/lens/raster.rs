@@ -3,8 +3,8 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-use crate::chance::fraction;
 use crate::lattice::HexagonalSheet;
+use crate::stats::fraction;
 
 /// How sites take their material from a smooth lens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-use crate::chance::fraction;
 use crate::lattice::{Crystal, hexagonal_distance};
+use crate::stats::fraction;
 
 /// How choices, numbered from 0, are spread over the sites of a crystal. Lengths in metres, angles in radians; x lies across
 /// the wave, z along it.

@@ -12,10 +12,10 @@
 //! - `fan`: many rays together: spot, caustic, wavefronts
 //! - `eikonal`: first arrivals on the lattice, without rays; `mesh`: the points they are found at
 //! - `path`: the way of one ray
-//! - `bench`: the plano-convex lens by itself, for searches
+//! - `plano_convex`: the plano-convex lens by itself, for searches
 //! - `vector`: points and directions
 
-mod bench;
+mod plano_convex;
 mod curve;
 mod eikonal;
 mod fan;
@@ -26,11 +26,11 @@ mod slab;
 mod snell;
 mod vector;
 
-pub use bench::{Bench, Face, Reason, Stray, enter, leave};
 pub use curve::{Circle, Conic, Curve, Graph, Meeting, Polyline, Segment};
 pub use eikonal::Eikonal;
 pub use fan::{Optics, Spot, caustic, fan, fan_between, least_spot, spot, starts, wavefront};
 pub use path::Path;
+pub use plano_convex::{Face, PlanoConvex, Reason, Stray, enter, leave};
 pub use scene::{Event, Fate, Interface, Scene, Trace};
 pub use slab::Slab;
 pub use snell::{Passage, TotalReflection, pass, reflect, refract};

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Measure, Scores, Unit};
-use crate::chance::Mean;
 use crate::real::Number;
+use crate::stats::Mean;
 
 /// Standard deviations of one force's scores, sample ones, below `contrast_sd` and so on; and the scores over the forces, below
 /// `contrast_mean`.

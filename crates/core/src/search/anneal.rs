@@ -2,7 +2,7 @@
 
 use super::method::{Again, Begin, ByTotal, Parameters, Round, Row};
 use super::rounds::BATCH;
-use super::{Choice, Dice, Search, Space, sane, shifted};
+use super::{Assignment, Rng, Search, Space, sane, shifted};
 use crate::real::Number;
 
 /// Changes that an annealing tries, times the number of flips.
@@ -20,7 +20,7 @@ pub(super) const METHOD: Row = Row {
     again: Some(|Again { space, begun, seed, .. }| from(space, begun.so_far(space), seed)),
 };
 
-fn from(space: &Space, start: Choice, seed: u64) -> Round {
+fn from(space: &Space, start: Assignment, seed: u64) -> Round {
     Box::new(ByTotal(Annealing::new(space, start, CHANGES * space.flips(), BATCH, seed)))
 }
 
@@ -34,7 +34,7 @@ const COLD: f64 = 0.005;
 /// Simulated annealing (Metropolis 1953; Kirkpatrick 1983): a change that makes the loss worse by d is taken with
 /// probability exp(-d/T), the temperature T falling by the same factor at every one of `length` changes tried.
 ///
-/// Changes are asked for in batches, all from the same choice, and looked at in order up to the first that is taken; those
+/// Changes are asked for in batches, all from the same assignment, and looked at in order up to the first that is taken; those
 /// behind it count as not tried. That is the serial method to the letter; it wastes much while hot and little when cold.
 ///
 /// Changes: one site's letter (a half), two neighbours' letters exchanged (a quarter), a small block of one letter (a quarter).
@@ -42,14 +42,14 @@ const COLD: f64 = 0.005;
 pub struct Annealing {
     space: Space,
     neighbours: Vec<[usize; 2]>,
-    dice: Dice,
+    rng: Rng,
     batch: usize,
     /// Changes to try in all, and tried so far.
     length: usize,
     tried: usize,
-    current: (Choice, f64),
-    best: Option<(Choice, f64)>,
-    asked: Vec<Choice>,
+    current: (Assignment, f64),
+    best: Option<(Assignment, f64)>,
+    asked: Vec<Assignment>,
     /// Median change of the loss in the first moves; none before these.
     scale: Option<f64>,
     begun: bool,
@@ -57,11 +57,11 @@ pub struct Annealing {
 
 impl Annealing {
     /// Begins at `start`; `length` changes are tried, `batch` at a time.
-    pub fn new(space: &Space, start: Choice, length: usize, batch: usize, seed: u64) -> Self {
+    pub fn new(space: &Space, start: Assignment, length: usize, batch: usize, seed: u64) -> Self {
         Self {
             space: space.clone(),
             neighbours: space.neighbours(),
-            dice: Dice::new(seed),
+            rng: Rng::new(seed),
             batch: batch.max(1),
             length,
             tried: 0,
@@ -74,7 +74,7 @@ impl Annealing {
     }
 
     /// Where it stands, and the loss there.
-    pub fn current(&self) -> &(Choice, f64) {
+    pub fn current(&self) -> &(Assignment, f64) {
         &self.current
     }
 
@@ -83,31 +83,31 @@ impl Annealing {
         self.tried
     }
 
-    fn changed(&mut self) -> Choice {
-        let (mut choice, letters) = (self.current.0.clone(), self.space.letters);
-        match self.dice.below(4) {
-            0 if letters > 1 => {
+    fn changed(&mut self) -> Assignment {
+        let (mut assignment, alphabet) = (self.current.0.clone(), self.space.alphabet);
+        match self.rng.below(4) {
+            0 if alphabet > 1 => {
                 // The least disorderly block is of another letter than the one that stands in its middle.
-                let middle = self.dice.below(choice.len() as u64) as usize;
-                let letter = shifted(choice[middle], 1 + self.dice.below(u64::from(letters) - 1) as u8, letters);
-                for site in self.space.around(middle, &mut self.dice, 4) {
-                    choice[site] = letter;
+                let middle = self.rng.below(assignment.len() as u64) as usize;
+                let letter = shifted(assignment[middle], 1 + self.rng.below(u64::from(alphabet) - 1) as u8, alphabet);
+                for site in self.space.around(middle, &mut self.rng, 4) {
+                    assignment[site] = letter;
                 }
             }
             1 if !self.neighbours.is_empty() => {
-                // A few attempts at two that differ; in a uniform choice there are none.
+                // A few attempts at two that differ; in a uniform assignment there are none.
                 for _ in 0..20 {
-                    let [a, b] = self.neighbours[self.dice.below(self.neighbours.len() as u64) as usize];
-                    if choice[a] != choice[b] {
-                        choice.swap(a, b);
-                        return choice;
+                    let [a, b] = self.neighbours[self.rng.below(self.neighbours.len() as u64) as usize];
+                    if assignment[a] != assignment[b] {
+                        assignment.swap(a, b);
+                        return assignment;
                     }
                 }
-                self.space.flip(&mut choice, &mut self.dice);
+                self.space.flip(&mut assignment, &mut self.rng);
             }
-            _ => self.space.flip(&mut choice, &mut self.dice),
+            _ => self.space.flip(&mut assignment, &mut self.rng),
         }
-        choice
+        assignment
     }
 
     /// T = scale · HOT (COLD/HOT)^(tried/length)
@@ -118,7 +118,7 @@ impl Annealing {
 }
 
 impl Search for Annealing {
-    fn ask(&mut self) -> Vec<Choice> {
+    fn ask(&mut self) -> Vec<Assignment> {
         self.asked = if !self.begun {
             vec![self.current.0.clone()]
         } else if self.tried >= self.length || self.space.flips() == 0 {
@@ -132,10 +132,10 @@ impl Search for Annealing {
 
     fn tell(&mut self, losses: &[f64]) {
         let asked = std::mem::take(&mut self.asked);
-        let told: Vec<(Choice, f64)> = asked.into_iter().zip(losses.iter().map(|&loss| sane(loss))).collect();
-        for (choice, loss) in &told {
+        let told: Vec<(Assignment, f64)> = asked.into_iter().zip(losses.iter().map(|&loss| sane(loss))).collect();
+        for (assignment, loss) in &told {
             if self.best.as_ref().is_none_or(|(_, best)| loss < best) {
-                self.best = Some((choice.clone(), *loss));
+                self.best = Some((assignment.clone(), *loss));
             }
         }
         if !self.begun {
@@ -152,24 +152,24 @@ impl Search for Annealing {
             changes.sort_by(f64::total_cmp);
             self.scale = Some(changes.get(changes.len() / 2).copied().unwrap_or(1.0));
             // The best of them is as good a place to begin as any.
-            if let Some((choice, loss)) = self.best.clone() {
-                self.current = (choice, loss);
+            if let Some((assignment, loss)) = self.best.clone() {
+                self.current = (assignment, loss);
             }
             return;
         }
-        for (choice, loss) in told {
+        for (assignment, loss) in told {
             self.tried += 1;
             let rise = loss - self.current.1;
             // u < exp(-rise/T), without the exponential; what is not finite is never taken in place of what is.
-            let taken = rise <= 0.0 || rise < -self.temperature() * Number::ln(self.dice.unit().max(1e-300));
+            let taken = rise <= 0.0 || rise < -self.temperature() * Number::ln(self.rng.unit().max(1e-300));
             if taken && (loss.is_finite() || !self.current.1.is_finite()) {
-                self.current = (choice, loss);
+                self.current = (assignment, loss);
                 break;
             }
         }
     }
 
-    fn best(&self) -> Option<(&Choice, f64)> {
-        self.best.as_ref().map(|(choice, loss)| (choice, *loss))
+    fn best(&self) -> Option<(&Assignment, f64)> {
+        self.best.as_ref().map(|(assignment, loss)| (assignment, *loss))
     }
 }

@@ -9,15 +9,15 @@ use linfa::traits::Fit;
 use ndarray::{Array1, Array2};
 
 use super::method::{BAYES, Row};
-use super::{Cma, Dice, Driver, painted};
+use super::{Cma, Optimizer, Rng, parametric};
 
-/// Over the parameters of a painter.
+/// Over the parameters of a parametrisation.
 pub(super) const METHOD: Row = Row {
     name: BAYES,
     about: "Bayesian optimisation of the lens family's parameters, for few and costly evaluations",
-    begin: |begin| painted::by(begin, Driver::Bayes),
+    begin: |begin| parametric::by(begin, Optimizer::Bayes),
     takes_batch: true,
-    ..painted::METHOD
+    ..parametric::METHOD
 };
 
 /// Points asked for before there is a process, for each parameter: with four of them two registers of eight.
@@ -72,7 +72,7 @@ struct Nature {
 pub struct Bayes {
     bounds: Vec<[f64; 2]>,
     batch: usize,
-    dice: Dice,
+    rng: Rng,
     start: Vec<f64>,
     nature: Option<Nature>,
     /// Points in parts of the bounds, and their losses; not a number where they failed.
@@ -85,7 +85,7 @@ impl Bayes {
     pub fn new(start: &[f64], bounds: Vec<[f64; 2]>, batch: usize, seed: u64) -> Self {
         let part = |(x, [from, to]): (&f64, &[f64; 2])| ((x - from) / (to - from)).clamp(0.0, 1.0);
         let start = start.iter().zip(&bounds).map(part).collect();
-        Self { bounds, batch, dice: Dice::new(seed), start, nature: None, known: Vec::new(), asked: Vec::new() }
+        Self { bounds, batch, rng: Rng::new(seed), start, nature: None, known: Vec::new(), asked: Vec::new() }
     }
 
     /// The points whose losses are wanted next: such that `accept` says yes to, which it is asked once or not at all, the most
@@ -120,7 +120,7 @@ impl Bayes {
     }
 
     fn anywhere(&mut self) -> Vec<f64> {
-        (0..self.bounds.len()).map(|_| self.dice.unit()).collect()
+        (0..self.bounds.len()).map(|_| self.rng.unit()).collect()
     }
 
     /// The start, and points of which one lies in each of as many slices of every parameter.
@@ -129,10 +129,10 @@ impl Bayes {
         for _ in 0..self.bounds.len() {
             let mut slices: Vec<usize> = (0..count).collect();
             for k in (1..count).rev() {
-                slices.swap(k, self.dice.below(k as u64 + 1) as usize);
+                slices.swap(k, self.rng.below(k as u64 + 1) as usize);
             }
             for (point, slice) in points.iter_mut().zip(slices) {
-                point.push((slice as f64 + self.dice.unit()) / count as f64);
+                point.push((slice as f64 + self.rng.unit()) / count as f64);
             }
         }
         points[0] = self.start.clone();
@@ -184,13 +184,15 @@ impl Bayes {
         let mut points: Vec<Vec<f64>> = (0..ANYWHERE).map(|_| self.anywhere()).collect();
         for k in 0..NEAR {
             let spread = NEARNESS[k / best.len() % NEARNESS.len()];
-            let dice = &mut self.dice;
-            points.push(best[k % best.len()].iter().map(|x| (x + spread * dice.bell()).clamp(0.0, 1.0)).collect());
+            let rng = &mut self.rng;
+            points.push(
+                best[k % best.len()].iter().map(|x| (x + spread * rng.nearly_normal()).clamp(0.0, 1.0)).collect(),
+            );
         }
         let mut candidates: Vec<(f64, Vec<f64>)> =
             improvements(process, least, &points).into_iter().zip(points).collect();
         let greatest = candidates.iter().fold(&candidates[0], |a, b| if b.0 > a.0 { b } else { a });
-        let mut nudged = Cma::new(greatest.1.clone(), NUDGE, 0, self.dice.bits());
+        let mut nudged = Cma::new(greatest.1.clone(), NUDGE, 0, self.rng.bits());
         for _ in 0..GENERATIONS {
             let mut points = nudged.ask();
             points.iter_mut().flatten().for_each(|x| *x = x.clamp(0.0, 1.0));

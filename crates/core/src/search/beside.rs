@@ -1,6 +1,6 @@
 //! Who stands beside whom in a [`Space`], a hexagonal sheet or a crystal in space, and changes of connected pieces.
 
-use super::{Choice, Dice, Space};
+use super::{Assignment, Rng, Space};
 
 /// Steps from a site to its six neighbours, by rows and half diameters: along the row, and along the two other close-packed
 /// directions; each followed by its opposite.
@@ -18,8 +18,8 @@ pub(super) struct Beside {
 
 impl Beside {
     pub fn new(space: &Space) -> Self {
-        let beside = match &space.solid {
-            Some(solid) => solid.beside.clone(),
+        let beside = match &space.adjacency {
+            Some(adjacency) => adjacency.beside.clone(),
             None => Self::of_sheet(space),
         };
         Self { directions: beside.iter().map(Vec::len).max().unwrap_or(0), beside }
@@ -57,8 +57,8 @@ impl Beside {
     }
 
     /// One of the directions, of which a sheet has six.
-    pub fn direction(&self, dice: &mut Dice) -> usize {
-        dice.below(self.directions as u64) as usize
+    pub fn direction(&self, rng: &mut Rng) -> usize {
+        rng.below(self.directions as u64) as usize
     }
 
     /// All sites that at most `radius` steps lead to, that itself first.
@@ -93,11 +93,11 @@ impl Beside {
 
     /// Moves what stands on some sites by one step; what is left behind stays, and what would come from elsewhere than a site that may
     /// change does not come.
-    pub fn shift(&self, choice: &Choice, sites: &[usize], direction: usize) -> Choice {
-        let mut moved = choice.clone();
+    pub fn shift(&self, assignment: &Assignment, sites: &[usize], direction: usize) -> Assignment {
+        let mut moved = assignment.clone();
         for &site in sites {
             if let Some(to) = self.step(site, direction) {
-                moved[to] = choice[site];
+                moved[to] = assignment[site];
             }
         }
         moved
@@ -139,8 +139,8 @@ mod tests {
     fn a_block_moves_by_one_step() {
         let space = Space::sheet((0..16).map(|k| [1 + k / 4, 1 + k % 4]), 2);
         let beside = Beside::new(&space);
-        let choice: Choice = (0..16).map(|k| u8::from(k == 5)).collect();
-        let moved = beside.shift(&choice, &[5, 9, 6], 0);
+        let assignment: Assignment = (0..16).map(|k| u8::from(k == 5)).collect();
+        let moved = beside.shift(&assignment, &[5, 9, 6], 0);
         // Site 5 went to 6, 6 to 7, 9 to 10.
         assert_eq!((0..16).filter(|&k| moved[k] == 1).collect::<Vec<_>>(), [5, 6]);
     }

@@ -2,25 +2,25 @@
 
 use std::collections::HashSet;
 
-use super::{Choice, Dice, Space, level_set};
+use super::{Assignment, Rng, Space, level_set};
 
 /// A child has one parent's letters in a rectangle and the other's elsewhere, then a block of one letter or single flips.
-fn child(space: &Space, dice: &mut Dice, [a, b]: [&Choice; 2]) -> Choice {
+fn child(space: &Space, rng: &mut Rng, [a, b]: [&Assignment; 2]) -> Assignment {
     let mut child = a.clone();
-    if dice.below(100) < 85 {
+    if rng.below(100) < 85 {
         let extent = space.extent();
-        for site in space.rectangle(dice, 2 * extent) {
+        for site in space.rectangle(rng, 2 * extent) {
             child[site] = b[site];
         }
     }
-    if dice.below(100) < 40 {
-        let letter = dice.below(u64::from(space.letters)) as u8;
-        for site in space.rectangle(dice, 5) {
+    if rng.below(100) < 40 {
+        let letter = rng.below(u64::from(space.alphabet)) as u8;
+        for site in space.rectangle(rng, 5) {
             child[site] = letter;
         }
     }
-    while dice.below(100) < 60 {
-        space.flip(&mut child, dice);
+    while rng.below(100) < 60 {
+        space.flip(&mut child, rng);
     }
     child
 }
@@ -28,16 +28,16 @@ fn child(space: &Space, dice: &mut Dice, [a, b]: [&Choice; 2]) -> Choice {
 /// Up to `count` children that are not known yet, of parents that `winner` chooses.
 pub(super) fn brood<'a>(
     space: &Space,
-    dice: &mut Dice,
+    rng: &mut Rng,
     count: usize,
-    known: &mut HashSet<Choice>,
-    mut winner: impl FnMut(&mut Dice) -> &'a Choice,
-) -> Vec<Choice> {
+    known: &mut HashSet<Assignment>,
+    mut winner: impl FnMut(&mut Rng) -> &'a Assignment,
+) -> Vec<Assignment> {
     let mut children = Vec::new();
     // In a small space everything is known sooner or later.
     for _ in 0..20 * count {
-        let parents = [winner(dice), winner(dice)];
-        let child = child(space, dice, parents);
+        let parents = [winner(rng), winner(rng)];
+        let child = child(space, rng, parents);
         if known.insert(child.clone()) {
             children.push(child);
         }
@@ -48,19 +48,19 @@ pub(super) fn brood<'a>(
     children
 }
 
-/// What is given, each uniform choice, and smooth random ones until there are `count`; none twice.
+/// What is given, each uniform assignment, and smooth random ones until there are `count`; none twice.
 pub(super) fn first(
     space: &Space,
-    dice: &mut Dice,
-    given: Vec<Choice>,
+    rng: &mut Rng,
+    given: Vec<Assignment>,
     count: usize,
-    known: &mut HashSet<Choice>,
-) -> Vec<Choice> {
-    let uniform = (0..space.letters).map(|letter| vec![letter; space.sites.len()]);
-    let mut first: Vec<Choice> = given.into_iter().chain(uniform).collect();
+    known: &mut HashSet<Assignment>,
+) -> Vec<Assignment> {
+    let uniform = (0..space.alphabet).map(|letter| vec![letter; space.sites.len()]);
+    let mut first: Vec<Assignment> = given.into_iter().chain(uniform).collect();
     while first.len() < count {
-        first.push(level_set(space, dice));
+        first.push(level_set(space, rng));
     }
-    first.retain(|choice| known.insert(choice.clone()));
+    first.retain(|assignment| known.insert(assignment.clone()));
     first
 }

@@ -1,7 +1,7 @@
 //! Annealing at low temperature in two steps: a cheap score screens, a costly one decides.
 
 use super::beside::Beside;
-use super::{Choice, Dice, Space, exp, sane};
+use super::{Assignment, Rng, Space, exp, sane};
 use crate::real::Number;
 
 /// Proposals that are screened at a time: two registers of eight.
@@ -15,31 +15,31 @@ const ALLOWANCE: f64 = 0.005;
 const CORRECTION: f64 = 0.0005;
 const MOST_ALLOWANCE: f64 = 0.05;
 
-/// At most so many good choices of others are kept to take pieces from.
+/// At most so many good assignments of others are kept to take pieces from.
 const POOL: usize = 12;
 
 /// What a climb wants to know next.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wanted {
-    /// The losses of choices by the cheap score. One that is above its threshold may be told as anything that is, such as infinity.
+    /// The losses of assignments by the cheap score. One that is above its threshold may be told as anything that is, such as infinity.
     Screen {
         /// What they are changed from; it has been judged.
-        from: Choice,
-        /// The choices.
-        choices: Vec<Choice>,
+        from: Assignment,
+        /// The assignments.
+        assignments: Vec<Assignment>,
         /// For each the greatest loss that is of interest.
         thresholds: Vec<f64>,
     },
-    /// The losses of choices by the costly score.
-    Judge(Vec<Choice>),
+    /// The losses of assignments by the costly score.
+    Judge(Vec<Assignment>),
 }
 
 /// Where one of several climbs side by side stands.
 #[derive(Clone, Debug)]
 struct Walker {
-    current: (Choice, f64),
-    best: (Choice, f64),
-    /// How much worse than by the costly score a choice may look to the cheap one.
+    current: (Assignment, f64),
+    best: (Assignment, f64),
+    /// How much worse than by the costly score an assignment may look to the cheap one.
     allowance: f64,
 }
 
@@ -47,16 +47,16 @@ struct Walker {
 #[derive(Clone, Debug)]
 enum Turn {
     /// The starts, to be judged.
-    Begin(Vec<Choice>),
+    Begin(Vec<Assignment>),
     /// Proposals and what each may lose.
-    Screen(Vec<(Choice, f64)>),
+    Screen(Vec<(Assignment, f64)>),
     /// What has passed, the best last, with what each may lose; the last one is judged.
-    Judge(Vec<(Choice, f64)>),
+    Judge(Vec<(Assignment, f64)>),
     End,
 }
 
 /// Metropolis's method with the threshold T ln(1/u) of each proposal drawn before it is looked at. Sixteen proposals from the same
-/// choice are screened; those that the cheap score sees within threshold and an allowance are judged by the costly score, the most promising first, up to the
+/// assignment are screened; those that the cheap score sees within threshold and an allowance are judged by the costly score, the most promising first, up to the
 /// first one within its threshold, which is taken. The allowance follows from what happens: it is such that about one of
 /// sixteen is judged, so that both kinds of scores cost alike.
 ///
@@ -64,12 +64,12 @@ enum Turn {
 /// climbed from in turn, and take pieces of each other; after each equal part of the first half of all proposals the worse half of them is given up.
 ///
 /// Proposals: a neighbour's letter on a site (40 %; one in eight of them any letter), two neighbours exchanged (20 %), a disc of one
-/// letter (12 %), a disc shifted by one step (16 %), a close-packed line of one letter (6 %), a rectangle of another good choice (6 %).
+/// letter (12 %), a disc shifted by one step (16 %), a close-packed line of one letter (6 %), a rectangle of another good assignment (6 %).
 #[derive(Clone, Debug)]
 pub struct Climb {
     space: Space,
     beside: Beside,
-    dice: Dice,
+    rng: Rng,
     temperatures: [f64; 2],
     /// Proposals to screen in all, and screened so far.
     length: u64,
@@ -80,17 +80,17 @@ pub struct Climb {
     /// Whose turn it is.
     turn: usize,
     asked: Turn,
-    /// Good choices that pieces are taken from, the best first.
-    pool: Vec<(Choice, f64)>,
+    /// Good assignments that pieces are taken from, the best first.
+    pool: Vec<(Assignment, f64)>,
 }
 
 impl Climb {
     /// Begins at `starts`, at least one, with `length` proposals to be screened.
-    pub fn new(space: &Space, starts: Vec<Choice>, length: u64, temperatures: [f64; 2], seed: u64) -> Self {
+    pub fn new(space: &Space, starts: Vec<Assignment>, length: u64, temperatures: [f64; 2], seed: u64) -> Self {
         Self {
             space: space.clone(),
             beside: Beside::new(space),
-            dice: Dice::new(seed),
+            rng: Rng::new(seed),
             temperatures,
             length,
             tried: 0,
@@ -112,23 +112,23 @@ impl Climb {
         self.walkers.len()
     }
 
-    /// The best choice so far, and its loss by the costly score.
-    pub fn best(&self) -> Option<(&Choice, f64)> {
+    /// The best assignment so far, and its loss by the costly score.
+    pub fn best(&self) -> Option<(&Assignment, f64)> {
         let best = self.walkers.iter().map(|walker| &walker.best).min_by(|a, b| a.1.total_cmp(&b.1));
-        best.map(|(choice, loss)| (choice, *loss))
+        best.map(|(assignment, loss)| (assignment, *loss))
     }
 
     /// What is wanted next; nothing when the climb has ended.
     pub fn ask(&mut self) -> Option<Wanted> {
         match &self.asked {
             Turn::Begin(starts) => Some(Wanted::Judge(starts.clone())),
-            Turn::Judge(passed) => passed.last().map(|(choice, _)| Wanted::Judge(vec![choice.clone()])),
+            Turn::Judge(passed) => passed.last().map(|(assignment, _)| Wanted::Judge(vec![assignment.clone()])),
             Turn::Screen(proposals) => {
                 let walker = &self.walkers[self.turn];
                 let most = walker.current.1 + walker.allowance;
-                let (choices, thresholds) =
-                    proposals.iter().map(|(choice, may_lose)| (choice.clone(), most + may_lose)).unzip();
-                Some(Wanted::Screen { from: walker.current.0.clone(), choices, thresholds })
+                let (assignments, thresholds) =
+                    proposals.iter().map(|(assignment, may_lose)| (assignment.clone(), most + may_lose)).unzip();
+                Some(Wanted::Screen { from: walker.current.0.clone(), assignments, thresholds })
             }
             Turn::End => None,
         }
@@ -138,8 +138,8 @@ impl Climb {
     pub fn tell(&mut self, losses: &[f64]) {
         match std::mem::replace(&mut self.asked, Turn::End) {
             Turn::Begin(starts) => {
-                for (choice, &loss) in starts.into_iter().zip(losses) {
-                    let start = (choice, sane(loss));
+                for (assignment, &loss) in starts.into_iter().zip(losses) {
+                    let start = (assignment, sane(loss));
                     self.remember(&start);
                     self.walkers.push(Walker { current: start.clone(), best: start, allowance: ALLOWANCE });
                 }
@@ -149,7 +149,7 @@ impl Climb {
                 self.tried += proposals.len() as u64;
                 let walker = &mut self.walkers[self.turn];
                 let most = walker.current.1 + walker.allowance;
-                let mut passed: Vec<(f64, (Choice, f64))> = proposals
+                let mut passed: Vec<(f64, (Assignment, f64))> = proposals
                     .into_iter()
                     .zip(losses)
                     .filter(|((_, may_lose), loss)| **loss <= most + may_lose)
@@ -164,11 +164,11 @@ impl Climb {
                 self.next();
             }
             Turn::Judge(mut passed) => {
-                if let (Some((choice, may_lose)), Some(&loss)) = (passed.pop(), losses.first()) {
+                if let (Some((assignment, may_lose)), Some(&loss)) = (passed.pop(), losses.first()) {
                     let loss = sane(loss);
                     let walker = &mut self.walkers[self.turn];
                     if loss.is_finite() && loss <= walker.current.1 + may_lose {
-                        walker.current = (choice, loss);
+                        walker.current = (assignment, loss);
                         passed.clear();
                         if loss < walker.best.1 {
                             walker.best = walker.current.clone();
@@ -210,13 +210,13 @@ impl Climb {
         }
     }
 
-    /// Keeps a good choice; of choices that differ in less than one in twenty sites the better one.
-    fn remember(&mut self, new: &(Choice, f64)) {
-        let alike = |a: &Choice| a.iter().zip(&new.0).filter(|(a, b)| a != b).count() * 20 < new.0.len();
-        if self.pool.iter().any(|(choice, loss)| *loss <= new.1 && alike(choice)) {
+    /// Keeps a good assignment; of assignments that differ in less than one in twenty sites the better one.
+    fn remember(&mut self, new: &(Assignment, f64)) {
+        let alike = |a: &Assignment| a.iter().zip(&new.0).filter(|(a, b)| a != b).count() * 20 < new.0.len();
+        if self.pool.iter().any(|(assignment, loss)| *loss <= new.1 && alike(assignment)) {
             return;
         }
-        self.pool.retain(|(choice, _)| !alike(choice));
+        self.pool.retain(|(assignment, _)| !alike(assignment));
         let place = self.pool.partition_point(|(_, loss)| *loss <= new.1);
         self.pool.insert(place, new.clone());
         self.pool.truncate(POOL);
@@ -237,74 +237,74 @@ impl Climb {
         let count = SCREENED.min(usize::try_from(self.length - self.tried).unwrap_or(SCREENED));
         let from = self.walkers[self.turn].current.0.clone();
         let propose = |_| {
-            let choice = self.changed(&from);
+            let assignment = self.changed(&from);
             // u < exp(-d/T), without the exponential.
-            (choice, -temperature * Number::ln(self.dice.unit().max(1e-300)))
+            (assignment, -temperature * Number::ln(self.rng.unit().max(1e-300)))
         };
         self.asked = Turn::Screen((0..count).map(propose).collect());
     }
 
-    /// Another choice near to one.
-    fn changed(&mut self, from: &Choice) -> Choice {
-        // In a uniform choice much changes nothing.
+    /// Another assignment near to one.
+    fn changed(&mut self, from: &Assignment) -> Assignment {
+        // In a uniform assignment much changes nothing.
         for _ in 0..100 {
-            let choice = self.move_of(from);
-            if choice != *from {
-                return choice;
+            let assignment = self.move_of(from);
+            if assignment != *from {
+                return assignment;
             }
         }
-        let mut choice = from.clone();
-        self.space.flip(&mut choice, &mut self.dice);
-        choice
+        let mut assignment = from.clone();
+        self.space.flip(&mut assignment, &mut self.rng);
+        assignment
     }
 
-    fn move_of(&mut self, from: &Choice) -> Choice {
-        let dice = &mut self.dice;
-        let site = dice.below(from.len() as u64) as usize;
+    fn move_of(&mut self, from: &Assignment) -> Assignment {
+        let rng = &mut self.rng;
+        let site = rng.below(from.len() as u64) as usize;
         let paint = |sites: Vec<usize>, letter: u8| {
-            let mut choice = from.clone();
-            sites.into_iter().for_each(|site| choice[site] = letter);
-            choice
+            let mut assignment = from.clone();
+            sites.into_iter().for_each(|site| assignment[site] = letter);
+            assignment
         };
-        let any = |dice: &mut Dice| dice.below(u64::from(self.space.letters)) as u8;
-        match dice.below(100) {
+        let any = |rng: &mut Rng| rng.below(u64::from(self.space.alphabet)) as u8;
+        match rng.below(100) {
             0..40 => {
-                let letter = match self.beside.step(site, self.beside.direction(dice)) {
-                    Some(other) if dice.below(8) > 0 => from[other],
-                    _ => any(dice),
+                let letter = match self.beside.step(site, self.beside.direction(rng)) {
+                    Some(other) if rng.below(8) > 0 => from[other],
+                    _ => any(rng),
                 };
                 paint(vec![site], letter)
             }
             40..60 => {
-                let mut choice = from.clone();
-                if let Some(other) = self.beside.step(site, self.beside.direction(dice)) {
-                    choice.swap(site, other);
+                let mut assignment = from.clone();
+                if let Some(other) = self.beside.step(site, self.beside.direction(rng)) {
+                    assignment.swap(site, other);
                 }
-                choice
+                assignment
             }
             60..72 => {
-                let radius = 1 + dice.below(3) / 2;
-                let letter = if dice.below(2) == 0 { any(dice) } else { from[site] };
+                let radius = 1 + rng.below(3) / 2;
+                let letter = if rng.below(2) == 0 { any(rng) } else { from[site] };
                 paint(self.beside.disc(site, radius), letter)
             }
             72..88 => {
-                let (radius, direction) = (1 + dice.below(3), self.beside.direction(dice));
+                let (radius, direction) = (1 + rng.below(3), self.beside.direction(rng));
                 self.beside.shift(from, &self.beside.disc(site, radius), direction)
             }
             88..94 => {
-                let (direction, length) = (self.beside.direction(dice), 3 + dice.below(6));
-                let letter = if dice.below(2) == 0 { any(dice) } else { from[site] };
+                let (direction, length) = (self.beside.direction(rng), 3 + rng.below(6));
+                let letter = if rng.below(2) == 0 { any(rng) } else { from[site] };
                 paint(self.beside.line(site, direction, length), letter)
             }
             _ => {
-                let Some((other, _)) = self.pool.get(dice.below(self.pool.len().max(1) as u64) as usize) else {
+                let Some((other, _)) = self.pool.get(rng.below(self.pool.len().max(1) as u64) as usize) else {
                     return from.clone();
                 };
-                let mut choice = from.clone();
-                for site in self.space.rectangle(dice, 8) {
-                    choice[site] = other[site];
+                let mut assignment = from.clone();
+                for site in self.space.rectangle(rng, 8) {
+                    assignment[site] = other[site];
                 }
-                choice
+                assignment
             }
         }
     }
@@ -319,29 +319,29 @@ mod tests {
     }
 
     /// How many sites differ from a pattern, in units of 0.01, and what a cheap score that errs by half as much says.
-    fn score(choice: &Choice) -> f64 {
-        choice.iter().enumerate().filter(|&(k, &letter)| usize::from(letter) != k / 8 % 3).count() as f64 * 0.01
+    fn score(assignment: &Assignment) -> f64 {
+        assignment.iter().enumerate().filter(|&(k, &letter)| usize::from(letter) != k / 8 % 3).count() as f64 * 0.01
     }
 
-    fn cheap(choice: &Choice) -> f64 {
-        let noise = choice.iter().enumerate().map(|(k, &letter)| (k + 1) * usize::from(letter)).sum::<usize>() % 11;
-        score(choice) + 0.001 * (noise as f64 - 5.0)
+    fn cheap(assignment: &Assignment) -> f64 {
+        let noise = assignment.iter().enumerate().map(|(k, &letter)| (k + 1) * usize::from(letter)).sum::<usize>() % 11;
+        score(assignment) + 0.001 * (noise as f64 - 5.0)
     }
 
     /// Runs a climb to its end; its best, how much was judged, and all that was asked for.
-    fn run(starts: Vec<Choice>, length: u64, seed: u64, cut: bool) -> (f64, usize, Vec<Wanted>) {
+    fn run(starts: Vec<Assignment>, length: u64, seed: u64, cut: bool) -> (f64, usize, Vec<Wanted>) {
         let mut climb = Climb::new(&space(), starts, length, TEMPERATURES, seed);
         let (mut judged, mut all) = (0, Vec::new());
         while let Some(wanted) = climb.ask() {
             let losses: Vec<f64> = match &wanted {
-                Wanted::Judge(choices) => {
-                    judged += choices.len();
-                    choices.iter().map(score).collect()
+                Wanted::Judge(assignments) => {
+                    judged += assignments.len();
+                    assignments.iter().map(score).collect()
                 }
-                Wanted::Screen { choices, thresholds, .. } => choices
+                Wanted::Screen { assignments, thresholds, .. } => assignments
                     .iter()
                     .zip(thresholds)
-                    .map(|(choice, &most)| Some(cheap(choice)).filter(|&loss| !cut || loss <= most))
+                    .map(|(assignment, &most)| Some(cheap(assignment)).filter(|&loss| !cut || loss <= most))
                     .map(|loss| loss.unwrap_or(f64::INFINITY))
                     .collect(),
             };
@@ -375,8 +375,8 @@ mod tests {
         let mut climb = Climb::new(&space(), starts, 4000, TEMPERATURES, 1);
         let mut walkers = Vec::new();
         while let Some(wanted) = climb.ask() {
-            let (Wanted::Judge(choices) | Wanted::Screen { choices, .. }) = wanted;
-            climb.tell(&choices.iter().map(score).collect::<Vec<_>>());
+            let (Wanted::Judge(assignments) | Wanted::Screen { assignments, .. }) = wanted;
+            climb.tell(&assignments.iter().map(score).collect::<Vec<_>>());
             walkers.push((climb.tried(), climb.walkers()));
         }
         let at = |tried: u64| walkers.iter().find(|(t, _)| *t >= tried).unwrap().1;
@@ -390,11 +390,11 @@ mod tests {
         let mut last = f64::INFINITY;
         while let Some(wanted) = climb.ask() {
             let losses: Vec<f64> = match &wanted {
-                Wanted::Judge(choices) => choices.iter().map(score).collect(),
-                Wanted::Screen { from, choices, .. } => {
+                Wanted::Judge(assignments) => assignments.iter().map(score).collect(),
+                Wanted::Screen { from, assignments, .. } => {
                     assert!(score(from) <= last + 1e-10);
                     last = score(from);
-                    choices.iter().map(cheap).collect()
+                    assignments.iter().map(cheap).collect()
                 }
             };
             climb.tell(&losses);

@@ -1,6 +1,6 @@
 //! CMA-ES: evolution of a normal distribution over real parameters.
 
-use super::{Dice, exp, sane};
+use super::{Rng, exp, sane};
 use crate::real::Number;
 
 /// Covariance matrix adaptation evolution strategy, (μ/μ_w, λ), with rank-one and rank-μ updates and cumulative step-size
@@ -11,7 +11,7 @@ use crate::real::Number;
 /// and roots only, hence the same bits on every platform.
 #[derive(Clone, Debug)]
 pub struct Cma {
-    dice: Dice,
+    rng: Rng,
     mean: Vec<f64>,
     sigma: f64,
     /// C and its factor, row by row.
@@ -42,7 +42,7 @@ impl Cma {
             (1..=lambda / 2).map(|k| Number::ln((lambda as f64 + 1.0) / 2.0) - Number::ln(k as f64)).collect();
         let sum: f64 = raw.iter().sum();
         Self {
-            dice: Dice::new(seed),
+            rng: Rng::new(seed),
             sigma,
             covariance: unit(n),
             factor: unit(n),
@@ -66,7 +66,7 @@ impl Cma {
     /// The points of the next generation.
     pub fn ask(&mut self) -> Vec<Vec<f64>> {
         let n = self.mean.len();
-        self.asked = (0..self.lambda).map(|_| (0..n).map(|_| self.dice.bell()).collect()).collect();
+        self.asked = (0..self.lambda).map(|_| (0..n).map(|_| self.rng.nearly_normal()).collect()).collect();
         let point = |z: &Vec<f64>| {
             let y = lower_times(&self.factor, z);
             self.mean.iter().zip(&y).map(|(m, y)| m + self.sigma * y).collect()

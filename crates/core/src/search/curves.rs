@@ -1,21 +1,21 @@
 //! Choices between free curves: each letter but the first fills a band whose two faces run over the columns as they like.
 
 use super::method::{Parameters, Row};
-use super::{Choice, Painter, Space, painted};
+use super::{Assignment, Parametrisation, Space, parametric};
 
 /// CMA-ES over the faces of bands, one band for each letter but the first; from those that are nearest to the start.
 pub(super) const METHOD: Row = Row {
     name: "curves",
     about: "CMA-ES over bands between free curves, one for each material but the first",
-    parameters: Parameters::Fields(Painter::curves),
-    ..painted::METHOD
+    parameters: Parameters::Fields(Parametrisation::curves),
+    ..parametric::METHOD
 };
 
 /// The bands of a space: faces by their heights at knots, which stand evenly over the columns.
 #[derive(Clone, Debug)]
 pub struct Bands {
     knots: usize,
-    letters: u8,
+    alphabet: u8,
     /// For each site its row, from -1 for the first to 1 for the last.
     rows: Vec<f64>,
     /// For each site by how much of each knot's height a face runs over it.
@@ -31,7 +31,7 @@ impl Bands {
         let [(first, height), (left, width)] = [space.range(0), space.range(1)];
         Self {
             knots,
-            letters: space.letters,
+            alphabet: space.alphabet,
             rows: space.sites.iter().map(|site| 2.0 * (f64::from(site[0]) - first) / height - 1.0).collect(),
             shares: space.sites.iter().map(|site| shares((f64::from(site[1]) - left) / width, knots)).collect(),
             rim: 1.0 / height,
@@ -40,11 +40,11 @@ impl Bands {
 
     /// On each site the letter whose band it lies in, of several the one it lies in deepest; the first letter in none.
     /// `heights` are of each letter in turn its face before and its face behind, at every knot.
-    pub fn choice(&self, heights: &[f64]) -> Choice {
+    pub fn assignment(&self, heights: &[f64]) -> Assignment {
         let over = |face: &[f64], shares: &[f64]| face.iter().zip(shares).map(|(y, share)| y * share).sum::<f64>();
         let deepest = |(&row, shares): (&f64, &Vec<f64>)| {
             let mut best = (0.0, 0);
-            for (letter, band) in (1..self.letters).zip(heights.chunks(2 * self.knots)) {
+            for (letter, band) in (1..self.alphabet).zip(heights.chunks(2 * self.knots)) {
                 let (before, behind) = band.split_at(self.knots);
                 let depth = (row - over(before, shares)).min(over(behind, shares) - row);
                 if depth > best.0 {
@@ -56,17 +56,18 @@ impl Bands {
         self.rows.iter().zip(&self.shares).map(deepest).collect()
     }
 
-    /// The heights whose bands come near to a choice: at every knot the mean of where the letter begins and where it ends in the
+    /// The heights whose bands come near to an assignment: at every knot the mean of where the letter begins and where it ends in the
     /// columns around. A band is closed where its letter is not.
-    pub fn fit(&self, choice: &[u8]) -> Vec<f64> {
-        (1..self.letters).flat_map(|letter| self.faces(choice, letter)).collect()
+    pub fn fit(&self, assignment: &[u8]) -> Vec<f64> {
+        (1..self.alphabet).flat_map(|letter| self.faces(assignment, letter)).collect()
     }
 
     /// Of one letter: its face before, then its face behind.
-    fn faces(&self, choice: &[u8], letter: u8) -> Vec<f64> {
+    fn faces(&self, assignment: &[u8], letter: u8) -> Vec<f64> {
         // Of each column, known by its shares, where the letter begins and ends.
         let mut columns: Vec<(&[f64], [f64; 2])> = Vec::new();
-        for ((row, shares), _) in self.rows.iter().zip(&self.shares).zip(choice).filter(|(_, there)| **there == letter)
+        for ((row, shares), _) in
+            self.rows.iter().zip(&self.shares).zip(assignment).filter(|(_, there)| **there == letter)
         {
             let column = match columns.iter().position(|(known, _)| known == shares) {
                 Some(column) => column,
@@ -142,7 +143,7 @@ mod tests {
         }
     }
 
-    /// With a knot on every column any choice of runs is a pair of curves, and is found again exactly; what lies in two bands
+    /// With a knot on every column any assignment of runs is a pair of curves, and is found again exactly; what lies in two bands
     /// goes to the one that it lies in deeper.
     #[test]
     fn bands_are_found_again_from_what_they_paint() {
@@ -153,15 +154,15 @@ mod tests {
             (row, column) if row >= 11 && row + column / 3 < 17 => 2,
             _ => 0,
         };
-        let choice: Choice = space.sites.iter().map(letter).collect();
-        assert_eq!(bands.choice(&bands.fit(&choice)), choice);
+        let assignment: Assignment = space.sites.iter().map(letter).collect();
+        assert_eq!(bands.assignment(&bands.fit(&assignment)), assignment);
         // Letter 1 from row 0 to 12 of 0 to 17, letter 2 from 4 to 17: the middle of 4 and 12 parts them.
         let heights = |row: f64| 2.0 * row / 17.0 - 1.0;
         let level = |from: f64, to: f64| [vec![heights(from); 10], vec![heights(to); 10]].concat();
-        let both = bands.choice(&[level(-0.5, 12.25), level(4.25, 17.5)].concat());
+        let both = bands.assignment(&[level(-0.5, 12.25), level(4.25, 17.5)].concat());
         let parted = |site: &[u32; 3]| if site[0] - 7 <= 8 { 1 } else { 2 };
-        assert_eq!(both, space.sites.iter().map(parted).collect::<Choice>());
+        assert_eq!(both, space.sites.iter().map(parted).collect::<Assignment>());
         // Closed bands leave the first letter.
-        assert_eq!(bands.choice(&bands.fit(&[0; 180])), vec![0; 180]);
+        assert_eq!(bands.assignment(&bands.fit(&[0; 180])), vec![0; 180]);
     }
 }

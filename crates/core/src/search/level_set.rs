@@ -1,18 +1,18 @@
-//! Smooth choices: a low-order field for each letter, and on each site the letter whose field is highest.
+//! Smooth assignments: a low-order field for each letter, and on each site the letter whose field is highest.
 
 use super::cma::cholesky;
 use super::method::{Parameters, Row};
-use super::{Choice, Dice, Painter, Space, painted};
+use super::{Assignment, Parametrisation, Rng, Space, parametric};
 
 /// CMA-ES over the coefficients of level sets, the first from that which is nearest to the start.
 pub(super) const METHOD: Row = Row {
     name: "level-set",
     about: "CMA-ES over low-order fields, whose signs decide each sphere",
-    parameters: Parameters::Fields(Painter::level_sets),
-    ..painted::METHOD
+    parameters: Parameters::Fields(Parametrisation::level_sets),
+    ..parametric::METHOD
 };
 
-/// Half waves each way of a random choice.
+/// Half waves each way of a random assignment.
 const RANDOM_ORDER: usize = 5;
 
 /// The products of `order` cosines each way at every site, across and down and in space along y too: what smooth fields are made of.
@@ -24,7 +24,7 @@ const RANDOM_ORDER: usize = 5;
 pub struct Waves {
     /// How many weights a field takes.
     each: usize,
-    letters: u8,
+    alphabet: u8,
     /// For each site the products, those of the fewest half waves first.
     products: Vec<Vec<f64>>,
 }
@@ -38,7 +38,7 @@ impl Waves {
     /// Over the sites' rectangle, each way up to `order` - 1 half waves.
     pub fn new(space: &Space, order: usize) -> Self {
         let ranges = [space.range(0), space.range(1)];
-        let axis = space.solid.as_ref().map_or(0, |solid| solid.axis);
+        let axis = space.adjacency.as_ref().map_or(0, |adjacency| adjacency.axis);
         let farthest = space.sites.iter().map(|site| site[2].abs_diff(axis)).max().unwrap_or(0).max(1);
         let deep = if space.is_deep() { order } else { 1 };
         let products = |site: &[u32; 3]| {
@@ -55,19 +55,19 @@ impl Waves {
             products
         };
         let each = order * order * deep;
-        Self { each, letters: space.letters, products: space.sites.iter().map(products).collect() }
+        Self { each, alphabet: space.alphabet, products: space.sites.iter().map(products).collect() }
     }
 
-    /// How many weights a choice takes: a field for every letter but the first, whose field is zero.
+    /// How many weights an assignment takes: a field for every letter but the first, whose field is zero.
     pub fn dimension(&self) -> usize {
-        self.each * usize::from(self.letters.max(1) - 1)
+        self.each * usize::from(self.alphabet.max(1) - 1)
     }
 
     /// On each site the letter whose field is highest; of several the first.
-    pub fn choice(&self, weights: &[f64]) -> Choice {
+    pub fn assignment(&self, weights: &[f64]) -> Assignment {
         let highest = |products: &Vec<f64>| {
             let mut best = (0.0, 0);
-            for (letter, field) in (1..self.letters).zip(weights.chunks(self.each)) {
+            for (letter, field) in (1..self.alphabet).zip(weights.chunks(self.each)) {
                 let height: f64 = field.iter().zip(products).map(|(w, p)| w * p).sum();
                 if height > best.0 {
                     best = (height, letter);
@@ -78,9 +78,9 @@ impl Waves {
         self.products.iter().map(highest).collect()
     }
 
-    /// The weights whose fields come nearest to a choice: for each letter the least squares of its field to 1 where it
+    /// The weights whose fields come nearest to an assignment: for each letter the least squares of its field to 1 where it
     /// stands and -1 elsewhere, held small where the sites do not tell.
-    pub fn fit(&self, choice: &[u8]) -> Vec<f64> {
+    pub fn fit(&self, assignment: &[u8]) -> Vec<f64> {
         let n = self.each;
         let mut normal = vec![0.0; n * n];
         for products in &self.products {
@@ -98,7 +98,7 @@ impl Waves {
             let mut x: Vec<f64> = (0..n)
                 .map(|i| {
                     let sign = |&there: &u8| if there == letter { 1.0 } else { -1.0 };
-                    self.products.iter().zip(choice).map(|(p, there)| p[i] * sign(there)).sum()
+                    self.products.iter().zip(assignment).map(|(p, there)| p[i] * sign(there)).sum()
                 })
                 .collect();
             for i in 0..n {
@@ -112,7 +112,7 @@ impl Waves {
             x
         };
         let zero = field(0);
-        (1..self.letters)
+        (1..self.alphabet)
             .flat_map(|letter| {
                 let x = field(letter);
                 // Heights count from that of the first letter's field.
@@ -122,14 +122,15 @@ impl Waves {
     }
 }
 
-/// A smooth random choice: for each letter a random field of up to four half waves each way; the highest field has the site.
-pub fn level_set(space: &Space, dice: &mut Dice) -> Choice {
+/// A smooth random assignment: for each letter a random field of up to four half waves each way; the highest field has the site.
+pub fn level_set(space: &Space, rng: &mut Rng) -> Assignment {
     let waves = Waves::new(space, RANDOM_ORDER);
-    let fields: Vec<Vec<f64>> = (0..space.letters).map(|_| (0..waves.each).map(|_| dice.bell()).collect()).collect();
+    let fields: Vec<Vec<f64>> =
+        (0..space.alphabet).map(|_| (0..waves.each).map(|_| rng.nearly_normal()).collect()).collect();
     // The letters' fields less the first one's, so that all letters are alike.
     let weights: Vec<f64> =
         fields.iter().skip(1).flat_map(|field| field.iter().zip(&fields[0]).map(|(w, first)| w - first)).collect();
-    waves.choice(&weights)
+    waves.assignment(&weights)
 }
 
 /// About cos(m π x), m from 0 on.

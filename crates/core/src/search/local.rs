@@ -2,7 +2,7 @@
 
 use super::method::{Again, Begin, ByTotal, Parameters, Round, Row};
 use super::rounds::BATCH;
-use super::{Choice, Dice, Proof, Search, Space, sane, shifted};
+use super::{Assignment, LocalOptimality, Rng, Search, Space, sane, shifted};
 
 /// Flips of single sites, then of two, from the start; then again and again from the best with rectangles and sites changed at random.
 pub(super) const FLIPS: Row = Row {
@@ -38,8 +38,8 @@ fn first(Begin { space, mut starts, seed, .. }: Begin<'_>, reach: Reach) -> Roun
     Box::new(ByTotal(LocalSearch::new(space, starts.swap_remove(0), None, BATCH, reach, seed)))
 }
 
-fn kicked(Again { space, begun, dice, seed }: Again<'_>, reach: Reach) -> Round {
-    Box::new(ByTotal(LocalSearch::new(space, begun.kicked(space, dice), None, BATCH, reach, seed)))
+fn kicked(Again { space, begun, rng, seed }: Again<'_>, reach: Reach) -> Round {
+    Box::new(ByTotal(LocalSearch::new(space, begun.kicked(space, rng), None, BATCH, reach, seed)))
 }
 
 /// How many sites a local search changes at a time, once no single one helps.
@@ -69,15 +69,15 @@ enum Move {
 }
 
 impl Move {
-    fn apply(self, choice: &mut Choice, letters: u8) {
-        let mut flip = |Flip { site, shift }: Flip| choice[site] = shifted(choice[site], shift, letters);
+    fn apply(self, assignment: &mut Assignment, alphabet: u8) {
+        let mut flip = |Flip { site, shift }: Flip| assignment[site] = shifted(assignment[site], shift, alphabet);
         match self {
             Self::One(a) => flip(a),
             Self::Two(a, b) => {
                 flip(a);
                 flip(b);
             }
-            Self::Exchange([a, b]) => choice.swap(a, b),
+            Self::Exchange([a, b]) => assignment.swap(a, b),
         }
     }
 
@@ -103,14 +103,14 @@ impl Move {
 struct Ring {
     moves: Vec<Move>,
     next: usize,
-    /// Moves of the current choice that are known not to improve it.
+    /// Moves of the current assignment that are known not to improve it.
     failed: usize,
 }
 
 impl Ring {
-    fn new(mut moves: Vec<Move>, dice: &mut Dice) -> Self {
+    fn new(mut moves: Vec<Move>, rng: &mut Rng) -> Self {
         for k in (1..moves.len()).rev() {
-            moves.swap(k, dice.below(k as u64 + 1) as usize);
+            moves.swap(k, rng.below(k as u64 + 1) as usize);
         }
         Self { moves, next: 0, failed: 0 }
     }
@@ -119,7 +119,7 @@ impl Ring {
         self.failed == self.moves.len()
     }
 
-    /// Up to `count` moves that change the choice, and how many were looked at for that.
+    /// Up to `count` moves that change the assignment, and how many were looked at for that.
     fn upcoming(&self, count: usize, current: &[u8]) -> (Vec<Move>, usize) {
         let (mut found, mut seen) = (Vec::new(), 0);
         while found.len() < count && seen < self.moves.len() - self.failed {
@@ -138,23 +138,23 @@ impl Ring {
 }
 
 /// Tries the flips of all sites in a random order that is gone through again and again. Of each batch the best
-/// improvement is taken; where several improve, they are next tried together. When all flips of one choice have
-/// failed, no flip improves it: that choice is 1-opt. Within a longer [`Reach`] two sites are then changed at a time, and the
+/// improvement is taken; where several improve, they are next tried together. When all flips of one assignment have
+/// failed, no flip improves it: that assignment is 1-opt. Within a longer [`Reach`] two sites are then changed at a time, and the
 /// search goes back to flips as soon as that helps. It ends when nothing within reach does.
 #[derive(Clone, Debug)]
 pub struct LocalSearch {
     space: Space,
     batch: usize,
     reach: Reach,
-    current: Choice,
-    /// Of the current choice, once told.
+    current: Assignment,
+    /// Of the current assignment, once told.
     loss: Option<f64>,
     flips: Ring,
     wider: Ring,
-    /// Moves to apply in each choice that was asked for.
+    /// Moves to apply in each assignment that was asked for.
     asked: Vec<Vec<Move>>,
     asking: Asking,
-    /// Other moves that improved the choice before the current one.
+    /// Other moves that improved the assignment before the current one.
     others: Vec<Move>,
 }
 
@@ -167,11 +167,11 @@ enum Asking {
 }
 
 impl LocalSearch {
-    /// Begins at `start`, whose loss may be known; asks for `batch` choices at a time.
-    pub fn new(space: &Space, start: Choice, loss: Option<f64>, batch: usize, reach: Reach, seed: u64) -> Self {
-        let mut dice = Dice::new(seed);
+    /// Begins at `start`, whose loss may be known; asks for `batch` assignments at a time.
+    pub fn new(space: &Space, start: Assignment, loss: Option<f64>, batch: usize, reach: Reach, seed: u64) -> Self {
+        let mut rng = Rng::new(seed);
         let flips: Vec<Flip> = (0..space.sites.len())
-            .flat_map(|site| (1..space.letters.max(1)).map(move |shift| Flip { site, shift }))
+            .flat_map(|site| (1..space.alphabet.max(1)).map(move |shift| Flip { site, shift }))
             .collect();
         let wider = match reach {
             Reach::Flips => Vec::new(),
@@ -185,8 +185,8 @@ impl LocalSearch {
                 pairs
             }
         };
-        let flips = Ring::new(flips.into_iter().map(Move::One).collect(), &mut dice);
-        let wider = Ring::new(wider, &mut dice);
+        let flips = Ring::new(flips.into_iter().map(Move::One).collect(), &mut rng);
+        let wider = Ring::new(wider, &mut rng);
         Self {
             space: space.clone(),
             batch: batch.max(1),
@@ -201,15 +201,15 @@ impl LocalSearch {
         }
     }
 
-    fn with(&self, moves: &[Move]) -> Choice {
-        let mut choice = self.current.clone();
-        moves.iter().for_each(|step| step.apply(&mut choice, self.space.letters));
-        choice
+    fn with(&self, moves: &[Move]) -> Assignment {
+        let mut assignment = self.current.clone();
+        moves.iter().for_each(|step| step.apply(&mut assignment, self.space.alphabet));
+        assignment
     }
 }
 
 impl Search for LocalSearch {
-    fn ask(&mut self) -> Vec<Choice> {
+    fn ask(&mut self) -> Vec<Assignment> {
         let others = std::mem::take(&mut self.others);
         self.asked = if self.loss.is_none() {
             vec![Vec::new()]
@@ -263,17 +263,17 @@ impl Search for LocalSearch {
         }
     }
 
-    fn best(&self) -> Option<(&Choice, f64)> {
+    fn best(&self) -> Option<(&Assignment, f64)> {
         self.loss.map(|loss| (&self.current, loss))
     }
 
-    fn proof(&self) -> Proof {
+    fn local_optimality(&self) -> LocalOptimality {
         if self.loss.is_none() || !self.others.is_empty() || !self.flips.is_done() {
-            Proof::None
+            LocalOptimality::None
         } else if self.reach == Reach::Pairs && self.wider.is_done() {
-            Proof::TwoOpt
+            LocalOptimality::TwoOpt
         } else {
-            Proof::OneOpt
+            LocalOptimality::OneOpt
         }
     }
 }

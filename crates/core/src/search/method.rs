@@ -6,8 +6,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::rounds::Begun;
-use super::{Choice, Dice, Loss, Painter, Search, Space};
-use super::{anneal, curves, genetic, level_set, local, nsga, painted, simplices, swarm};
+use super::{Assignment, Loss, Parametrisation, Rng, Search, Space};
+use super::{anneal, curves, genetic, level_set, local, nsga, parametric, simplices, swarm};
 
 /// All methods, in the order in which they are listed.
 const METHODS: &[&Row] = &[
@@ -19,10 +19,10 @@ const METHODS: &[&Row] = &[
     &anneal::METHOD,
     &level_set::METHOD,
     &curves::METHOD,
-    &painted::METHOD,
+    &parametric::METHOD,
     &simplices::METHOD,
     &swarm::METHOD,
-    &painted::SCREEN,
+    &parametric::SCREEN,
     #[cfg(feature = "bayes")]
     &super::bayes::METHOD,
     &nsga::METHOD,
@@ -37,17 +37,17 @@ pub const ORDER: usize = 6;
 /// A search under way, for as many rounds as there are: see [`Rounds`](super::Rounds).
 pub(super) type Round = Box<dyn Search<Loss> + Send>;
 
-/// A search that goes on from a choice and its loss, with a seed.
-type Improve = fn(&Space, Choice, f64, u64) -> Round;
+/// A search that goes on from an assignment and its loss, with a seed.
+type Improve = fn(&Space, Assignment, f64, u64) -> Round;
 
 /// What a method searches.
 #[derive(Clone, Copy)]
 pub(super) enum Parameters {
     /// The letters themselves.
     Letters,
-    /// Numbers of which letters follow: of so many cosines or knots (`order`), from those that come nearest to a choice.
-    Fields(fn(&Space, usize, &[u8]) -> Painter),
-    /// The numbers of a painter that whoever asks brings along: of a lens family.
+    /// Numbers of which letters follow: of so many cosines or knots (`order`), from those that come nearest to an assignment.
+    Fields(fn(&Space, usize, &[u8]) -> Parametrisation),
+    /// The numbers of a parametrisation that whoever asks brings along: of a lens family.
     Brought,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct Row {
     /// What it does, in a line.
     pub about: &'static str,
     pub parameters: Parameters,
-    /// How many of the best choices so far it begins with, where nobody says.
+    /// How many of the best assignments so far it begins with, where nobody says.
     pub starts: usize,
     /// Whether it can be told how many points to ask for at a time.
     pub takes_batch: bool,
@@ -74,9 +74,9 @@ pub(super) struct Row {
 pub(super) struct Begin<'a> {
     pub space: &'a Space,
     /// At least one.
-    pub starts: Vec<Choice>,
+    pub starts: Vec<Assignment>,
     /// There where the method searches numbers.
-    pub painter: Option<Painter>,
+    pub parametrisation: Option<Parametrisation>,
     pub seed: u64,
 }
 
@@ -84,7 +84,7 @@ pub(super) struct Begin<'a> {
 pub(super) struct Again<'a> {
     pub space: &'a Space,
     pub begun: &'a Begun,
-    pub dice: &'a mut Dice,
+    pub rng: &'a mut Rng,
     pub seed: u64,
 }
 
@@ -115,7 +115,7 @@ impl Method {
         self.0.about
     }
 
-    /// How many of the best choices so far it begins with, where nobody says.
+    /// How many of the best assignments so far it begins with, where nobody says.
     pub fn starts(self) -> usize {
         self.0.starts
     }
@@ -130,13 +130,13 @@ impl Method {
         matches!(self.0.parameters, Parameters::Fields(_))
     }
 
-    /// Whether it searches the parameters of a painter that is to be brought along.
-    pub fn takes_painter(self) -> bool {
+    /// Whether it searches the parameters of a parametrisation that is to be brought along.
+    pub fn takes_parametrisation(self) -> bool {
         matches!(self.0.parameters, Parameters::Brought)
     }
 
     /// What it searches beside letters, from a start: fields of an order; none where it searches letters, or what is brought along.
-    pub fn fields(self, space: &Space, order: usize, start: &[u8]) -> Option<Painter> {
+    pub fn fields(self, space: &Space, order: usize, start: &[u8]) -> Option<Parametrisation> {
         match self.0.parameters {
             Parameters::Fields(make) => Some(make(space, order, start)),
             Parameters::Letters | Parameters::Brought => None,
@@ -192,17 +192,17 @@ impl FromStr for Method {
 pub(super) struct ByTotal<S>(pub S);
 
 impl<S: Search> Search<Loss> for ByTotal<S> {
-    fn ask(&mut self) -> Vec<Choice> {
+    fn ask(&mut self) -> Vec<Assignment> {
         self.0.ask()
     }
     fn tell(&mut self, losses: &[Loss]) {
         self.0.tell(&losses.iter().map(|loss| loss.total).collect::<Vec<_>>());
     }
-    fn best(&self) -> Option<(&Choice, f64)> {
+    fn best(&self) -> Option<(&Assignment, f64)> {
         self.0.best()
     }
-    fn proof(&self) -> super::Proof {
-        self.0.proof()
+    fn local_optimality(&self) -> super::LocalOptimality {
+        self.0.local_optimality()
     }
     fn restarts(&self) -> u64 {
         self.0.restarts()

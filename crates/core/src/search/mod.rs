@@ -1,6 +1,6 @@
 //! Search on discrete designs by ask and tell. Numbers only: what a letter means and where a loss comes from is the caller's.
 //!
-//! A [`Choice`] gives each of a [`Space`]'s sites one letter of a small alphabet. A [`Search`] is asked for choices and told
+//! A [`Assignment`] gives each of a [`Space`]'s sites one letter of a small alphabet. A [`Search`] is asked for assignments and told
 //! their losses, of which less is better. Everything follows from the seed and the losses told: neither threads nor a
 //! clock have a say.
 //!
@@ -8,7 +8,7 @@
 //! - `anneal`: simulated annealing; `climb`: the same at low temperature, screened by a cheap score before a costly one decides;
 //!   `beside`: who stands beside whom, in a hexagonal sheet or in space
 //! - `genetic`: a population that exchanges rectangles; `breed`: how it has children
-//! - `cma`: CMA-ES on real parameters; `painted`: choices that follow from such; `level_set`: low-order fields, whose signs
+//! - `cma`: CMA-ES on real parameters; `parametric`: assignments that follow from such; `level_set`: low-order fields, whose signs
 //!   decide each site; `curves`: bands between two free curves
 //! - `bayes` (with the feature of that name): Bayesian optimisation of real parameters, for few and costly evaluations
 //! - `simplices`, `swarm`: other ways to search real parameters, by argmin; `lockstep`: its solvers by ask and tell
@@ -30,7 +30,7 @@ mod local;
 mod lockstep;
 mod method;
 mod nsga;
-mod painted;
+mod parametric;
 mod rounds;
 mod simplices;
 mod swarm;
@@ -47,7 +47,7 @@ pub use level_set::{Waves, level_set};
 pub use local::{LocalSearch, Reach};
 pub use method::{Method, MethodError, ORDER};
 pub use nsga::Nsga;
-pub use painted::{BATCH, Driver, Guess, Paint, Painted, Painter};
+pub use parametric::{BATCH, Decode, Optimizer, Parametric, Parametrisation, Surrogate};
 pub use rounds::Rounds;
 pub use simplices::Simplices;
 pub use swarm::Swarm;
@@ -55,10 +55,10 @@ pub use swarm::Swarm;
 use crate::real::Number;
 
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use rand_xoshiro::rand_core::{Rng as _, SeedableRng};
 
 /// A letter for each site.
-pub type Choice = Vec<u8>;
+pub type Assignment = Vec<u8>;
 
 /// What can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,14 +66,14 @@ pub struct Space {
     /// Row and column of each site; in space its layer, and its place along x and along y.
     pub sites: Vec<[u32; 3]>,
     /// Size of the alphabet; letters count from 0.
-    pub letters: u8,
+    pub alphabet: u8,
     /// What a crystal in space has beside; none of a hexagonal sheet, where neighbours follow from rows and columns.
-    pub solid: Option<Solid>,
+    pub adjacency: Option<Adjacency>,
 }
 
 /// How the sites of a crystal in space lie to each other.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Solid {
+pub struct Adjacency {
     /// Where the axis is along y: what is as far from it on both sides is alike to smooth fields.
     pub axis: u32,
     /// For each site and each direction the site that a step leads to, where that may change.
@@ -82,8 +82,8 @@ pub struct Solid {
 
 impl Space {
     /// Of a hexagonal sheet: row and column of each site, both from 1 on, and the size of the alphabet.
-    pub fn sheet(sites: impl IntoIterator<Item = [u32; 2]>, letters: u8) -> Self {
-        Self { sites: sites.into_iter().map(|[row, column]| [row, column, 0]).collect(), letters, solid: None }
+    pub fn sheet(sites: impl IntoIterator<Item = [u32; 2]>, alphabet: u8) -> Self {
+        Self { sites: sites.into_iter().map(|[row, column]| [row, column, 0]).collect(), alphabet, adjacency: None }
     }
 
     /// Whether sites differ along y.
@@ -91,20 +91,20 @@ impl Space {
         self.sites.iter().any(|site| site[2] != self.sites[0][2])
     }
 
-    /// Number of choices that differ from a given one in one site.
+    /// Number of assignments that differ from a given one in one site.
     pub fn flips(&self) -> usize {
-        self.sites.len() * usize::from(self.letters.max(1) - 1)
+        self.sites.len() * usize::from(self.alphabet.max(1) - 1)
     }
 
     /// Any letter on any site, without regard to its neighbours.
-    pub fn random(&self, dice: &mut Dice) -> Choice {
-        self.sites.iter().map(|_| dice.below(u64::from(self.letters)) as u8).collect()
+    pub fn random(&self, rng: &mut Rng) -> Assignment {
+        self.sites.iter().map(|_| rng.below(u64::from(self.alphabet)) as u8).collect()
     }
 
     /// The sites of a random rectangle, in space a box, that holds at least one, with sides of at most `most` rows and columns.
-    fn rectangle(&self, dice: &mut Dice, most: u32) -> Vec<usize> {
-        let [row, column, place] = self.sites[dice.below(self.sites.len() as u64) as usize];
-        let mut side = || dice.below(u64::from(most.max(1))) as u32;
+    fn rectangle(&self, rng: &mut Rng, most: u32) -> Vec<usize> {
+        let [row, column, place] = self.sites[rng.below(self.sites.len() as u64) as usize];
+        let mut side = || rng.below(u64::from(most.max(1))) as u32;
         let (up, down, left, right) = (side() / 2, side() / 2, side() / 2, side() / 2);
         let [before, behind] = if self.is_deep() { [side() / 2, side() / 2] } else { [0, 0] };
         let holds = |&[r, c, p]: &[u32; 3]| {
@@ -116,9 +116,9 @@ impl Space {
     }
 
     /// The sites of a random rectangle, in space a box, around a site, at most `reach` rows and columns to each side.
-    fn around(&self, middle: usize, dice: &mut Dice, reach: u32) -> Vec<usize> {
+    fn around(&self, middle: usize, rng: &mut Rng, reach: u32) -> Vec<usize> {
         let [row, column, place] = self.sites[middle];
-        let mut side = || dice.below(u64::from(reach)) as u32;
+        let mut side = || rng.below(u64::from(reach)) as u32;
         let (up, across) = (side(), side());
         let along = if self.is_deep() { side() } else { 0 };
         let near =
@@ -152,21 +152,21 @@ impl Space {
     }
 
     /// Gives one site another letter.
-    fn flip(&self, choice: &mut Choice, dice: &mut Dice) {
-        if self.letters > 1 {
-            let i = dice.below(choice.len() as u64) as usize;
-            let shift = 1 + dice.below(u64::from(self.letters) - 1) as u8;
-            choice[i] = shifted(choice[i], shift, self.letters);
+    fn flip(&self, assignment: &mut Assignment, rng: &mut Rng) {
+        if self.alphabet > 1 {
+            let i = rng.below(assignment.len() as u64) as usize;
+            let shift = 1 + rng.below(u64::from(self.alphabet) - 1) as u8;
+            assignment[i] = shifted(assignment[i], shift, self.alphabet);
         }
     }
 }
 
 /// The letter that stands `shift` further on in the alphabet, which is a ring.
-fn shifted(letter: u8, shift: u8, letters: u8) -> u8 {
-    ((u16::from(letter) + u16::from(shift)) % u16::from(letters)) as u8
+fn shifted(letter: u8, shift: u8, alphabet: u8) -> u8 {
+    ((u16::from(letter) + u16::from(shift)) % u16::from(alphabet)) as u8
 }
 
-/// What a choice costs, where more than one number counts; less is better.
+/// What an assignment costs, where more than one number counts; less is better.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loss {
     /// All in one number, penalties for missed limits included.
@@ -178,7 +178,7 @@ pub struct Loss {
 }
 
 impl Loss {
-    /// Of a choice that failed.
+    /// Of an assignment that failed.
     pub fn failed() -> Self {
         Self { total: f64::INFINITY, miss: f64::INFINITY, parts: Vec::new() }
     }
@@ -189,9 +189,9 @@ impl Loss {
     }
 }
 
-/// What is known of the best choice's neighbours.
+/// What is known of the best assignment's neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Proof {
+pub enum LocalOptimality {
     /// Nothing.
     #[default]
     None,
@@ -201,17 +201,17 @@ pub enum Proof {
     TwoOpt,
 }
 
-/// Asked for choices, told their losses: one number each, or a [`Loss`] of several parts.
+/// Asked for assignments, told their losses: one number each, or a [`Loss`] of several parts.
 pub trait Search<L = f64> {
-    /// The choices whose losses are wanted next; none when the search has ended.
-    fn ask(&mut self) -> Vec<Choice>;
+    /// The assignments whose losses are wanted next; none when the search has ended.
+    fn ask(&mut self) -> Vec<Assignment>;
     /// The losses of what was asked for last, in its order; less is better. A failed one is infinite or not a number.
     fn tell(&mut self, losses: &[L]);
-    /// The best choice so far, and its loss.
-    fn best(&self) -> Option<(&Choice, f64)>;
-    /// What is known of the best choice's neighbours.
-    fn proof(&self) -> Proof {
-        Proof::None
+    /// The best assignment so far, and its loss.
+    fn best(&self) -> Option<(&Assignment, f64)>;
+    /// What is known of the best assignment's neighbours.
+    fn local_optimality(&self) -> LocalOptimality {
+        LocalOptimality::None
     }
     /// How often it has begun anew by itself.
     fn restarts(&self) -> u64 {
@@ -221,9 +221,9 @@ pub trait Search<L = f64> {
 
 /// Random numbers from raw outputs of xoshiro256++, so that they are the same on every platform.
 #[derive(Clone, Debug)]
-pub struct Dice(Xoshiro256PlusPlus);
+pub struct Rng(Xoshiro256PlusPlus);
 
-impl Dice {
+impl Rng {
     /// From a seed.
     pub fn new(seed: u64) -> Self {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
@@ -241,11 +241,11 @@ impl Dice {
 
     /// A number from 0 to 1.
     pub fn unit(&mut self) -> f64 {
-        crate::chance::fraction(&mut self.0)
+        crate::stats::fraction(&mut self.0)
     }
 
     /// The sum of twelve such less six: close to a normal deviate, from sums only.
-    pub fn bell(&mut self) -> f64 {
+    pub fn nearly_normal(&mut self) -> f64 {
         (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
     }
 }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::breed::{brood, first};
 use super::front::{crowding, ranks};
 use super::method::{Begin, Parameters, Row};
-use super::{Choice, Dice, Loss, Search, Space, knee};
+use super::{Assignment, Loss, Rng, Search, Space, knee};
 
 /// For several losses.
 pub(super) const METHOD: Row = Row {
@@ -19,7 +19,7 @@ pub(super) const METHOD: Row = Row {
     again: None,
 };
 
-/// How many members; how many choices of the first population and of each generation are asked for.
+/// How many members; how many assignments of the first population and of each generation are asked for.
 const MEMBERS: usize = 96;
 const FIRST: usize = 192;
 const CHILDREN: usize = 32;
@@ -30,25 +30,25 @@ const CHILDREN: usize = 32;
 #[derive(Clone, Debug)]
 pub struct Nsga {
     space: Space,
-    dice: Dice,
-    choices: Vec<Choice>,
+    rng: Rng,
+    assignments: Vec<Assignment>,
     losses: Vec<Loss>,
     /// Rank, and crowding distance within the rank, of each member.
     standing: Vec<(usize, f64)>,
-    asked: Vec<Choice>,
-    known: HashSet<Choice>,
-    given: Vec<Choice>,
+    asked: Vec<Assignment>,
+    known: HashSet<Assignment>,
+    given: Vec<Assignment>,
     begun: bool,
     knee: Option<usize>,
 }
 
 impl Nsga {
     /// Begins with `given` among its first population.
-    pub fn new(space: &Space, given: Vec<Choice>, seed: u64) -> Self {
+    pub fn new(space: &Space, given: Vec<Assignment>, seed: u64) -> Self {
         Self {
             space: space.clone(),
-            dice: Dice::new(seed),
-            choices: Vec::new(),
+            rng: Rng::new(seed),
+            assignments: Vec::new(),
             losses: Vec::new(),
             standing: Vec::new(),
             asked: Vec::new(),
@@ -71,43 +71,43 @@ impl Nsga {
         order.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2)));
         order.truncate(MEMBERS);
         self.standing = order.iter().map(|&(rank, apart, _)| (rank, apart)).collect();
-        self.choices = order.iter().map(|&(_, _, k)| self.choices[k].clone()).collect();
+        self.assignments = order.iter().map(|&(_, _, k)| self.assignments[k].clone()).collect();
         self.losses = order.iter().map(|&(_, _, k)| self.losses[k].clone()).collect();
         let front: Vec<Vec<f64>> = self.front().map(|(_, loss)| loss.parts.clone()).collect();
         self.knee = knee(&front);
     }
 
     /// The members that no other dominates.
-    pub fn front(&self) -> impl Iterator<Item = (&Choice, &Loss)> {
-        let of = self.choices.iter().zip(&self.losses).zip(&self.standing);
+    pub fn front(&self) -> impl Iterator<Item = (&Assignment, &Loss)> {
+        let of = self.assignments.iter().zip(&self.losses).zip(&self.standing);
         of.filter(|(_, (rank, _))| *rank == 0).map(|(member, _)| member)
     }
 }
 
 impl Search<Loss> for Nsga {
-    fn ask(&mut self) -> Vec<Choice> {
+    fn ask(&mut self) -> Vec<Assignment> {
         self.asked.clear();
         if !self.begun {
             self.begun = true;
             let given = std::mem::take(&mut self.given);
-            self.asked = first(&self.space, &mut self.dice, given, FIRST, &mut self.known);
-        } else if !self.choices.is_empty() {
-            let (choices, standing) = (&self.choices, &self.standing);
-            self.asked = brood(&self.space, &mut self.dice, CHILDREN, &mut self.known, |dice| {
-                let mut pick = || dice.below(choices.len() as u64) as usize;
+            self.asked = first(&self.space, &mut self.rng, given, FIRST, &mut self.known);
+        } else if !self.assignments.is_empty() {
+            let (assignments, standing) = (&self.assignments, &self.standing);
+            self.asked = brood(&self.space, &mut self.rng, CHILDREN, &mut self.known, |rng| {
+                let mut pick = || rng.below(assignments.len() as u64) as usize;
                 let (a, b) = (pick(), pick());
                 let ((rank_a, apart_a), (rank_b, apart_b)) = (standing[a], standing[b]);
-                &choices[if rank_b < rank_a || (rank_b == rank_a && apart_b > apart_a) { b } else { a }]
+                &assignments[if rank_b < rank_a || (rank_b == rank_a && apart_b > apart_a) { b } else { a }]
             });
         }
         self.asked.clone()
     }
 
     fn tell(&mut self, losses: &[Loss]) {
-        for (choice, loss) in self.asked.drain(..).zip(losses) {
+        for (assignment, loss) in self.asked.drain(..).zip(losses) {
             // What failed cannot stand on a front.
             if loss.is_finite() {
-                self.choices.push(choice);
+                self.assignments.push(assignment);
                 self.losses.push(loss.clone());
             }
         }
@@ -115,8 +115,8 @@ impl Search<Loss> for Nsga {
     }
 
     /// The knee of the front, with its total.
-    fn best(&self) -> Option<(&Choice, f64)> {
-        let (choice, loss) = self.front().nth(self.knee?)?;
-        Some((choice, loss.total))
+    fn best(&self) -> Option<(&Assignment, f64)> {
+        let (assignment, loss) = self.front().nth(self.knee?)?;
+        Some((assignment, loss.total))
     }
 }

@@ -1,35 +1,35 @@
 //! Methods: each kind of search, begun anew whenever it has ended.
 
 use super::method::{Again, Begin, ORDER, Parameters, Round};
-use super::{Choice, Dice, Loss, Method, Painter, Proof, Search, Space, sane};
+use super::{Assignment, LocalOptimality, Loss, Method, Parametrisation, Rng, Search, Space, sane};
 
 /// Choices that a local search asks for at a time: two registers of eight.
 pub(super) const BATCH: usize = 16;
 
 /// What rounds so far have found.
 pub(super) struct Begun {
-    best: Option<(Choice, f64)>,
+    best: Option<(Assignment, f64)>,
 }
 
 impl Begun {
     /// The best so far, or what there is without one.
-    pub fn so_far(&self, space: &Space) -> Choice {
-        self.best.as_ref().map_or_else(|| vec![0; space.sites.len()], |(choice, _)| choice.clone())
+    pub fn so_far(&self, space: &Space) -> Assignment {
+        self.best.as_ref().map_or_else(|| vec![0; space.sites.len()], |(assignment, _)| assignment.clone())
     }
 
     /// The best with rectangles and sites changed at random.
-    pub fn kicked(&self, space: &Space, dice: &mut Dice) -> Choice {
-        let mut choice = self.so_far(space);
-        for _ in 0..1 + dice.below(3) {
-            let letter = dice.below(u64::from(space.letters)) as u8;
-            for site in space.rectangle(dice, 6) {
-                choice[site] = letter;
+    pub fn kicked(&self, space: &Space, rng: &mut Rng) -> Assignment {
+        let mut assignment = self.so_far(space);
+        for _ in 0..1 + rng.below(3) {
+            let letter = rng.below(u64::from(space.alphabet)) as u8;
+            for site in space.rectangle(rng, 6) {
+                assignment[site] = letter;
             }
         }
-        for _ in 0..1 + dice.below(1 + space.sites.len() as u64 / 30) {
-            space.flip(&mut choice, dice);
+        for _ in 0..1 + rng.below(1 + space.sites.len() as u64 / 30) {
+            space.flip(&mut assignment, rng);
         }
-        choice
+        assignment
     }
 }
 
@@ -37,36 +37,54 @@ impl Begun {
 pub struct Rounds {
     method: Method,
     space: Space,
-    dice: Dice,
+    rng: Rng,
     round: Round,
     /// Whether the second part of a round is under way.
     improving: bool,
-    asked: Vec<Choice>,
+    asked: Vec<Assignment>,
     begun: Begun,
-    proof: Proof,
+    local_optimality: LocalOptimality,
     /// Rounds that have ended.
     ended: u64,
 }
 
 impl Rounds {
     /// Begins with `starts`, of which those that need one take the first; it is the first letter everywhere where there is none.
-    /// `painter` is what methods search that have fields, or that take what is brought along; without one they search fields
+    /// `parametrisation` is what methods search that have fields, or that take what is brought along; without one they search fields
     /// of [`ORDER`], level sets where it is not theirs to say.
-    pub fn new(method: Method, space: &Space, mut starts: Vec<Choice>, painter: Option<Painter>, seed: u64) -> Self {
-        let mut dice = Dice::new(seed);
+    pub fn new(
+        method: Method,
+        space: &Space,
+        mut starts: Vec<Assignment>,
+        parametrisation: Option<Parametrisation>,
+        seed: u64,
+    ) -> Self {
+        let mut rng = Rng::new(seed);
         if starts.is_empty() {
             starts.push(vec![0; space.sites.len()]);
         }
-        let seed = dice.bits();
+        let seed = rng.bits();
         let row = method.row();
-        let painter = match row.parameters {
+        let parametrisation = match row.parameters {
             Parameters::Letters => None,
-            Parameters::Fields(make) => Some(painter.unwrap_or_else(|| make(space, ORDER, &starts[0]))),
-            Parameters::Brought => Some(painter.unwrap_or_else(|| Painter::level_sets(space, ORDER, &starts[0]))),
+            Parameters::Fields(make) => Some(parametrisation.unwrap_or_else(|| make(space, ORDER, &starts[0]))),
+            Parameters::Brought => {
+                Some(parametrisation.unwrap_or_else(|| Parametrisation::level_sets(space, ORDER, &starts[0])))
+            }
         };
-        let round = (row.begin)(Begin { space, starts, painter, seed });
+        let round = (row.begin)(Begin { space, starts, parametrisation, seed });
         let (space, begun) = (space.clone(), Begun { best: None });
-        Self { method, space, dice, round, improving: false, asked: Vec::new(), begun, proof: Proof::None, ended: 0 }
+        Self {
+            method,
+            space,
+            rng,
+            round,
+            improving: false,
+            asked: Vec::new(),
+            begun,
+            local_optimality: LocalOptimality::None,
+            ended: 0,
+        }
     }
 
     /// Rounds that have ended.
@@ -79,25 +97,25 @@ impl Rounds {
 
     /// What comes after what has just ended; none if that was the last.
     fn next_round(&mut self) -> Option<Round> {
-        let seed = self.dice.bits();
+        let seed = self.rng.bits();
         let row = self.method.row();
         if let (Some(improve), false) = (row.improve, self.improving)
-            && let Some((choice, loss)) = self.round.best()
+            && let Some((assignment, loss)) = self.round.best()
         {
             self.improving = true;
-            return Some(improve(&self.space, choice.clone(), loss, seed));
+            return Some(improve(&self.space, assignment.clone(), loss, seed));
         }
         self.improving = false;
         self.ended += 1;
-        let Self { space, begun, dice, .. } = self;
-        row.again.map(|again| again(Again { space, begun, dice, seed }))
+        let Self { space, begun, rng, .. } = self;
+        row.again.map(|again| again(Again { space, begun, rng, seed }))
     }
 }
 
 impl Search<Loss> for Rounds {
-    fn ask(&mut self) -> Vec<Choice> {
+    fn ask(&mut self) -> Vec<Assignment> {
         if self.space.flips() == 0 {
-            // One choice only.
+            // One assignment only.
             self.asked = if self.begun.best.is_none() { vec![vec![0; self.space.sites.len()]] } else { Vec::new() };
             return self.asked.clone();
         }
@@ -115,25 +133,25 @@ impl Search<Loss> for Rounds {
         if self.space.flips() > 0 {
             self.round.tell(losses);
         }
-        for (choice, loss) in self.asked.drain(..).zip(losses) {
+        for (assignment, loss) in self.asked.drain(..).zip(losses) {
             let loss = sane(loss.total);
             if self.begun.best.as_ref().is_none_or(|(_, best)| loss < *best) {
-                self.begun.best = Some((choice, loss));
-                self.proof = Proof::None;
+                self.begun.best = Some((assignment, loss));
+                self.local_optimality = LocalOptimality::None;
             }
         }
         if let Some((best, _)) = &self.begun.best
-            && self.round.best().is_some_and(|(choice, _)| choice == best)
+            && self.round.best().is_some_and(|(assignment, _)| assignment == best)
         {
-            self.proof = self.proof.max(self.round.proof());
+            self.local_optimality = self.local_optimality.max(self.round.local_optimality());
         }
     }
 
-    fn best(&self) -> Option<(&Choice, f64)> {
-        self.begun.best.as_ref().map(|(choice, loss)| (choice, *loss))
+    fn best(&self) -> Option<(&Assignment, f64)> {
+        self.begun.best.as_ref().map(|(assignment, loss)| (assignment, *loss))
     }
 
-    fn proof(&self) -> Proof {
-        self.proof
+    fn local_optimality(&self) -> LocalOptimality {
+        self.local_optimality
     }
 }

@@ -5,14 +5,14 @@ use argmin::solver::neldermead::NelderMead;
 
 use super::lockstep::Lockstep;
 use super::method::Row;
-use super::{Dice, Driver, painted, sane};
+use super::{Optimizer, Rng, parametric, sane};
 
-/// Over the parameters of a painter.
+/// Over the parameters of a parametrisation.
 pub(super) const METHOD: Row = Row {
     name: "lens-family-simplex",
     about: "Nelder-Mead over the lens family's parameters, several simplices side by side",
-    begin: |begin| painted::by(begin, Driver::Simplices),
-    ..painted::METHOD
+    begin: |begin| parametric::by(begin, Optimizer::Simplices),
+    ..parametric::METHOD
 };
 
 /// How many at a time: a register of them.
@@ -36,7 +36,7 @@ enum Place {
 pub struct Simplices {
     bounds: Vec<[f64; 2]>,
     spread: f64,
-    dice: Dice,
+    rng: Rng,
     places: Vec<Place>,
     /// How many points each of them asked for.
     asked: Vec<usize>,
@@ -48,7 +48,7 @@ impl Simplices {
     /// `spread` along the parameters.
     pub fn new(start: &[f64], bounds: Vec<[f64; 2]>, spread: f64, seed: u64) -> Self {
         let mut simplices =
-            Self { bounds, spread, dice: Dice::new(seed), places: Vec::new(), asked: Vec::new(), restarts: 0 };
+            Self { bounds, spread, rng: Rng::new(seed), places: Vec::new(), asked: Vec::new(), restarts: 0 };
         let first = simplices.corners(start.to_vec());
         simplices.places.push(Place::Corners(first));
         for _ in 1..BESIDE {
@@ -64,8 +64,8 @@ impl Simplices {
     }
 
     fn anywhere(&mut self) -> Place {
-        let (bounds, dice) = (&self.bounds, &mut self.dice);
-        let middle = bounds.iter().map(|[from, to]| from + (to - from) * dice.unit()).collect();
+        let (bounds, rng) = (&self.bounds, &mut self.rng);
+        let middle = bounds.iter().map(|[from, to]| from + (to - from) * rng.unit()).collect();
         Place::Corners(self.corners(middle))
     }
 

@@ -7,14 +7,14 @@ use rand_xoshiro_of_argmin::rand_core::SeedableRng;
 
 use super::lockstep::Lockstep;
 use super::method::Row;
-use super::{Dice, Driver, painted, sane};
+use super::{Optimizer, Rng, parametric, sane};
 
-/// Over the parameters of a painter.
+/// Over the parameters of a parametrisation.
 pub(super) const METHOD: Row = Row {
     name: "lens-family-swarm",
     about: "a particle swarm over the lens family's parameters",
-    begin: |begin| painted::by(begin, Driver::Swarm),
-    ..painted::METHOD
+    begin: |begin| parametric::by(begin, Optimizer::Swarm),
+    ..parametric::METHOD
 };
 
 /// Particles: two registers of eight.
@@ -30,7 +30,7 @@ type Swarming =
 /// come together it begins anew with all of them anywhere.
 pub struct Swarm {
     bounds: Vec<[f64; 2]>,
-    dice: Dice,
+    rng: Rng,
     /// Where the particles of a swarm begin, until their losses are told.
     first: Vec<Vec<f64>>,
     swarming: Option<Swarming>,
@@ -40,7 +40,7 @@ pub struct Swarm {
 impl Swarm {
     /// Within `bounds`, a lower and an upper one for each parameter.
     pub fn new(start: &[f64], bounds: Vec<[f64; 2]>, seed: u64) -> Self {
-        let mut swarm = Self { bounds, dice: Dice::new(seed), first: Vec::new(), swarming: None, restarts: 0 };
+        let mut swarm = Self { bounds, rng: Rng::new(seed), first: Vec::new(), swarming: None, restarts: 0 };
         swarm.first = (0..PARTICLES).map(|_| swarm.anywhere()).collect();
         swarm.first[0] = start.iter().zip(&swarm.bounds).map(|(x, [from, to])| x.clamp(*from, *to)).collect();
         swarm
@@ -53,8 +53,8 @@ impl Swarm {
 
     /// A point within the bounds.
     fn anywhere(&mut self) -> Vec<f64> {
-        let dice = &mut self.dice;
-        self.bounds.iter().map(|[from, to]| from + (to - from) * dice.unit()).collect()
+        let rng = &mut self.rng;
+        self.bounds.iter().map(|[from, to]| from + (to - from) * rng.unit()).collect()
     }
 
     /// The points whose losses are wanted next.
@@ -92,7 +92,7 @@ impl Swarm {
             .collect();
         let bounds = self.bounds.iter().map(|[from, to]| (*from, *to)).unzip();
         let solver = ParticleSwarm::new(bounds, particles.len())
-            .with_rng_generator(Xoshiro256PlusPlus::seed_from_u64(self.dice.bits()));
+            .with_rng_generator(Xoshiro256PlusPlus::seed_from_u64(self.rng.bits()));
         self.swarming = Lockstep::new(solver, PopulationState::new().population(particles), &[]);
     }
 

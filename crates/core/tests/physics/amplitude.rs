@@ -45,7 +45,7 @@ fn simulated<const D: usize>(
     let lightest = materials.map(|m| m.sphere_mass(diameter)).into_iter().fold(f64::INFINITY, f64::min);
     // Unloading contacts are stiffer by far than the plastic ones; 1/300 of their time leaves 1e-3 of the speed.
     let step = 0.01 * (lightest / limit.stiffness).sqrt();
-    let mut simulation = Simulation::new(rig, step).unwrap().watching(vec![Arrival::FirstSphere(0.1)]);
+    let mut simulation = Simulation::new(rig, step).unwrap().recording(vec![Arrival::FirstSphere(0.1)]);
     let go = Context::default();
     let [from, to] =
         [8, 20].map(|layer| (0..crystal.sites().len()).find(|&k| crystal.sites()[k].layer == layer).unwrap());

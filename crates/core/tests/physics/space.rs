@@ -8,7 +8,7 @@ use granulens_core::lattice::{Block, BlockSide, Cell, Crystal, CrystalSite, Laye
 use granulens_core::real::Width as Lanes;
 use granulens_core::sample::{Sample, Sphere};
 use granulens_core::score::Scores;
-use granulens_core::target::{Focus, Solid, Target};
+use granulens_core::target::{Focus, SpaceRegion, Target};
 
 use crate::problem::{DIAMETER, run};
 use crate::reference::{Table, difference, material};
@@ -144,7 +144,7 @@ impl Lens {
 
     /// F and P of the reference's regions, 19 and 266 spheres.
     fn scores(&self, max_kinetic: &[f64]) -> Scores {
-        let ring = |r: [f64; 2]| Solid::Cylinder { layers: [15, 17], r: r.map(|r| r * DIAMETER) };
+        let ring = |r: [f64; 2]| SpaceRegion::Cylinder { layers: [15, 17], r: r.map(|r| r * DIAMETER) };
         let target = Target { foci: vec![Focus { region: ring([0.0, 1.5]), share: 1.0 }], protect: ring([5.0, 7.0]) };
         let sites = target.on(&self.block);
         assert_eq!((sites.focal.len(), sites.protected.len()), (19, 266));
@@ -184,15 +184,17 @@ fn a_lens_of_revolution_in_lanes_is_within_the_tolerances_of_another_integrator(
     let never = Context::default();
     let impact = Impact { integrator: Integrator::Adams, step: 1e-7, window: 150e-6, ..lens.impact() };
     let samples = [lens.sample(true), lens.sample(false)];
-    let briefs = simulate_batch(&samples, &impact, Lanes::widest(), &never).unwrap();
-    assert!(briefs.iter().all(|brief| brief.stop.is_none()), "{:?}", briefs[0].stop);
+    let peak_energies = simulate_batch(&samples, &impact, Lanes::widest(), &never).unwrap();
+    assert!(peak_energies.iter().all(|peaks| peaks.stop.is_none()), "{:?}", peak_energies[0].stop);
     // And by its rows.
     let by_rows = |sample: &Sample<3>| {
         let mut bulk = Bulk::new(sample, &impact, Recording::default(), Lanes::widest()).unwrap();
         bulk.advance(1500, &never).unwrap();
         bulk.max_kinetic()
     };
-    for max_kinetic in [[0, 1].map(|k| briefs[k].max_kinetic.clone()), [by_rows(&samples[0]), by_rows(&samples[1])]] {
+    for max_kinetic in
+        [[0, 1].map(|k| peak_energies[k].max_kinetic.clone()), [by_rows(&samples[0]), by_rows(&samples[1])]]
+    {
         let off = lens.differences(&max_kinetic[0], "maxKE_150us");
         let most = *off.last().unwrap();
         let usual = off[off.len() * 99 / 100];
@@ -212,9 +214,9 @@ fn a_lens_of_revolution_in_lanes_is_within_the_tolerances_of_another_integrator(
     }
     // A short run says as much of bits and symmetry.
     let impact = Impact { window: 40e-6, ..impact };
-    let briefs = simulate_batch(&samples, &impact, Lanes::widest(), &never).unwrap();
+    let peak_energies = simulate_batch(&samples, &impact, Lanes::widest(), &never).unwrap();
     let alone = run(&samples[0], &impact);
-    assert_eq!(briefs[0].max_kinetic, alone.max_kinetic);
+    assert_eq!(peak_energies[0].max_kinetic, alone.max_kinetic);
 
     let (mut whole, mut images) = (samples[0].clone(), Vec::new());
     whole.spheres.clear();

@@ -81,9 +81,9 @@ fn a_pulse_for_each_sample_is_that_of_single_runs() {
         .collect();
     for width in Width::available() {
         let batch = simulate_batch_under(&samples, &impact, &pulses, None, None, width, &never).unwrap();
-        for (k, brief) in batch.into_iter().enumerate() {
-            assert_eq!(brief.stop, None);
-            assert!(brief.max_kinetic == alone[k], "{width:?}, design {k}");
+        for (k, peaks) in batch.into_iter().enumerate() {
+            assert_eq!(peaks.stop, None);
+            assert!(peaks.max_kinetic == alone[k], "{width:?}, design {k}");
         }
     }
 }
@@ -134,9 +134,9 @@ fn contacts_that_arise_later_are_the_same_in_every_company() {
     let shuffled: Vec<Sample<2>> = order.iter().map(|&k| samples[k].clone()).collect();
     for (order, samples) in [((0..samples.len()).collect(), &samples), (order, &shuffled)] {
         let batch = simulate_batch(samples, &impact, Width::widest(), &never).unwrap();
-        for (k, brief) in order.into_iter().zip(batch) {
-            assert_eq!(brief.stop, records[k].stop, "design {k}");
-            assert!(brief.max_kinetic == records[k].max_kinetic, "design {k}, {arose:?}");
+        for (k, peaks) in order.into_iter().zip(batch) {
+            assert_eq!(peaks.stop, records[k].stop, "design {k}");
+            assert!(peaks.max_kinetic == records[k].max_kinetic, "design {k}, {arose:?}");
         }
     }
 }

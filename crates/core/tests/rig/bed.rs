@@ -36,7 +36,7 @@ pub fn bed(speed: f64, kt: f64) -> Rig<2> {
     rig.velocity[intruder] = [0.0, -speed];
     rig.gravity = [0.0, -std::f64::consts::PI.powi(2) / (2.0 * STIFFNESS_RATIO)];
     rig.periods = [Some(100.0), None];
-    (rig.squeezed, rig.residual_limit, rig.overlap_limit) = (true, 0.05, Some(0.9));
+    (rig.precompressed, rig.residual_limit, rig.overlap_limit) = (true, 0.05, Some(0.9));
     rig
 }
 

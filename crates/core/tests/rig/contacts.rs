@@ -695,7 +695,7 @@ fn a_rolling_sphere_does_not_feel_seams() {
     let ride = |plates: Vec<Flat<2>>| {
         let mut rig = on_plates([0.3, 0.0], plates, Some(Friction::mindlin(0.3)));
         rig.sample.spheres[0].centre[1] -= 1e-6;
-        (rig.gravity, rig.squeezed) = ([0.0, -2e4], true);
+        (rig.gravity, rig.precompressed) = ([0.0, -2e4], true);
         rig.residual_limit = 1.0;
         let mut simulation = Simulation::new(rig, 2e-7).unwrap();
         let mut way = Vec::new();

@@ -55,7 +55,7 @@ fn a_crystal_moves_as_in_the_fixed_list_simulator() {
             }
         }
         assert!(difference(again.ledger.estimate, record.ledger.estimate, 0.0) < 1e-10);
-        let mut simulation = Simulation::by(integrator, rig, 1e-7).unwrap().watching(vec![Arrival::OwnMaximum(0.01)]);
+        let mut simulation = Simulation::by(integrator, rig, 1e-7).unwrap().recording(vec![Arrival::OwnMaximum(0.01)]);
         simulation.advance(1000, &GO).unwrap();
         let arrivals = simulation.arrivals(0);
         for (i, speed) in simulation.greatest_speed().into_iter().enumerate() {
@@ -140,7 +140,7 @@ fn a_plane_wave_between_periodic_sides_is_the_independent_one() {
     let mut rig = rig(&hexagonal(50, 5), LawKind::Thesis);
     rig.periods = [Some(5.0 * DIAMETER), None];
     push(&mut rig, (0..5).collect(), 10604.643257668553, 100e-6);
-    let mut simulation = Simulation::new(rig, 5e-8).unwrap().watching(vec![Arrival::OwnMaximum(0.01)]);
+    let mut simulation = Simulation::new(rig, 5e-8).unwrap().recording(vec![Arrival::OwnMaximum(0.01)]);
     simulation.advance(9000, &GO).unwrap();
     let (arrivals, speeds) = (simulation.arrivals(0), simulation.greatest_speed());
     let table = Table::read("planar_2D_440c.csv");
@@ -157,19 +157,19 @@ fn a_plane_wave_between_periodic_sides_is_the_independent_one() {
 #[test]
 fn a_squeezed_chain_has_its_dispersion() {
     let count = 40;
-    let squeeze = 1e-3;
-    let centres: Vec<[f64; 1]> = (0..count).map(|k| [f64::from(k) * (1.0 - squeeze)]).collect();
+    let precompress = 1e-3;
+    let centres: Vec<[f64; 1]> = (0..count).map(|k| [f64::from(k) * (1.0 - precompress)]).collect();
     for waves in [2.0, 5.0, 10.0, 20.0] {
         let mut rig = rig(&centres, LawKind::Hertz);
-        let period = f64::from(count) * (1.0 - squeeze) * DIAMETER;
-        (rig.periods, rig.squeezed) = ([Some(period)], true);
+        let period = f64::from(count) * (1.0 - precompress) * DIAMETER;
+        (rig.periods, rig.precompressed) = ([Some(period)], true);
         let q = 2.0 * std::f64::consts::PI * waves / f64::from(count);
         for (k, velocity) in rig.velocity.iter_mut().enumerate() {
             velocity[0] = 1e-5 * (q * k as f64).cos();
         }
         let m = &rig.sample.materials[0];
         let modulus = 0.5 * m.youngs_modulus / (1.0 - m.poisson_ratio * m.poisson_ratio);
-        let stiffness = 2.0 * modulus * (0.25 * DIAMETER * squeeze * DIAMETER).sqrt();
+        let stiffness = 2.0 * modulus * (0.25 * DIAMETER * precompress * DIAMETER).sqrt();
         let omega = 2.0 * (stiffness / rig.mass[0]).sqrt() * (0.5 * q).sin().abs();
         let step = 2.0 * std::f64::consts::PI / omega / 1000.0;
         let simulation = run(rig, step, 1000);
@@ -191,7 +191,7 @@ fn a_solitary_wave_runs_faster_the_harder_the_blow() {
     let speed = |blow: f64| {
         let mut rig = rig(&centres, LawKind::Hertz);
         rig.velocity[0] = [blow];
-        let mut simulation = Simulation::new(rig, 1e-7).unwrap().watching(vec![Arrival::OwnMaximum(0.5)]);
+        let mut simulation = Simulation::new(rig, 1e-7).unwrap().recording(vec![Arrival::OwnMaximum(0.5)]);
         simulation.advance(6000, &GO).unwrap();
         let arrivals = simulation.arrivals(0);
         let speed = 30.0 * DIAMETER / (arrivals[60].unwrap() - arrivals[30].unwrap());
@@ -295,7 +295,7 @@ fn threads_change_no_bit() {
         let one = with(1, drag);
         assert!(one == with(2, drag) && one == with(3, drag));
         let mut taken_up = Simulation::new(built(drag), 2e-7).unwrap();
-        taken_up.take_up(&run(built(drag), 2e-7, 30).checkpoint()).unwrap();
+        taken_up.restore(&run(built(drag), 2e-7, 30).checkpoint()).unwrap();
         taken_up.advance(70, &GO).unwrap();
         assert!(one == taken_up.checkpoint());
     }
@@ -315,7 +315,7 @@ fn no_gap_hides_a_contact() {
         two.velocity = vec![[0.0, speed], [0.0, -speed]];
         let mass = two.mass[0];
         let steps = ((gap / (2.0 * speed) + 40e-6) / step) as u64;
-        let mut simulation = Simulation::new(two, step).unwrap().watching(Vec::new());
+        let mut simulation = Simulation::new(two, step).unwrap().recording(Vec::new());
         simulation.advance(steps, &GO).unwrap();
         let strongest = k * (5.0 * 0.5 * mass * (2.0 * speed).powi(2) / (4.0 * k)).powf(0.6);
         let force = simulation.greatest_force()[0];
@@ -331,7 +331,7 @@ fn no_gap_hides_a_contact() {
             velocity: [0.0, -speed],
             ..granulens_core::dem::rig::Flat::wall("plate", [0.0, 0.5 * DIAMETER + gap], [0.0, -1.0])
         }];
-        let mut simulation = Simulation::new(one, step).unwrap().watching(Vec::new());
+        let mut simulation = Simulation::new(one, step).unwrap().recording(Vec::new());
         simulation.advance(steps, &GO).unwrap();
         // In the frame of the plate the sphere comes at 2 v and meets its image at 4 v.
         let strongest = k * (5.0 * 0.5 * mass * (4.0 * speed).powi(2) / (4.0 * k)).powf(0.6);

@@ -74,7 +74,7 @@ fn a_sliding_disk_comes_to_roll() {
     {
         let mut rig = disks(&[([0.0, 0.5 - gravity / STIFFNESS], 1.0)], 0.1, kt);
         rig.velocity = vec![[0.05, 0.0]];
-        (rig.gravity, rig.squeezed) = ([0.0, -gravity], true);
+        (rig.gravity, rig.precompressed) = ([0.0, -gravity], true);
         rig.flats = vec![Flat::wall("wall", [0.0, 0.0], [0.0, 1.0])];
         let mut simulation = Simulation::new(rig, 0.005).unwrap();
         for row in 1..table.len() {

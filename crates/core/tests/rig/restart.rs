@@ -32,7 +32,7 @@ fn arrivals() -> Vec<Arrival> {
 }
 
 fn start() -> Simulation<2> {
-    Simulation::new(busy(), 2e-7).unwrap().watching(arrivals())
+    Simulation::new(busy(), 2e-7).unwrap().recording(arrivals())
 }
 
 #[test]
@@ -43,11 +43,11 @@ fn a_run_taken_up_at_any_step_ends_in_the_same_bits() {
 /// Adams's scheme remembers accelerations, of flats too.
 #[test]
 fn by_adams_too() {
-    taken_up(|| Simulation::by(Integrator::Adams, busy(), 2e-7).unwrap().watching(arrivals()));
+    taken_up(|| Simulation::by(Integrator::Adams, busy(), 2e-7).unwrap().recording(arrivals()));
     let mut first = start();
     first.advance(100, &GO).unwrap();
-    let mut other = Simulation::by(Integrator::Adams, busy(), 2e-7).unwrap().watching(arrivals());
-    assert_eq!(other.take_up(&first.checkpoint()), Err(CheckpointError::Other("scheme")));
+    let mut other = Simulation::by(Integrator::Adams, busy(), 2e-7).unwrap().recording(arrivals());
+    assert_eq!(other.restore(&first.checkpoint()), Err(CheckpointError::Other("scheme")));
     // Spins and a cluster.
     let mut rig = crate::bed::bed(0.7, 0.8);
     rig.drag = 0.01;
@@ -57,7 +57,7 @@ fn by_adams_too() {
     let middle = whole.checkpoint();
     whole.advance(300, &GO).unwrap();
     let mut second = start();
-    second.take_up(&middle).unwrap();
+    second.restore(&middle).unwrap();
     second.advance(300, &GO).unwrap();
     assert!(second.checkpoint() == whole.checkpoint());
 }
@@ -74,7 +74,7 @@ fn taken_up(start: impl Fn() -> Simulation<2>) {
         first.advance(at, &GO).unwrap();
         let bytes = first.checkpoint();
         let mut second = start();
-        second.take_up(&bytes).unwrap();
+        second.restore(&bytes).unwrap();
         assert_eq!(second.checkpoint(), bytes, "what is taken up is what was stored");
         second.advance(2000 - at, &GO).unwrap();
         assert!(second.checkpoint() == end, "taken up at step {at}");
@@ -91,7 +91,7 @@ fn friction_is_taken_up_too() {
     let middle = whole.checkpoint();
     whole.advance(300, &GO).unwrap();
     let mut second = start();
-    second.take_up(&middle).unwrap();
+    second.restore(&middle).unwrap();
     second.advance(300, &GO).unwrap();
     assert!(second.checkpoint() == whole.checkpoint());
 }
@@ -101,7 +101,7 @@ fn what_is_no_checkpoint_of_this_rig_is_refused_with_the_reason() {
     let mut first = start();
     first.advance(100, &GO).unwrap();
     let bytes = first.checkpoint();
-    let refusal = |bytes: &[u8]| start().take_up(bytes).unwrap_err();
+    let refusal = |bytes: &[u8]| start().restore(bytes).unwrap_err();
     assert_eq!(refusal(b"hello"), CheckpointError::Foreign);
     let mut version = bytes.clone();
     version[20] = 9;
@@ -116,12 +116,12 @@ fn what_is_no_checkpoint_of_this_rig_is_refused_with_the_reason() {
     }
     let mut other = busy();
     other.velocity[3] = [1e-9, 0.0];
-    let mut other = Simulation::new(other, 2e-7).unwrap().watching(arrivals());
-    assert_eq!(other.take_up(&bytes), Err(CheckpointError::Other("rig")));
-    let mut other = Simulation::new(busy(), 1e-7).unwrap().watching(arrivals());
-    assert_eq!(other.take_up(&bytes), Err(CheckpointError::Other("step")));
+    let mut other = Simulation::new(other, 2e-7).unwrap().recording(arrivals());
+    assert_eq!(other.restore(&bytes), Err(CheckpointError::Other("rig")));
+    let mut other = Simulation::new(busy(), 1e-7).unwrap().recording(arrivals());
+    assert_eq!(other.restore(&bytes), Err(CheckpointError::Other("step")));
     let mut other = Simulation::new(busy(), 2e-7).unwrap();
-    assert_eq!(other.take_up(&bytes), Err(CheckpointError::Other("set of arrivals")));
+    assert_eq!(other.restore(&bytes), Err(CheckpointError::Other("set of arrivals")));
 }
 
 /// A run's state does not grow with time: a ball that bounces on a plate for a hundred thousand steps.
@@ -130,7 +130,7 @@ fn the_state_does_not_grow_with_time() {
     let mut rig = rig(&[[0.0, 0.0], [1.0, 0.3]], LawKind::Hertz);
     rig.gravity = [0.0, 1e4];
     rig.flats = vec![Flat::wall("floor", [0.0, 2.0 * DIAMETER], [0.0, -1.0])];
-    let mut simulation = Simulation::new(rig, 2e-7).unwrap().watching(vec![Arrival::OwnMaximum(0.01)]);
+    let mut simulation = Simulation::new(rig, 2e-7).unwrap().recording(vec![Arrival::OwnMaximum(0.01)]);
     simulation.advance(20_000, &GO).unwrap();
     let early = simulation.checkpoint().len();
     simulation.advance(180_000, &GO).unwrap();

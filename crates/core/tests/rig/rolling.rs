@@ -29,7 +29,7 @@ fn rolling(friction: Friction, speed: f64, gravity: f64) -> Rig<2> {
     let depth = 0.5 * (rig.mass[0] * gravity / pair.hertz_coefficient()).powf(2.0 / 3.0);
     rig.sample.spheres[0].centre[1] -= depth;
     rig.flats = vec![Flat::wall("floor", [0.0, 0.0], [0.0, 1.0])];
-    (rig.gravity, rig.squeezed) = ([0.0, -gravity], true);
+    (rig.gravity, rig.precompressed) = ([0.0, -gravity], true);
     rig.velocity[0] = [speed, 0.0];
     rig.spin[0] = [0.0, 0.0, -speed / (radius - depth)];
     rig
@@ -77,7 +77,7 @@ fn a_rolling_sphere_is_taken_up_to_the_bit() {
     let mut first = begin();
     first.advance(1500, &GO).unwrap();
     let mut second = begin();
-    second.take_up(&first.checkpoint()).unwrap();
+    second.restore(&first.checkpoint()).unwrap();
     second.advance(2500, &GO).unwrap();
     assert_eq!(second.checkpoint(), through.checkpoint());
 }

@@ -12,7 +12,7 @@ use crate::layout::Layout;
 use crate::material::find;
 use crate::real::Dual;
 use crate::sample::Sample;
-use crate::search::Dice;
+use crate::search::Rng;
 
 const DIAMETER: f64 = 6.35e-3;
 
@@ -21,9 +21,9 @@ fn sample() -> Sample<2> {
     let names = ["stainless-440c", "brass-260", "aluminium-2017"];
     let materials = names.iter().map(|name| find(name, &[]).expect("in the library")).collect();
     let lattice = HexagonalSheet::new(DIAMETER, 8, 3.5).expect("a sheet");
-    let mut dice = Dice::new(7);
+    let mut rng = Rng::new(7);
     let mut layout = Layout::new(lattice, materials, |_| 0);
-    layout.materials.fill_with(|| dice.below(3) as u8);
+    layout.materials.fill_with(|| rng.below(3) as u8);
     layout.sample()
 }
 
@@ -73,8 +73,8 @@ struct Direction {
 }
 
 fn random_direction(frame: &Frame) -> Direction {
-    let mut dice = Dice::new(11);
-    let mut one = || dice.unit() - 0.5;
+    let mut rng = Rng::new(11);
+    let mut one = || rng.unit() - 0.5;
     let quantities = frame.mobility.iter().map(|_| std::array::from_fn(|_| one())).collect();
     // What lies on a mirror stays there.
     let place = frame.mobility.iter().map(|mobility| mobility.map(|m| if m == 0.0 { 0.0 } else { DIAMETER * one() }));
@@ -216,8 +216,8 @@ fn the_remainder_is_of_second_order_through_the_checkpoints() {
     let impact = impact(LawKind::Hertz, Integrator::Verlet);
     assert!(super::blocks(steps_in(impact.window, impact.step)).len() > 10, "few blocks test little");
     let gradient = &run(&sample, &impact).of[0];
-    let mut dice = Dice::new(3);
-    let direction: Vec<f64> = sample.spheres.iter().map(|_| dice.unit() - 0.5).collect();
+    let mut rng = Rng::new(3);
+    let direction: Vec<f64> = sample.spheres.iter().map(|_| rng.unit() - 0.5).collect();
     let slope: f64 = gradient.density.iter().zip(&direction).map(|(by, along)| by * along).sum();
     let remainder = |change: f64| {
         let mut changed = sample.clone();

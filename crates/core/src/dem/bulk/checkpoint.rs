@@ -7,7 +7,7 @@ use std::io::{self, Read, Write};
 
 use super::Bulk;
 use super::section::{Arrivals, Section};
-use crate::dem::record::{Point, Rise};
+use crate::dem::record::{ArrivalTracker, Point};
 
 const MAGIC: &[u8; 24] = b"granulens bulk version 1";
 
@@ -115,8 +115,8 @@ impl Bulk {
             match &section.arrivals {
                 Arrivals::None => {}
                 Arrivals::Speed(_, times) => out.numbers(times)?,
-                Arrivals::Own(rises) => {
-                    for Rise { points, previous } in rises {
+                Arrivals::Own(trackers) => {
+                    for ArrivalTracker { points, previous } in trackers {
                         out.bytes(&(points.len() as u64).to_le_bytes())?;
                         out.numbers(&[*previous])?;
                         for Point { time, speed, before } in points {
@@ -221,18 +221,18 @@ fn read_section(source: &mut In<'_>, section: &mut Section) -> Result<(), BulkCh
     match &mut section.arrivals {
         Arrivals::None => {}
         Arrivals::Speed(_, times) => source.numbers(times)?,
-        Arrivals::Own(rises) => {
-            for rise in rises {
+        Arrivals::Own(trackers) => {
+            for tracker in trackers {
                 let count = source.count()?;
                 let mut previous = [0.0];
                 source.numbers(&mut previous)?;
-                rise.previous = previous[0];
-                rise.points.clear();
+                tracker.previous = previous[0];
+                tracker.points.clear();
                 for _ in 0..count {
                     let mut point = [0.0; 3];
                     source.numbers(&mut point)?;
                     let [time, speed, before] = point;
-                    rise.points.push(Point { time, speed, before });
+                    tracker.points.push(Point { time, speed, before });
                 }
             }
         }

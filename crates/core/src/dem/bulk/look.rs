@@ -142,7 +142,7 @@ impl Bulk {
         let of = |(section, place): (&Section, usize)| match &section.arrivals {
             Arrivals::None => None,
             Arrivals::Speed(_, times) => Some(times[place]).filter(|time| !time.is_nan()),
-            Arrivals::Own(rises) => rises[place].arrival(self.impact.step, ARRIVAL * rises[place].maximum()?),
+            Arrivals::Own(trackers) => trackers[place].arrival(self.impact.step, ARRIVAL * trackers[place].maximum()?),
         };
         self.places().map(of).collect()
     }

@@ -311,7 +311,9 @@ impl Bulk {
             let arrivals = match &section.arrivals {
                 section::Arrivals::None => 0,
                 section::Arrivals::Speed(_, times) => 8 * times.len(),
-                section::Arrivals::Own(rises) => rises.iter().map(|rise| 32 + 24 * rise.points.capacity()).sum(),
+                section::Arrivals::Own(trackers) => {
+                    trackers.iter().map(|tracker| 32 + 24 * tracker.points.capacity()).sum()
+                }
             };
             motion
                 .chain([&section.past, &section.speed_squared, &section.acceleration_squared])

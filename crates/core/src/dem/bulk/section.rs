@@ -3,7 +3,7 @@
 //! Sections are cut by the crystal alone, whatever the number of threads, and so are the orders of all sums.
 
 use super::rows::{ImageStrand, Neighbours, Offset, Strand};
-use crate::dem::record::Rise;
+use crate::dem::record::ArrivalTracker;
 use crate::dem::sheet::numbers::Numbers;
 
 /// Numbers that stand side by side in memory, whatever the width of the registers.
@@ -105,7 +105,7 @@ pub enum Arrivals {
     /// When each sphere's speed first passed this one (m/s): s, NaN before.
     Speed(f64, Vec<f64>),
     /// Of each sphere's own greatest speed.
-    Own(Vec<Rise>),
+    Own(Vec<ArrivalTracker>),
 }
 
 /// Rows, spheres and the contacts between them.
@@ -291,7 +291,7 @@ impl Section {
         let arrivals = match arrivals {
             Arrivals::None => Arrivals::None,
             Arrivals::Speed(speed, _) => Arrivals::Speed(*speed, vec![f64::NAN; places]),
-            Arrivals::Own(_) => Arrivals::Own(vec![Rise::default(); places]),
+            Arrivals::Own(_) => Arrivals::Own(vec![ArrivalTracker::default(); places]),
         };
         Self {
             active: vec![false; placed.len()],

@@ -509,11 +509,11 @@ fn shift<V: Lanes, const PAST: bool>(terms: &Terms, section: &mut Section, place
         force_squared.max(V::load(top)).store(top);
         let top = &mut section.speed_squared.get_mut()[at..];
         let greatest = V::load(top);
-        let rises = greatest.lt(now_squared);
-        if V::any(rises) {
+        let trackers = greatest.lt(now_squared);
+        if V::any(trackers) {
             now_squared.max(greatest).store(top);
             let loaded = if terms.load_now == [0.0; 2] { &[][..] } else { &section.struck };
-            section.arrivals.rise(at, terms, [greatest, now_squared, before_squared], (loaded, &section.before));
+            section.arrivals.tracker(at, terms, [greatest, now_squared, before_squared], (loaded, &section.before));
         }
     }
     fastest.greatest()
@@ -522,7 +522,7 @@ fn shift<V: Lanes, const PAST: bool>(terms: &Terms, section: &mut Section, place
 impl Arrivals {
     /// Spheres from a place on have, some of them, greater v² than before: the greatest before, that now, and that of the step before.
     #[inline(always)]
-    fn rise<V: Lanes>(
+    fn tracker<V: Lanes>(
         &mut self,
         at: usize,
         terms: &Terms,
@@ -550,13 +550,13 @@ impl Arrivals {
                     }
                 }
             }
-            Self::Own(rises) => {
+            Self::Own(trackers) => {
                 for lane in 0..V::LANES {
                     let [greatest, now] = [greatest, now].map(|squared| squared.lane(lane));
                     if greatest < now {
-                        let rise = &mut rises[at + lane];
-                        rise.previous = before(lane);
-                        rise.push(terms.time, now.sqrt(), true, ARRIVAL * now.sqrt());
+                        let tracker = &mut trackers[at + lane];
+                        tracker.previous = before(lane);
+                        tracker.push(terms.time, now.sqrt(), true, ARRIVAL * now.sqrt());
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! The state of spheres and flats, as parallel arrays.
 
 use super::cluster::ClusterState;
-use super::turns::Turns;
+use super::spins::Spins;
 use super::{Body, Rig};
 use crate::real::Lanes;
 
@@ -13,8 +13,8 @@ pub(super) struct Bodies<const D: usize> {
     pub velocity: Vec<[f64; D]>,
     /// By contacts, gravity and damping, as of the last accepted step; loads not included.
     pub acceleration: Vec<[f64; D]>,
-    pub spin: Turns<D>,
-    pub spin_rate: Turns<D>,
+    pub spin: Spins<D>,
+    pub spin_rate: Spins<D>,
     /// Per axis 1/(m · weight), or 0 where the sphere cannot move.
     pub inverse_mass: Vec<[f64; D]>,
     pub inverse_inertia: Vec<f64>,
@@ -65,8 +65,8 @@ impl<const D: usize> Bodies<D> {
             displacement: vec![[0.0; D]; count],
             velocity: (0..count).map(|i| free(&rig.velocity[i], &inverse_mass[i])).collect(),
             acceleration: vec![[0.0; D]; count],
-            spin: Turns::of(&rig.spin),
-            spin_rate: Turns::still(count),
+            spin: Spins::of(&rig.spin),
+            spin_rate: Spins::still(count),
             inverse_inertia: (0..count)
                 .map(|i| {
                     // A mirror turns spins about axes in it around: in the plane a sphere on one does not spin.

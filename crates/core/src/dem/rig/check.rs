@@ -9,7 +9,7 @@ use crate::dem::Integrator;
 /// A rig that cannot be set in motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RigError {
-    /// Two bodies overlap before anything happens, and the rig is not said to be squeezed.
+    /// Two bodies overlap before anything happens, and the rig is not said to be precompressed.
     Overlap {
         /// The two.
         bodies: [Body; 2],

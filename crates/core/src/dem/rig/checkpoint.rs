@@ -40,7 +40,7 @@ pub(super) struct State {
     pub kept_faces: Vec<((u32, bool, u32), Vec<f64>)>,
     pub lost: [f64; 2],
     pub lost_by_sphere: Vec<f64>,
-    pub felt: Option<Vec<Vec<f64>>>,
+    pub peaks: Option<Vec<Vec<f64>>>,
 }
 
 /// Why a checkpoint cannot be taken up.

@@ -3,7 +3,7 @@
 use super::Rig;
 use super::bodies::{Bodies, cross, dot, spin_cross};
 use super::contacts::Sums;
-use super::turns::Turns;
+use super::spins::Spins;
 
 /// Spheres that move as one rigid body. In the plane it may turn; in space it cannot.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,14 +107,14 @@ impl<const D: usize> ClusterState<D> {
         arm
     }
 
-    /// Moves on by a step; members follow, with their predicted velocities in `trial` and spins times `lever` in `trial_turn`.
+    /// Moves on by a step; members follow, with their predicted velocities in `predicted` and spins times `lever` in `predicted_turn`.
     pub(super) fn drift(
         &mut self,
         rig: &Rig<D>,
         cluster: &Cluster<D>,
         (h, ahead): (f64, &Ahead<D>),
         bodies: &mut Bodies<D>,
-        (trial, trial_turn): (&mut [[f64; D]], &mut Turns<D>),
+        (predicted, predicted_turn): (&mut [[f64; D]], &mut Spins<D>),
         lever: &[f64],
     ) {
         for k in 0..D {
@@ -128,9 +128,9 @@ impl<const D: usize> ClusterState<D> {
             for k in 0..D {
                 bodies.displacement[i][k] = cluster.centre[k] + self.moved[k] + arm[k] - centre[k];
             }
-            trial[i] = moving(&velocity, &spin, &arm);
-            if !trial_turn.numbers().is_empty() {
-                trial_turn.set(i, &spin.map(|w| lever[i] * w));
+            predicted[i] = moving(&velocity, &spin, &arm);
+            if !predicted_turn.numbers().is_empty() {
+                predicted_turn.set(i, &spin.map(|w| lever[i] * w));
             }
         }
     }

@@ -6,7 +6,7 @@ use super::bodies::Bodies;
 use super::checkpoint::State;
 use super::cluster::ClusterState;
 use super::contacts::{Account, Facing, Kept, NearFace, Strain, Sums};
-use super::law::{Binder, Bonding};
+use super::law::{ContactLaw, LawMaker};
 use super::ledger::EnergyLedger;
 use super::machine::{Machine, Past};
 use super::pairs::{Near, pair};
@@ -32,7 +32,7 @@ pub(super) trait Engine<const D: usize>: Send {
     /// A contact that is closed.
     fn touching(&self, rig: &Rig<D>, c: usize) -> Option<Touching<D>>;
     /// Sum of the sizes of the normal forces (N) on each sphere.
-    fn pressed(&self) -> Vec<f64>;
+    fn normal_force_sum(&self) -> Vec<f64>;
     /// What contacts have borne beyond the overlap that is allowed, or a stiffness over reduced mass (1/s²), and those dropped since
     /// `forget_dropped`.
     fn strains(&self, stiffness_over_mass: f64) -> Vec<Strain>;
@@ -48,7 +48,7 @@ pub(super) trait Engine<const D: usize>: Send {
     fn load(&mut self, rig: &Rig<D>, state: State) -> bool;
 }
 
-impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
+impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Engine<D> for Machine<D, L, B> {
     fn begin(&mut self, rig: &Rig<D>) {
         Machine::begin(self, rig);
     }
@@ -106,7 +106,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
         })
     }
 
-    fn pressed(&self) -> Vec<f64> {
+    fn normal_force_sum(&self) -> Vec<f64> {
         let contacts = &self.contacts;
         let mut pressed = vec![0.0; self.bodies.velocity.len()];
         for (c, force) in contacts.account.force.iter().enumerate().filter(|(_, force)| **force != 0.0) {
@@ -235,7 +235,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
                 flat(&b.flat_acceleration),
                 flat(&self.seen),
                 flat(&self.flat_seen),
-                self.finder.leeway.clone(),
+                self.finder.skin.clone(),
                 flat(&self.sums.force),
                 self.sums.torque.numbers().to_vec(),
                 flat(&self.sums.flat),
@@ -291,7 +291,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             .map(|&(sphere, mirror, place)| NearFace::of(rig, &self.bodies, sphere as usize, facing(mirror, place)))
             .collect();
         let count = near.len() + faces.len();
-        self.contacts.replace(rig, near, faces, &self.bodies, &self.binder);
+        self.contacts.replace(rig, near, faces, &self.bodies, &self.maker);
         let contacts = &mut self.contacts;
         let mut fits = state.memory.len() == count * L::NUMBERS
             && state.account.len() == count * Account::NUMBERS
@@ -345,7 +345,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             b.flat_acceleration.as_flattened_mut(),
             self.seen.as_flattened_mut(),
             self.flat_seen.as_flattened_mut(),
-            &mut self.finder.leeway[..],
+            &mut self.finder.skin[..],
             self.sums.force.as_flattened_mut(),
             self.sums.torque.numbers_mut(),
             self.sums.flat.as_flattened_mut(),
@@ -363,7 +363,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Engine<D> for Machine<D, L, B> {
             b.clusters = parts.map(ClusterState::from_numbers).collect();
         }
         match &mut self.past {
-            Some(past) => fits && past.take_up(&state.past),
+            Some(past) => fits && past.restore(&state.past),
             None => fits && state.past.is_empty(),
         }
     }

@@ -39,11 +39,12 @@ pub fn simulate_as_rig<const D: usize>(
     let mass = rig.mass.clone();
     let step = impact.step;
     let integrator = if impact.integrator == Integrator::Rk4 { Integrator::Verlet } else { impact.integrator };
-    let mut simulation = Simulation::by(integrator, rig, step)?.watching(vec![Arrival::OwnMaximum(0.01)]);
+    let mut simulation = Simulation::by(integrator, rig, step)?.recording(vec![Arrival::OwnMaximum(0.01)]);
     let (mut exit_momentum, mut exit_force) = (0.0_f64, 0.0_f64);
     let stop = simulation
         .follow(steps_in(impact.window, step), context, |view| {
-            let momentum: f64 = impact.exit.iter().map(|&i| view.part(i) * mass[i] * view.velocity(i)[D - 1]).sum();
+            let momentum: f64 =
+                impact.exit.iter().map(|&i| view.simulated_fraction(i) * mass[i] * view.velocity(i)[D - 1]).sum();
             let force: f64 = impact.exit.iter().map(|&i| view.net_force(i)[D - 1]).sum();
             exit_momentum = exit_momentum.max(momentum);
             exit_force = exit_force.max(force);

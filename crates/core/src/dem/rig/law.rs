@@ -198,7 +198,7 @@ pub(super) struct Begun<M> {
 }
 
 /// A normal law as the rig evaluates it, with what a contact under it remembers.
-pub(super) trait Bonding: Clone + Send + Sync + 'static {
+pub(super) trait ContactLaw: Clone + Send + Sync + 'static {
     /// What a contact remembers.
     type Memory: Copy + Default + PartialEq + Send + Sync + 'static;
     /// How many numbers that is.
@@ -251,13 +251,13 @@ pub(super) trait Bonding: Clone + Send + Sync + 'static {
 
 /// A law of [`Law`], for two given spheres.
 #[derive(Clone, Debug)]
-pub(super) enum Solid {
+pub(super) enum SolidLaw {
     Named(AnyLaw),
     Tabulated(Arc<Tabulated>),
     SpringDashpot(SpringDashpot),
 }
 
-impl Bonding for Solid {
+impl ContactLaw for SolidLaw {
     type Memory = History;
     const NUMBERS: usize = 3;
     const GRIPS: bool = false;
@@ -328,7 +328,7 @@ impl Bonding for Solid {
 }
 
 /// Without memory, for beds.
-impl Bonding for SpringDashpot {
+impl ContactLaw for SpringDashpot {
     type Memory = ();
     const NUMBERS: usize = 0;
     const GRIPS: bool = true;
@@ -373,7 +373,7 @@ impl Bonding for SpringDashpot {
 
 /// Normal law and friction of one kind of contact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bond<L> {
+pub(super) struct PairLaw<L> {
     pub normal: L,
     pub slip: Slip,
 }
@@ -414,11 +414,11 @@ pub(super) fn reduced_mass([a, b]: [End; 2]) -> f64 {
 }
 
 /// Makes bonds from a law book.
-pub(super) trait Binder<L>: Send + Sync {
+pub(super) trait LawMaker<L>: Send + Sync {
     /// Whether laws depend on the spheres' sizes, not on their materials alone.
     const BY_SIZE: bool;
     /// Between two ends, of which the second may be a flat with rules of its own.
-    fn bond(&self, ends: [End; 2], flat: Option<&FlatContact>) -> Bond<L>;
+    fn pair_law(&self, ends: [End; 2], flat: Option<&FlatContact>) -> PairLaw<L>;
 }
 
 /// Laws by materials; see [`LawBook::Materials`].
@@ -430,19 +430,19 @@ pub(super) struct ByMaterial {
     pub materials: Vec<Material>,
 }
 
-impl Binder<Solid> for ByMaterial {
+impl LawMaker<SolidLaw> for ByMaterial {
     const BY_SIZE: bool = true;
 
-    fn bond(&self, ends: [End; 2], flat: Option<&FlatContact>) -> Bond<Solid> {
+    fn pair_law(&self, ends: [End; 2], flat: Option<&FlatContact>) -> PairLaw<SolidLaw> {
         let [a, b] = ends;
         let materials = [&self.materials[a.material], &self.materials[b.material]];
         let pair = Pair::new(materials, [a.radius, b.radius], self.constants);
         let both = [a.material, b.material];
         let between = law_between(&self.law, &self.pairs, both);
         let normal = match flat.and_then(|flat| flat.law.as_ref()).unwrap_or(between) {
-            Law::Named(kind) => Solid::Named(AnyLaw::new(*kind, &pair)),
-            Law::Tabulated(table) => Solid::Tabulated(Arc::clone(table)),
-            Law::SpringDashpot(law) => Solid::SpringDashpot(*law),
+            Law::Named(kind) => SolidLaw::Named(AnyLaw::new(*kind, &pair)),
+            Law::Tabulated(table) => SolidLaw::Tabulated(Arc::clone(table)),
+            Law::SpringDashpot(law) => SolidLaw::SpringDashpot(*law),
         };
         let between = rule(&self.pairs, both).and_then(|rule| rule.friction).or(self.friction);
         let slip = flat.and_then(|flat| flat.friction).or(between).map_or(Slip::default(), |friction| {
@@ -450,7 +450,7 @@ impl Binder<Solid> for ByMaterial {
             let shear = 1.0 / (compliance(materials[0]) + compliance(materials[1]));
             Slip { rolling_radius: pair.radius, ..friction.slip(8.0 * shear * pair.radius.sqrt()) }
         });
-        Bond { normal, slip }
+        PairLaw { normal, slip }
     }
 }
 
@@ -461,13 +461,13 @@ pub(super) struct ByDashpot {
     pub cut: bool,
 }
 
-impl Binder<SpringDashpot> for ByDashpot {
+impl LawMaker<SpringDashpot> for ByDashpot {
     const BY_SIZE: bool = false;
 
-    fn bond(&self, ends: [End; 2], _: Option<&FlatContact>) -> Bond<SpringDashpot> {
+    fn pair_law(&self, ends: [End; 2], _: Option<&FlatContact>) -> PairLaw<SpringDashpot> {
         let (loss, friction) = self.materials[ends[0].material.max(ends[1].material)];
         let normal = SpringDashpot { stiffness: self.stiffness, loss, cut: self.cut };
-        Bond { normal, slip: friction.map_or(Slip::default(), |friction| friction.slip(0.0)) }
+        PairLaw { normal, slip: friction.map_or(Slip::default(), |friction| friction.slip(0.0)) }
     }
 }
 

@@ -7,10 +7,10 @@
 //! - `cluster`: spheres bound to each other
 //! - `flat`: rigid faces, fixed, moved or free; `curve`: what a load is over time
 //! - `law`: which law holds between which bodies; `dashpot`: springs and dashpots
-//! - `pairs`: who is near whom, with a skin; `bodies`, `turns`, `contacts`: the state and the forces, as parallel arrays
+//! - `pairs`: who is near whom, with a skin; `bodies`, `spins`, `contacts`: the state and the forces, as parallel arrays
 //! - `machine`: one step, by velocity Verlet or Adams's scheme; `engine`: a machine whatever its law
 //! - `simulation`: from start to end; `check`, `guard`: what is refused and what stops a run; `view`: what can be looked at
-//! - `felt`, `ledger`: what each sphere felt, and where the energy went, by mechanism
+//! - `peaks`, `ledger`: what each sphere felt, and where the energy went, by mechanism
 //! - `impact`: an impact on a crystal as a rig, with friction
 //! - `preload`: a crystal squeezed to rest; `modes`: its small vibrations, `eigen`: of a symmetric matrix
 //! - `checkpoint`: the state as bytes, and back
@@ -26,7 +26,7 @@ mod curve;
 mod dashpot;
 mod eigen;
 mod engine;
-mod felt;
+mod peaks;
 mod flat;
 mod guard;
 mod impact;
@@ -37,7 +37,7 @@ mod modes;
 mod pairs;
 mod preload;
 mod simulation;
-mod turns;
+mod spins;
 mod view;
 
 pub use check::RigError;
@@ -46,14 +46,14 @@ pub use checkpoint::{sealed, unsealed};
 pub use cluster::{Cluster, ClusterState};
 pub use curve::{Curve, CurveError};
 pub use dashpot::{Loss, SpringDashpot};
-pub use felt::Arrival;
 pub use flat::{Face, Flat, FlatContact};
 pub use guard::RigStop;
 pub use impact::{rig_step, simulate_as_rig};
 pub use law::{Arm, Friction, Law, LawBook, PairRule, Spring};
 pub use ledger::{EnergyLedger, Gain};
 pub use modes::{Modes, ModesError};
-pub use preload::{PreloadError, Squeeze, Squeezed, squeeze};
+pub use peaks::Arrival;
+pub use preload::{Precompressed, PreloadError, Squeeze, precompress};
 pub use simulation::Simulation;
 pub use view::{FlatState, Touching, View};
 
@@ -97,7 +97,7 @@ pub struct Rig<const D: usize> {
     /// Contact laws and friction.
     pub laws: LawBook,
     /// Whether spheres may overlap at the start: a squeezed crystal, a settled bed. Otherwise an overlap is refused.
-    pub squeezed: bool,
+    pub precompressed: bool,
     /// Box that spheres must not leave: lower and upper corner (m).
     pub domain: Option<[[f64; D]; 2]>,
     /// Overlap over the sum of radii above which the run is stopped, in place of the limits of the laws.
@@ -207,7 +207,7 @@ impl<const D: usize> Rig<D> {
             gravity: [0.0; D],
             drag: 0.0,
             laws,
-            squeezed: false,
+            precompressed: false,
             domain: None,
             overlap_limit: None,
             residual_limit: super::RESIDUAL_LIMIT,

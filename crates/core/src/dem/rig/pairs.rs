@@ -33,26 +33,26 @@ pub(super) const TOUCHING: f64 = 1e-9;
 /// A sphere this many times as wide as the median one is compared with every other instead of widening the cells.
 const BIG: f64 = 2.5;
 
-/// A sphere's leeway is how far it gets in so many steps at the speed it has when the list is made, between a least and a greatest part
+/// A sphere's skin is how far it gets in so many steps at the speed it has when the list is made, between a least and a greatest part
 /// of the median radius. Wider lists hold more pairs that do not touch, narrower ones must be made anew more often; on an impact
 /// on a bed this is where the two balance.
 const AHEAD: f64 = 160.0;
 const LEAST_LEEWAY: f64 = 0.1;
 const LEEWAY: f64 = 0.8;
 
-/// The greatest leeway over the median radius that the shortest period must leave room for.
+/// The greatest skin over the median radius that the shortest period must leave room for.
 const NARROW_LEEWAY: f64 = 0.4;
 
 /// Leeway of big spheres over the median radius.
-const BIG_LEEWAY: f64 = 2.0;
+const BIG_SKIN: f64 = 2.0;
 
 /// Finds near pairs; holds what does not change from list to list.
 #[derive(Clone, Debug)]
 pub(super) struct Finder<const D: usize> {
     periods: [Option<f64>; D],
     /// How far each sphere may move before the list must be made anew (m): surfaces nearer than the sum of two are near.
-    pub leeway: Vec<f64>,
-    /// The greatest leeway of spheres that are not big, and that of flats.
+    pub skin: Vec<f64>,
+    /// The greatest skin of spheres that are not big, and that of flats.
     pub common: f64,
     /// The least.
     least: f64,
@@ -79,7 +79,7 @@ struct Grid<const D: usize> {
 #[derive(Clone, Copy)]
 struct Packed<const D: usize> {
     at: [f64; D],
-    /// Radius and leeway (m).
+    /// Radius and skin (m).
     size: f64,
     sphere: u32,
 }
@@ -108,7 +108,7 @@ impl<const D: usize> Grid<D> {
 }
 
 impl<const D: usize> Finder<D> {
-    /// With the least leeway for all but big spheres, mostly few and fast, who have more than others.
+    /// With the least skin for all but big spheres, mostly few and fast, who have more than others.
     pub fn new(rig: &Rig<D>) -> Self {
         let mut radii: Vec<f64> = rig.sample.spheres.iter().map(|s| s.radius).collect();
         radii.sort_unstable_by(f64::total_cmp);
@@ -120,17 +120,16 @@ impl<const D: usize> Finder<D> {
         // Short periods leave less, and a hair for rounding.
         let period = rig.periods.iter().flatten().fold(f64::INFINITY, |shortest, &period| shortest.min(period));
         let common = ((0.25 - 1e-9) * period - 0.5 * widest).min(LEEWAY * median).max(NARROW_LEEWAY * median);
-        let leeway = is_big.iter().map(|&big| if big { BIG_LEEWAY * median } else { least }).collect();
-        Self { periods: rig.periods, leeway, common, least, widest, big, is_big, clustered: rig.clustered() }
+        let skin = is_big.iter().map(|&big| if big { BIG_SKIN * median } else { least }).collect();
+        Self { periods: rig.periods, skin, common, least, widest, big, is_big, clustered: rig.clustered() }
     }
 
-    /// Gives each sphere its leeway for the list that is made next, by its velocity and the step (s).
+    /// Gives each sphere its skin for the list that is made next, by its velocity and the step (s).
     pub fn allow(&mut self, velocity: &[[f64; D]], step: f64) {
-        for ((leeway, velocity), _) in self.leeway.iter_mut().zip(velocity).zip(&self.is_big).filter(|(_, big)| !**big)
-        {
+        for ((skin, velocity), _) in self.skin.iter_mut().zip(velocity).zip(&self.is_big).filter(|(_, big)| !**big) {
             let squared: f64 = velocity.iter().map(|v| v * v).sum();
             // In this order a velocity that is no number gives a number; a guard will name it.
-            *leeway = (AHEAD * step * squared.sqrt()).min(self.common).max(self.least);
+            *skin = (AHEAD * step * squared.sqrt()).min(self.common).max(self.least);
         }
     }
 
@@ -149,7 +148,7 @@ impl<const D: usize> Finder<D> {
             for k in 0..D {
                 at[k] -= whole(at[k], k) * self.periods[k].unwrap_or(0.0);
             }
-            Packed { at, size: spheres[i].radius + self.leeway[i], sphere: i as u32 }
+            Packed { at, size: spheres[i].radius + self.skin[i], sphere: i as u32 }
         });
         let turns = rows(spheres.len(), |i| {
             let at = at(i);
@@ -224,8 +223,8 @@ impl<const D: usize> Finder<D> {
     }
 
     fn grid(&self, wrapped: &[Packed<D>]) -> Grid<D> {
-        let ordinary = self.leeway.iter().zip(&self.is_big).filter(|(_, big)| !**big);
-        let most = ordinary.fold(self.least, |most, (&leeway, _)| most.max(leeway));
+        let ordinary = self.skin.iter().zip(&self.is_big).filter(|(_, big)| !**big);
+        let most = ordinary.fold(self.least, |most, (&skin, _)| most.max(skin));
         let least = (self.widest + 2.0 * most).max(f64::MIN_POSITIVE);
         let mut low = [f64::INFINITY; D];
         let mut high = [f64::NEG_INFINITY; D];
@@ -376,7 +375,7 @@ mod tests {
                         let (a, b) = (&rig.sample.spheres[i], &rig.sample.spheres[j]);
                         let x = b.centre[0] + moved[j][0] - a.centre[0] - moved[i][0] + f64::from(image) * period;
                         let z = b.centre[1] + moved[j][1] - a.centre[1] - moved[i][1];
-                        if x.hypot(z) < a.radius + b.radius + finder.leeway[i] + finder.leeway[j] {
+                        if x.hypot(z) < a.radius + b.radius + finder.skin[i] + finder.skin[j] {
                             expected.push(([i as u32, j as u32], [image, 0]));
                         }
                     }

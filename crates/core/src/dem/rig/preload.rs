@@ -21,7 +21,7 @@ pub enum Squeeze {
 
 /// A squeezed rig at rest.
 #[derive(Clone, Debug)]
-pub struct Squeezed<const D: usize> {
+pub struct Precompressed<const D: usize> {
     /// The rig as it then is, fit to be struck: places are those at rest; loads and velocities are as they were.
     pub rig: Rig<D>,
     /// By which part it is shorter along each axis.
@@ -85,16 +85,16 @@ const MET: f64 = 1e-9;
 ///
 /// # Errors
 /// See [`PreloadError`].
-pub fn squeeze<const D: usize>(
+pub fn precompress<const D: usize>(
     rig: &Rig<D>,
     along: [Option<Squeeze>; D],
     tolerance: f64,
     context: &Context,
-) -> Result<Squeezed<D>, PreloadError> {
+) -> Result<Precompressed<D>, PreloadError> {
     if !rig.clusters.is_empty() {
         return Err(PreloadError::Part("a rigid body of several spheres"));
     }
-    let mut strain = along.map(|squeeze| match squeeze {
+    let mut strain = along.map(|precompress| match precompress {
         Some(Squeeze::Strain(strain)) => strain,
         Some(Squeeze::Force(_)) => 1e-5,
         None => 0.0,
@@ -138,7 +138,7 @@ fn at_rest<const D: usize>(
     strain: [f64; D],
     tolerance: f64,
     context: &Context,
-) -> Result<Squeezed<D>, PreloadError> {
+) -> Result<Precompressed<D>, PreloadError> {
     let mut squeezed = shortened(rig, strain);
     let mut left = f64::INFINITY;
     for _ in 0..ROUNDS {
@@ -149,7 +149,7 @@ fn at_rest<const D: usize>(
         left = state.unbalanced;
         if left <= tolerance {
             let force = section_forces(&fresh);
-            return Ok(Squeezed { rig: squeezed, strain, force, unbalanced: left });
+            return Ok(Precompressed { rig: squeezed, strain, force, unbalanced: left });
         }
         let relaxed = relaxed(still, &state, 0.3 * tolerance, context)?;
         let view = relaxed.view();
@@ -163,7 +163,7 @@ fn at_rest<const D: usize>(
 /// Everything brought closer, alike along each axis.
 fn shortened<const D: usize>(rig: &Rig<D>, strain: [f64; D]) -> Rig<D> {
     let mut rig = rig.clone();
-    rig.squeezed = true;
+    rig.precompressed = true;
     let shorten = |point: &mut [f64; D]| (0..D).for_each(|k| point[k] *= 1.0 - strain[k]);
     rig.sample.spheres.iter_mut().for_each(|sphere| shorten(&mut sphere.centre));
     for flat in &mut rig.flats {
@@ -223,7 +223,7 @@ impl State {
                 let mirrored =
                     rig.mirrors.iter().any(|mirror| mirror.axis == k && mirror.carries(&sphere.centre, sphere.radius));
                 if !mirrored {
-                    left = left.max((force[k] + view.part(i) * rig.mass[i] * rig.gravity[k]).abs());
+                    left = left.max((force[k] + view.simulated_fraction(i) * rig.mass[i] * rig.gravity[k]).abs());
                 }
             }
         }

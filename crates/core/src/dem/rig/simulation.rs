@@ -5,12 +5,12 @@ use std::any::Any;
 use super::check::{RigError, check};
 use super::checkpoint::{CheckpointError, State, digest};
 use super::engine::Engine;
-use super::felt::{Arrival, Felt};
 use super::guard::{RigStop, bearable, guard, lighter};
 use super::law::{ByDashpot, ByMaterial};
 use super::ledger::{EnergyLedger, Gain};
 use super::machine::Machine;
 use super::pairs::TOUCHING;
+use super::peaks::{Arrival, Peaks};
 use super::view::View;
 use super::{Body, LawBook, Rig};
 use crate::Context;
@@ -22,7 +22,7 @@ pub struct Simulation<const D: usize> {
     rig: Rig<D>,
     step: f64,
     engine: Box<dyn Engine<D>>,
-    felt: Option<Felt>,
+    peaks: Option<Peaks>,
     /// The balance that was drawn last, and after how many steps.
     balance: Option<(u64, EnergyLedger)>,
 }
@@ -65,7 +65,7 @@ impl<const D: usize> Simulation<D> {
         };
         for touching in overlapping {
             let (bodies, overlap) = (touching.bodies, touching.overlap);
-            if !rig.squeezed && overlap > TOUCHING * reach(bodies) {
+            if !rig.precompressed && overlap > TOUCHING * reach(bodies) {
                 return Err(RigError::Overlap { bodies, overlap });
             }
         }
@@ -76,13 +76,13 @@ impl<const D: usize> Simulation<D> {
                 return Err(RigError::Step { step, limit });
             }
         }
-        Ok(Self { rig, step, engine, felt: None, balance: None })
+        Ok(Self { rig, step, engine, peaks: None, balance: None })
     }
 
     /// Keeps from here on each sphere's greatest speed and force and its first arrivals, by each of these thresholds.
     #[must_use]
-    pub fn watching(mut self, arrivals: Vec<Arrival>) -> Self {
-        self.felt = Some(Felt::new(self.rig.sample.spheres.len(), arrivals));
+    pub fn recording(mut self, arrivals: Vec<Arrival>) -> Self {
+        self.peaks = Some(Peaks::new(self.rig.sample.spheres.len(), arrivals));
         self
     }
 
@@ -115,9 +115,9 @@ impl<const D: usize> Simulation<D> {
         for _ in 0..steps {
             self.engine.advance(&self.rig);
             each(&View { rig: &self.rig, engine: &*self.engine, step: self.step });
-            if let Some(felt) = &mut self.felt {
+            if let Some(peaks) = &mut self.peaks {
                 let time = self.engine.count() as f64 * self.step;
-                felt.accepted(time, self.step, self.engine.bodies(), self.engine.sums());
+                peaks.accepted(time, self.step, self.engine.bodies(), self.engine.sums());
             }
             // Looked at by the count of steps, so that a run taken up again looks at the same ones.
             if self.engine.count().is_multiple_of(WATCH) {
@@ -192,23 +192,23 @@ impl<const D: usize> Simulation<D> {
     pub fn dissipated(&self) -> Vec<f64> {
         self.engine.dissipated()
     }
-    /// Greatest speed of each sphere (m/s); empty without [`watching`](Self::watching).
+    /// Greatest speed of each sphere (m/s); empty without [`recording`](Self::recording).
     pub fn greatest_speed(&self) -> Vec<f64> {
-        self.felt.as_ref().map_or(Vec::new(), |felt| felt.speed_squared.iter().map(|v| v.sqrt()).collect())
+        self.peaks.as_ref().map_or(Vec::new(), |peaks| peaks.speed_squared.iter().map(|v| v.sqrt()).collect())
     }
-    /// Greatest net contact force on the simulated part of each sphere (N); empty without [`watching`](Self::watching).
+    /// Greatest net contact force on the simulated part of each sphere (N); empty without [`recording`](Self::recording).
     pub fn greatest_force(&self) -> Vec<f64> {
-        self.felt.as_ref().map_or(Vec::new(), |felt| felt.force_squared.iter().map(|f| f.sqrt()).collect())
+        self.peaks.as_ref().map_or(Vec::new(), |peaks| peaks.force_squared.iter().map(|f| f.sqrt()).collect())
     }
     /// First arrivals (s) by the k-th threshold watched, one per sphere; none for spheres not reached.
     pub fn arrivals(&self, k: usize) -> Vec<Option<f64>> {
-        self.felt.as_ref().map_or(Vec::new(), |felt| felt.arrivals(k, self.step))
+        self.peaks.as_ref().map_or(Vec::new(), |peaks| peaks.arrivals(k, self.step))
     }
 
     /// The whole state as bytes.
     pub fn checkpoint(&self) -> Vec<u8> {
         let state =
-            State { digest: digest(&self.rig), felt: self.felt.as_ref().map(Felt::numbers), ..self.engine.save() };
+            State { digest: digest(&self.rig), peaks: self.peaks.as_ref().map(Peaks::numbers), ..self.engine.save() };
         state.to_bytes()
     }
 
@@ -217,7 +217,7 @@ impl<const D: usize> Simulation<D> {
     ///
     /// # Errors
     /// See [`CheckpointError`].
-    pub fn take_up(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
         let mut state = State::from_bytes(bytes)?;
         if state.digest != digest(&self.rig) {
             return Err(CheckpointError::Other("rig"));
@@ -228,10 +228,10 @@ impl<const D: usize> Simulation<D> {
         if state.integrator != self.engine.integrator() {
             return Err(CheckpointError::Other("scheme"));
         }
-        let mut felt = self.felt.clone();
-        let watched = match (&mut felt, state.felt.take()) {
+        let mut peaks = self.peaks.clone();
+        let watched = match (&mut peaks, state.peaks.take()) {
             (None, None) => true,
-            (Some(felt), Some(rows)) => felt.take_up(rows),
+            (Some(peaks), Some(rows)) => peaks.restore(rows),
             _ => false,
         };
         if !watched {
@@ -242,7 +242,7 @@ impl<const D: usize> Simulation<D> {
         if !engine.load(&self.rig, state) {
             return Err(CheckpointError::Damaged);
         }
-        (self.engine, self.felt, self.balance) = (engine, felt, None);
+        (self.engine, self.peaks, self.balance) = (engine, peaks, None);
         Ok(())
     }
 }
@@ -274,18 +274,18 @@ fn engine<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
 fn choose<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
     match &rig.laws {
         LawBook::Materials { law, constants, pairs, friction } => {
-            let binder = ByMaterial {
+            let maker = ByMaterial {
                 law: law.clone(),
                 constants: *constants,
                 pairs: pairs.clone(),
                 friction: *friction,
                 materials: rig.sample.materials.clone(),
             };
-            Box::new(Machine::new(rig, binder, 2.0, step))
+            Box::new(Machine::new(rig, maker, 2.0, step))
         }
         LawBook::Dashpot { stiffness, materials, cut, .. } => {
-            let binder = ByDashpot { stiffness: *stiffness, materials: materials.clone(), cut: *cut };
-            Box::new(Machine::new(rig, binder, 1.0, step))
+            let maker = ByDashpot { stiffness: *stiffness, materials: materials.clone(), cut: *cut };
+            Box::new(Machine::new(rig, maker, 1.0, step))
         }
     }
 }

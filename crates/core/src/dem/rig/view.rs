@@ -2,7 +2,7 @@
 
 use super::cluster::ClusterState;
 use super::engine::Engine;
-use super::felt::net_force_squared;
+use super::peaks::net_force_squared;
 use super::{Body, Rig};
 
 /// State of a flat.
@@ -70,7 +70,7 @@ impl<const D: usize> View<'_, D> {
         self.engine.bodies().displacement[sphere]
     }
     /// The part of a sphere that belongs to the simulated part of a symmetric rig: 1/2 on a mirror.
-    pub fn part(&self, sphere: usize) -> f64 {
+    pub fn simulated_fraction(&self, sphere: usize) -> f64 {
         self.engine.bodies().weight[sphere]
     }
     /// Velocity of a sphere (m/s).
@@ -111,8 +111,8 @@ impl<const D: usize> View<'_, D> {
         self.engine.bodies().clusters[cluster]
     }
     /// Sum of the sizes of the normal forces (N) on each sphere.
-    pub fn pressed(&self) -> Vec<f64> {
-        self.engine.pressed()
+    pub fn normal_force_sum(&self) -> Vec<f64> {
+        self.engine.normal_force_sum()
     }
     /// The closed contacts, in a fixed order.
     pub fn contacts(&self) -> impl Iterator<Item = Touching<D>> + '_ {

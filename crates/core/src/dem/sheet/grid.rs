@@ -105,8 +105,8 @@ impl Grid {
         if self.joined && !self.rows.is_multiple_of(2) {
             return Err(GridError::Odd(self.rows));
         }
-        let squeeze = self.spacing / self.diameter;
-        if !(self.diameter > 0.0 && self.diameter.is_finite() && (0.75..=1.0).contains(&squeeze)) {
+        let precompress = self.spacing / self.diameter;
+        if !(self.diameter > 0.0 && self.diameter.is_finite() && (0.75..=1.0).contains(&precompress)) {
             return Err(GridError::Spacing { spacing: self.spacing, diameter: self.diameter });
         }
         Ok(())

@@ -14,7 +14,7 @@ use crate::sample::Sphere;
 
 use super::Contacts;
 use super::react::CLOSED;
-use crate::dem::rig::law::Bonding;
+use crate::dem::rig::law::ContactLaw;
 
 /// How a sphere stands to a face that it overlaps.
 #[derive(Clone, Copy, Debug)]
@@ -128,7 +128,7 @@ pub fn near_faces<const D: usize>(rig: &Rig<D>, finder: &Finder<D>, bodies: &Bod
     }
     for (i, sphere) in rig.sample.spheres.iter().enumerate() {
         let radius = sphere.radius;
-        let skin = finder.leeway[i] + finder.common;
+        let skin = finder.skin[i] + finder.common;
         let at: [f64; D] = std::array::from_fn(|k| sphere.centre[k] + bodies.displacement[i][k]);
         for (f, flat) in rig.flats.iter().enumerate() {
             if flat.distance(&bodies.flat_moved[f], &at).0 - radius < skin {
@@ -144,7 +144,7 @@ pub fn near_faces<const D: usize>(rig: &Rig<D>, finder: &Finder<D>, bodies: &Bod
     faces
 }
 
-impl<const D: usize, L: Bonding> Contacts<D, L> {
+impl<const D: usize, L: ContactLaw> Contacts<D, L> {
     /// How a sphere stands to one of the faces `all` that it is near, if it overlaps it and meets no neighbour in its place.
     pub fn stands(&mut self, face: usize, all: &Range<usize>, rig: &Rig<D>, bodies: &Bodies<D>) -> Option<Standing<D>> {
         let standing = self.faces[face].standing(rig, bodies)?;

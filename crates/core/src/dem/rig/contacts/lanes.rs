@@ -4,9 +4,9 @@
 //! (the same physics as one at a time, `react`), and then given to the disks in the order of the contacts.
 
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::Bond;
+use crate::dem::rig::law::PairLaw;
 use crate::dem::rig::pairs::Near;
-use crate::dem::rig::turns;
+use crate::dem::rig::spins;
 use crate::dem::share::rows;
 use crate::real::{Kernel, Lanes};
 
@@ -49,8 +49,8 @@ pub struct Disks<'a> {
 pub struct Sweep<'a, const TURNING: bool, const SPRING: bool> {
     pub lines: &'a Lines,
     pub disks: Disks<'a>,
-    pub bonds: &'a [Bond<SpringDashpot>],
-    pub bond: &'a [u32],
+    pub pair_laws: &'a [PairLaw<SpringDashpot>],
+    pub pair_law: &'a [u32],
     pub reduced: &'a [f64],
     pub piece: Piece<'a, 2, ()>,
     pub step: f64,
@@ -102,7 +102,7 @@ impl<const TURNING: bool, const SPRING: bool> Kernel for Sweep<'_, TURNING, SPRI
             begin += size;
         }
         if TURNING {
-            turns::multiply::<2>(self.piece.twist, self.piece.lever);
+            spins::multiply::<2>(self.piece.twist, self.piece.lever);
         }
     }
 }
@@ -129,8 +129,8 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
     /// γ or η, μ, k_t and γ_t of contacts from c on.
     #[inline(always)]
     fn constants<V: Lanes>(&self, c: usize) -> [V; 4] {
-        let places = &self.bond[c..][..V::LANES];
-        let of = &self.bonds[places[0] as usize];
+        let places = &self.pair_law[c..][..V::LANES];
+        let of = &self.pair_laws[places[0] as usize];
         let mut constants = [
             V::splat(of.normal.loss.number()),
             V::splat(of.slip.coefficient),
@@ -144,7 +144,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         if !alike {
             let mut columns = [[0.0; 8]; 4];
             for lane in 0..V::LANES {
-                let of = &self.bonds[places[lane] as usize];
+                let of = &self.pair_laws[places[lane] as usize];
                 columns[0][lane] = of.normal.loss.number();
                 columns[1][lane] = of.slip.coefficient;
                 columns[2][lane] = of.slip.stiffness;
@@ -182,7 +182,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
         let [loss, coefficient, stiffness, slide_rate] = self.constants::<V>(line);
         let reduced = V::load(&self.reduced[line..]);
         // Stiffness, cut and the kind of loss are the same at all contacts of a law book.
-        let law = &self.bonds[0].normal;
+        let law = &self.pair_laws[0].normal;
         let force_before = V::load(&self.piece.account.force[c..]);
         let exact = law.loss.is_exact();
         let damping = if exact { loss * (V::splat(law.stiffness) * reduced).sqrt() } else { loss * reduced };
@@ -242,7 +242,7 @@ impl<const TURNING: bool, const SPRING: bool> Sweep<'_, TURNING, SPRING> {
     fn give(&mut self, begin: usize, size: usize, block: &Block) {
         let Piece { first, first_sphere, force, twist, spill, excess, .. } = &mut self.piece;
         let ends = &self.lines.ends[*first + begin..][..size];
-        if self.bonds[0].normal.loss.is_exact() {
+        if self.pair_laws[0].normal.loss.is_exact() {
             for n in 0..size {
                 let beyond = [block.excess[0][n], block.excess[1][n]];
                 if beyond != [0.0; 2] {

@@ -11,16 +11,16 @@ use super::{FaceKey, Kept};
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::{Binder, Bonding, End, reduced_mass};
+use crate::dem::rig::law::{ContactLaw, End, LawMaker, reduced_mass};
 use crate::dem::rig::pairs::{Finder, Near};
 use crate::dem::share::{parts, rows};
 
-impl<const D: usize, L: Bonding> Contacts<D, L> {
+impl<const D: usize, L: ContactLaw> Contacts<D, L> {
     /// Looks anew who is near whom; memories go with their contact.
-    pub fn renew(&mut self, rig: &Rig<D>, finder: &Finder<D>, bodies: &Bodies<D>, binder: &impl Binder<L>) {
+    pub fn renew(&mut self, rig: &Rig<D>, finder: &Finder<D>, bodies: &Bodies<D>, maker: &impl LawMaker<L>) {
         let near = finder.find(rig, &bodies.displacement);
         let faces = near_faces(rig, finder, bodies);
-        self.replace(rig, near, faces, bodies, binder);
+        self.replace(rig, near, faces, bodies, maker);
     }
 
     /// Puts another list in the place of the present one; memories go with their contact.
@@ -30,7 +30,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         near: Vec<Near<D>>,
         faces: Vec<NearFace>,
         bodies: &Bodies<D>,
-        binder: &impl Binder<L>,
+        maker: &impl LawMaker<L>,
     ) {
         let key = |face: &NearFace| -> FaceKey { (face.sphere, face.facing) };
         let old_pairs = self.near.len();
@@ -65,7 +65,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         self.near = near;
         self.faces = faces;
         (self.memory, self.account, self.stretch, self.extra) = (memory, account, stretch, extra);
-        self.bind(rig, binder);
+        self.bind(rig, maker);
         self.share = match rig.mirrors.is_empty() {
             true => Vec::new(),
             false => rows(self.near.len(), |c| share_in_mirrors(rig, &self.near[c])),
@@ -105,7 +105,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         }
     }
 
-    fn bind<B: Binder<L>>(&mut self, rig: &Rig<D>, binder: &B) {
+    fn bind<B: LawMaker<L>>(&mut self, rig: &Rig<D>, maker: &B) {
         let count = self.near.len() + self.faces.len();
         let (near, faces, ends, flat_factor) = (&self.near, &self.faces, &self.ends, &self.flat_factor);
         let own = |c: usize| match faces.get(c.wrapping_sub(near.len())).map(|face| face.facing) {
@@ -137,7 +137,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         });
         let class = |i: u32| if B::BY_SIZE { self.class[i as usize] } else { ends[i as usize].material as u32 };
         let mut last = None;
-        self.bond.clear();
+        self.pair_law.clear();
         for c in 0..count {
             // A face counts as a sphere like the one that it meets, unless there is something of its own about it.
             let key = match (near.get(c), own(c)) {
@@ -149,16 +149,16 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             let place = match last {
                 Some((known, place)) if known == key => place,
                 _ => {
-                    let next = self.bonds.len() as u32;
+                    let next = self.pair_laws.len() as u32;
                     let place = *self.known_bonds.entry(key).or_insert(next);
                     if place == next {
-                        self.bonds.push(binder.bond(met(c).0, own(c).map(|(_, contact)| contact)));
+                        self.pair_laws.push(maker.pair_law(met(c).0, own(c).map(|(_, contact)| contact)));
                     }
                     place
                 }
             };
             last = Some((key, place));
-            self.bond.push(place);
+            self.pair_law.push(place);
         }
     }
 }

@@ -29,7 +29,7 @@ pub(super) use react::Predicted;
 pub(super) use sweep::{Excess, Sums};
 
 use super::bodies::{Bodies, dot};
-use super::law::{Bond, Bonding, End};
+use super::law::{ContactLaw, End, PairLaw};
 use super::pairs::Near;
 use super::{Arm, Body, Rig};
 use crate::dem::share::parts;
@@ -73,16 +73,16 @@ pub(super) type PairKey<const D: usize> = ([u32; 2], [i8; D]);
 pub(super) type FaceKey = (u32, Facing);
 
 /// Contacts as parallel arrays: row c of each is contact c, pairs first, then faces.
-pub(super) struct Contacts<const D: usize, L: Bonding> {
+pub(super) struct Contacts<const D: usize, L: ContactLaw> {
     pub near: Vec<Near<D>>,
     pub faces: Vec<NearFace>,
     /// Part of a pair that belongs to the simulated part of a symmetric rig; empty where all is simulated.
     share: Vec<f64>,
-    /// Place of a contact's law in `bonds`.
-    bond: Vec<u32>,
+    /// Place of a contact's law in `pair_laws`.
+    pair_law: Vec<u32>,
     /// Reduced mass m̄ (kg).
     reduced: Vec<f64>,
-    bonds: Vec<Bond<L>>,
+    pair_laws: Vec<PairLaw<L>>,
     known_bonds: HashMap<[u32; 2], u32>,
     pub memory: Vec<L::Memory>,
     /// ξ, the tangential spring (m), along each axis; empty without friction.
@@ -119,7 +119,7 @@ pub(super) struct Contacts<const D: usize, L: Bonding> {
     width: Width,
 }
 
-impl<const D: usize, L: Bonding> Contacts<D, L> {
+impl<const D: usize, L: ContactLaw> Contacts<D, L> {
     /// No contact yet. `face_factor` is 2 where a face stands for an equal sphere (Burgoyne 2016, appendix A.1), 1 where
     /// it is met as it is.
     pub fn new(rig: &Rig<D>, face_factor: f64) -> Self {
@@ -153,9 +153,9 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             near: Vec::new(),
             faces: Vec::new(),
             share: Vec::new(),
-            bond: Vec::new(),
+            pair_law: Vec::new(),
             reduced: Vec::new(),
-            bonds: Vec::new(),
+            pair_laws: Vec::new(),
             known_bonds: HashMap::new(),
             memory: Vec::new(),
             stretch: std::array::from_fn(|_| Vec::new()),
@@ -188,7 +188,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// The law of a contact.
     pub fn normal_law(&self, c: usize) -> &L {
-        &self.bonds[self.bond[c] as usize].normal
+        &self.pair_laws[self.pair_law[c] as usize].normal
     }
 
     /// The part of a contact's force that is simulated.
@@ -234,7 +234,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         let law = self.normal_law(c);
         (overlap > 0.0).then(|| Strain {
             bodies: self.bodies(c),
-            ratio: overlap / self.reach(c),
+            ratio: overlap / self.radii_sum(c),
             limit: self.overlap_limit(c),
             stiffness: law.stiffness_max(force),
         })
@@ -249,7 +249,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 return false;
             }
             let law = self.normal_law(*c);
-            overlap > self.overlap_limit(*c) * self.reach(*c)
+            overlap > self.overlap_limit(*c) * self.radii_sum(*c)
                 || law.stiffness_max(force) > stiffness_over_mass * self.reduced[*c]
         };
         let found = parts(self.len(), |range| range.filter(bold).filter_map(|c| self.strain(c)).collect::<Vec<_>>());
@@ -259,7 +259,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     /// The greatest overlap that a contact may have, over what it is judged by: that asked for or its law's, and no more than its law is known for.
     fn overlap_limit(&self, c: usize) -> f64 {
         let law = self.normal_law(c);
-        self.overlap_limit.unwrap_or_else(|| law.overlap_limit()).min(law.range() / self.reach(c))
+        self.overlap_limit.unwrap_or_else(|| law.overlap_limit()).min(law.range() / self.radii_sum(c))
     }
 
     /// Greatest overlap (m) and force (N) so far, where the law remembers them; else the present ones.
@@ -269,7 +269,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// By what an overlap is judged (m): the sum of radii, a sphere's diameter at a face; its radius at a flat of a material of its own, into
     /// which it goes as deep as two equal spheres into each other at twice the overlap.
-    pub fn reach(&self, c: usize) -> f64 {
+    pub fn radii_sum(&self, c: usize) -> f64 {
         match c.checked_sub(self.near.len()) {
             Some(f) => {
                 let own = matches!(self.faces[f].facing, Facing::Flat(flat) if self.flat_is_own[flat as usize]);
@@ -351,8 +351,8 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// Force of friction (N) on the second body of a closed contact: its law, of the present velocities and spring.
     pub fn friction(&self, bodies: &Bodies<D>, c: usize, normal: &[f64; D]) -> [f64; D] {
-        let bond = &self.bonds[self.bond[c] as usize];
-        if !self.turning || bond.slip.coefficient == 0.0 {
+        let pair_law = &self.pair_laws[self.pair_law[c] as usize];
+        if !self.turning || pair_law.slip.coefficient == 0.0 {
             return [0.0; D];
         }
         let account = self.account.at(c);
@@ -384,7 +384,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
         let stretch: [f64; D] = std::array::from_fn(|k| self.stretch[k][c]);
         let mut numbers = self.extra_of(c).to_vec();
         let held = friction::Held { more: self.more, numbers: &mut numbers };
-        react::friction::<D, L>(&meeting, (bond, self.reduced[c]), push, (&stretch, &account), held)
+        react::friction::<D, L>(&meeting, (pair_law, self.reduced[c]), push, (&stretch, &account), held)
     }
 
     /// ½ k_t ξ² (J), what a contact's tangential springs hold, and that against rolling.
@@ -394,7 +394,8 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             None => self.spring(c).map_or(0.0, |[stiffness, squared]| 0.5 * stiffness * squared),
         };
         let rolled = self.more.rolled(self.extra_of(c)).map_or(0.0, |rolled| {
-            0.5 * self.bonds[self.bond[c] as usize].slip.stiffness_at(self.account.overlap[c]) * dot(rolled, rolled)
+            0.5 * self.pair_laws[self.pair_law[c] as usize].slip.stiffness_at(self.account.overlap[c])
+                * dot(rolled, rolled)
         });
         slid + rolled
     }
@@ -407,18 +408,19 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
 
     /// The row of springs of a contact whose friction is spread over it.
     fn row(&self, c: usize) -> Option<Row<'_, D>> {
-        let slip = &self.bonds[self.bond[c] as usize].slip;
+        let slip = &self.pair_laws[self.pair_law[c] as usize].slip;
         (self.turning && slip.spread).then(|| Row::of(slip, self.more.springs(self.extra_of(c))))
     }
 
     /// Whether there are tangential springs.
     pub fn has_tangential_springs(&self) -> bool {
-        self.turning && self.bonds.iter().any(|bond| bond.slip.stiffness > 0.0 || bond.slip.mindlin > 0.0)
+        self.turning
+            && self.pair_laws.iter().any(|pair_law| pair_law.slip.stiffness > 0.0 || pair_law.slip.mindlin > 0.0)
     }
 
     /// k_t (N/m) and ξ² (m²), with friction.
     fn spring(&self, c: usize) -> Option<[f64; 2]> {
-        let slip = &self.bonds[self.bond[c] as usize].slip;
+        let slip = &self.pair_laws[self.pair_law[c] as usize].slip;
         self.turning.then(|| {
             let stretch: [f64; D] = std::array::from_fn(|k| self.stretch[k][c]);
             [slip.stiffness_at(self.account.overlap[c]), dot(&stretch, &stretch)]

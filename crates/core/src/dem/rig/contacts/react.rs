@@ -6,9 +6,9 @@
 
 use crate::dem::rig::bodies::{Bodies, cross, dot, spin_cross};
 use crate::dem::rig::dashpot::Ended;
-use crate::dem::rig::law::{Begun, Bond, Bonding, Slip};
+use crate::dem::rig::law::{Begun, ContactLaw, PairLaw, Slip};
 use crate::dem::rig::pairs::Near;
-use crate::dem::rig::turns::Turns;
+use crate::dem::rig::spins::Spins;
 use crate::real::Lanes;
 
 use super::account::Account;
@@ -19,7 +19,7 @@ use super::friction::{Grip, Held, Rub, Rubbed, coulomb, spread};
 pub struct Predicted<'a, const D: usize> {
     pub velocity: &'a [[f64; D]],
     /// r ω of each sphere (m/s), or ω where arms end in the contact; not asked for without friction.
-    pub turn: &'a Turns<D>,
+    pub turn: &'a Spins<D>,
     pub flat_velocity: &'a [[f64; D]],
     /// (s)
     pub step: f64,
@@ -174,10 +174,10 @@ pub struct Rolls {
 
 /// The reaction of two spheres and what the contact remembers then, if they overlap or have just parted.
 #[inline(always)]
-pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
+pub fn react_pair<const D: usize, L: ContactLaw, const TURNING: bool>(
     near: &Near<D>,
     motion: Motion<D>,
-    (bond, reduced): (&Bond<L>, f64),
+    (pair_law, reduced): (&PairLaw<L>, f64),
     past: &Past<L::Memory, D>,
     mut held: Held<'_>,
 ) -> Option<(Reaction<D>, Past<L::Memory, D>)> {
@@ -201,7 +201,7 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
     let mut meeting = meet::<f64, D>((&between, excess), reach, &approach, &[0.0; 3]);
     if !closed {
         held.numbers.fill(0.0);
-        return Some(release::<D, L>(&meeting, (bond, reduced), past, step));
+        return Some(release::<D, L>(&meeting, (pair_law, reduced), past, step));
     }
     let (mut arms, mut way, mut rolls) = ([1.0; 2], [0.0; D], Rolls::default());
     if TURNING {
@@ -216,35 +216,36 @@ pub fn react_pair<const D: usize, L: Bonding, const TURNING: bool>(
             let middle: [f64; D] = std::array::from_fn(|k| between[k] + 0.5 * step * approach[k]);
             let distance = dot(&middle, &middle).sqrt();
             let turned = [motion.mean_turn(a), motion.mean_turn(b)];
-            if bond.slip.rolling > 0.0 {
+            if pair_law.slip.rolling > 0.0 {
                 let turned = std::array::from_fn(|k| (turned[0][k] - turned[1][k]) * step);
-                rolls = Rolls { radius: bond.slip.rolling_radius, turned };
+                rolls = Rolls { radius: pair_law.slip.rolling_radius, turned };
             }
             let turn = together(turned[0], turned[1]);
             way = sliding(&approach, &turn, &middle.map(|x| x / distance)).map(|u| u * step);
         }
     }
-    let (reaction, past) = react::<D, L, TURNING>(&meeting, (&way, rolls), (bond, reduced), past, (&mut held, step));
+    let (reaction, past) =
+        react::<D, L, TURNING>(&meeting, (&way, rolls), (pair_law, reduced), past, (&mut held, step));
     Some((Reaction { arms, ..reaction }, past))
 }
 
 /// Whether friction is [`Grip`]'s.
 #[inline(always)]
-fn by_grip<const D: usize, L: Bonding>() -> bool {
+fn by_grip<const D: usize, L: ContactLaw>() -> bool {
     L::GRIPS && D == 2
 }
 
 /// What the normal force still does of a contact that has just opened, whose overlap is negative, and what is remembered then.
 #[inline(always)]
-pub fn release<const D: usize, L: Bonding>(
+pub fn release<const D: usize, L: ContactLaw>(
     meeting: &Meeting<f64, D>,
-    (bond, reduced): (&Bond<L>, f64),
+    (pair_law, reduced): (&PairLaw<L>, f64),
     past: &Past<L::Memory, D>,
     step: f64,
 ) -> (Reaction<D>, Past<L::Memory, D>) {
     let (memory, mut account) = (past.memory, past.account);
     let before = [account.overlap, account.force];
-    let Ended { acts, last } = bond.normal.end(before, -meeting.overlap, meeting.closing_speed, reduced, &memory);
+    let Ended { acts, last } = pair_law.normal.end(before, -meeting.overlap, meeting.closing_speed, reduced, &memory);
     account.open(last, step);
     let force = meeting.normal.map(|n| acts * n);
     (
@@ -255,27 +256,27 @@ pub fn release<const D: usize, L: Bonding>(
 
 /// Normal and tangential force of a closed contact, whose ends slid by `way` (m) and rolled during the step, and what it remembers then.
 #[inline(always)]
-pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
+pub fn react<const D: usize, L: ContactLaw, const TURNING: bool>(
     meeting: &Meeting<f64, D>,
     (way, rolls): (&[f64; D], Rolls),
-    (bond, reduced): (&Bond<L>, f64),
+    (pair_law, reduced): (&PairLaw<L>, f64),
     past: &Past<L::Memory, D>,
     (held, step): (&mut Held<'_>, f64),
 ) -> (Reaction<D>, Past<L::Memory, D>) {
     let Meeting { overlap, closing_speed, normal, .. } = meeting;
     let (mut twist, mut roll, mut stretch, mut account) = ([0.0; 3], [0.0; 3], past.stretch, past.account);
     let (push, acts, memory) = if past.account.overlap > 0.0 {
-        let (push, memory) = bond.normal.respond(*overlap, *closing_speed, reduced, &past.memory);
+        let (push, memory) = pair_law.normal.respond(*overlap, *closing_speed, reduced, &past.memory);
         (push, push, memory)
     } else {
         let Begun { acts, force, onset, memory } =
-            bond.normal.begin(*overlap, *closing_speed, reduced, &past.memory, step);
+            pair_law.normal.begin(*overlap, *closing_speed, reduced, &past.memory, step);
         account.force = onset;
         (force, acts, memory)
     };
     let mut force = normal.map(|n| acts * n);
-    if TURNING && (bond.slip.coefficient > 0.0 || bond.slip.rolling > 0.0) {
-        let slip = &bond.slip;
+    if TURNING && (pair_law.slip.coefficient > 0.0 || pair_law.slip.rolling > 0.0) {
+        let slip = &pair_law.slip;
         let damping = slip.rate * reduced;
         if by_grip::<D, L>() {
             let rub = gripped(slip, damping, meeting, push, (&mut stretch, step));
@@ -315,14 +316,14 @@ pub fn react<const D: usize, L: Bonding, const TURNING: bool>(
 
 /// The force of friction on the second end of a closed contact as it is now, under the normal force `push`: its law over a step of no
 /// length, so that its springs stay as they are.
-pub fn friction<const D: usize, L: Bonding>(
+pub fn friction<const D: usize, L: ContactLaw>(
     meeting: &Meeting<f64, D>,
-    (bond, reduced): (&Bond<L>, f64),
+    (pair_law, reduced): (&PairLaw<L>, f64),
     push: f64,
     (stretch, account): (&[f64; D], &Account),
     mut held: Held<'_>,
 ) -> [f64; D] {
-    let slip = &bond.slip;
+    let slip = &pair_law.slip;
     let damping = slip.rate * reduced;
     if by_grip::<D, L>() {
         let rub = gripped(slip, damping, meeting, push, (&mut { *stretch }, 0.0));

@@ -7,7 +7,7 @@
 use super::account::AccountRows;
 use super::sweep::{Excess, Sums};
 use crate::dem::rig::pairs::Near;
-use crate::dem::rig::turns::Turns;
+use crate::dem::rig::spins::Spins;
 use crate::dem::share::{cut, each_of};
 
 /// So many pairs are worth a section of their own.
@@ -50,7 +50,7 @@ pub struct Piece<'a, const D: usize, M> {
     /// Of each pair as many numbers as its friction remembers besides.
     pub extra: &'a mut [f64],
     pub force: &'a mut [[f64; D]],
-    /// Numbers of a [`Turns`]: couples per lever arm while pairs are at work, torques in the end.
+    /// Numbers of a [`Spins`]: couples per lever arm while pairs are at work, torques in the end.
     pub twist: &'a mut [f64],
     /// Radii (m) of its spheres.
     pub lever: &'a [f64],
@@ -114,7 +114,7 @@ impl<const D: usize> Sections<D> {
                 stretch: stretch.each_mut().map(|axis| cut(axis, if TURNING { pairs } else { 0 })),
                 extra: cut(&mut extra, pairs * each),
                 force: cut(&mut force, spheres),
-                twist: cut(&mut twist, spheres * Turns::<D>::AXES),
+                twist: cut(&mut twist, spheres * Spins::<D>::AXES),
                 lever: &lever[first_sphere..section.spheres],
                 spill,
                 excess,

@@ -10,15 +10,15 @@ use super::react::{Arms, Meeting, Motion, Past, Predicted, Reaction, Rolls, reac
 use super::sections::{Piece, Spill};
 use crate::dem::rig::bodies::{Bodies, dot};
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::Bonding;
-use crate::dem::rig::turns::{self, Turns};
+use crate::dem::rig::law::ContactLaw;
+use crate::dem::rig::spins::{self, Spins};
 use crate::dem::rig::{Body, Rig};
 
 /// Force sums on all bodies.
 #[derive(Clone, Debug)]
 pub struct Sums<const D: usize> {
     pub force: Vec<[f64; D]>,
-    pub torque: Turns<D>,
+    pub torque: Spins<D>,
     pub flat: Vec<[f64; D]>,
     /// What in these sums is no force of the state, but an impulse over the step; see [`SpringDashpot`].
     pub excess: Vec<Excess<D>>,
@@ -44,14 +44,14 @@ impl<const D: usize> Sums<D> {
     pub fn new(spheres: usize, flats: usize) -> Self {
         Self {
             force: vec![[0.0; D]; spheres],
-            torque: Turns::still(spheres),
+            torque: Spins::still(spheres),
             flat: vec![[0.0; D]; flats],
             excess: Vec::new(),
         }
     }
 }
 
-impl<const D: usize, L: Bonding> Contacts<D, L> {
+impl<const D: usize, L: ContactLaw> Contacts<D, L> {
     /// Adds up the forces on all spheres and flats at the given velocities; memories advance by one step.
     pub fn sweep(&mut self, rig: &Rig<D>, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
         if self.turning {
@@ -77,11 +77,13 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
     }
 
     fn sweep_any<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
-        let Self { near, share, bond, reduced, bonds, memory, stretch, account, lever, radius, sections, .. } = self;
+        let Self {
+            near, share, pair_law, reduced, pair_laws, memory, stretch, account, lever, radius, sections, ..
+        } = self;
         let each = self.more.count::<D>();
         let extra = if TURNING { &mut self.extra[..each * near.len()] } else { &mut [] };
-        let (near, share, bond, reduced) = (&near[..], &share[..], &bond[..], &reduced[..]);
-        let (bonds, lever) = (&bonds[..], &lever[..]);
+        let (near, share, pair_law, reduced) = (&near[..], &share[..], &pair_law[..], &reduced[..]);
+        let (pair_laws, lever) = (&pair_laws[..], &lever[..]);
         let motion = Motion { bodies, lever, arms: arms(radius), predicted };
         let more = self.more;
         sections.run::<_, TURNING>(memory, account.rows(), (stretch, extra), lever, sums, |piece| {
@@ -95,7 +97,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                     stretch: spring_at::<D, TURNING>(stretch.each_ref().map(|axis| &axis[..]), n),
                     account: account.at(n),
                 };
-                let law = (&bonds[bond[c] as usize], reduced[c]);
+                let law = (&pair_laws[pair_law[c] as usize], reduced[c]);
                 let held = Held { more, numbers: if TURNING { &mut extra[n * each..][..each] } else { &mut [] } };
                 let reaction = react_pair::<D, L, TURNING>(&near[c], motion, law, &past, held);
                 let Some((Reaction { force, excess, twist, roll, arms }, now)) = reaction else { continue };
@@ -113,14 +115,14 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 let [a, b] = near[c].ends.map(|end| end as usize - first_sphere);
                 add(&mut sum[a], -1.0, &force);
                 if TURNING {
-                    turns::add::<D>(couple, a, arms[0], &twist);
-                    turns::add::<D>(couple, a, -1.0, &roll);
+                    spins::add::<D>(couple, a, arms[0], &twist);
+                    spins::add::<D>(couple, a, -1.0, &roll);
                 }
                 if b < sum.len() {
                     add(&mut sum[b], 1.0, &force);
                     if TURNING {
-                        turns::add::<D>(couple, b, arms[1], &twist);
-                        turns::add::<D>(couple, b, 1.0, &roll);
+                        spins::add::<D>(couple, b, arms[1], &twist);
+                        spins::add::<D>(couple, b, 1.0, &roll);
                     }
                 } else {
                     let twist = std::array::from_fn(|k| arms[1] * twist[k] + roll[k]);
@@ -128,7 +130,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
                 }
             }
             if TURNING {
-                turns::multiply::<D>(couple, lever);
+                spins::multiply::<D>(couple, lever);
             }
         });
     }
@@ -191,7 +193,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             let (overlap, closing_speed) = (factor * (radius - distance), dot(&approach, &normal));
             let meeting = Meeting { overlap, closing_speed, normal, approach, turn: [0.0; 3] };
             let past = Past { memory: self.memory[c], stretch: [0.0; D], account: row };
-            let law = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
+            let law = (&self.pair_laws[self.pair_law[c] as usize], self.reduced[c]);
             let (Reaction { force, excess, .. }, now) = release::<D, L>(&meeting, law, &past, predicted.step);
             row = now.account;
             let force = force.map(|f| share * f);
@@ -237,7 +239,7 @@ impl<const D: usize, L: Bonding> Contacts<D, L> {
             stretch: spring_at::<D, TURNING>(self.stretch.each_ref().map(|axis| axis.as_slice()), c),
             account: self.account.at(c),
         };
-        let law = (&self.bonds[self.bond[c] as usize], self.reduced[c]);
+        let law = (&self.pair_laws[self.pair_law[c] as usize], self.reduced[c]);
         let step = predicted.step;
         let arm = if self.radius.is_empty() { 1.0 } else { distance };
         let slips = flat.filter(|_| TURNING);
@@ -314,7 +316,7 @@ impl Contacts<2, SpringDashpot> {
         sums: &mut Sums<2>,
     ) {
         let disks = Disks { at, velocity, turn };
-        if self.bonds.iter().any(|bond| bond.slip.stiffness > 0.0) {
+        if self.pair_laws.iter().any(|pair_law| pair_law.slip.stiffness > 0.0) {
             self.sweep_kind::<TURNING, true>(step, disks, sums);
         } else {
             self.sweep_kind::<TURNING, false>(step, disks, sums);
@@ -322,10 +324,10 @@ impl Contacts<2, SpringDashpot> {
     }
 
     fn sweep_kind<const TURNING: bool, const SPRING: bool>(&mut self, step: f64, disks: Disks<'_>, sums: &mut Sums<2>) {
-        let Self { lines, lever, bonds, bond, reduced, memory, stretch, account, sections, width, .. } = self;
-        let (lines, bonds, bond, reduced) = (&*lines, &bonds[..], &bond[..], &reduced[..]);
+        let Self { lines, lever, pair_laws, pair_law, reduced, memory, stretch, account, sections, width, .. } = self;
+        let (lines, pair_laws, pair_law, reduced) = (&*lines, &pair_laws[..], &pair_law[..], &reduced[..]);
         sections.run::<_, TURNING>(memory, account.rows(), (stretch, &mut []), lever, sums, |piece| {
-            width.run(Sweep::<TURNING, SPRING> { lines, disks, bonds, bond, reduced, piece, step });
+            width.run(Sweep::<TURNING, SPRING> { lines, disks, pair_laws, pair_law, reduced, piece, step });
         });
     }
 }

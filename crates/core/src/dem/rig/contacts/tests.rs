@@ -30,14 +30,14 @@ fn jostled(
         .collect();
     let friction = |spring| Some(Friction { coefficient: 0.3, spring, damping: 0.7, rolling: 0.0 });
     let materials = losses.into_iter().zip(grip).map(|(loss, spring)| (loss, friction(spring))).collect::<Vec<_>>();
-    let binder = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut };
+    let maker = ByDashpot { stiffness: 4.9, materials: materials.clone(), cut };
     let laws = LawBook::Dashpot { stiffness: 4.9, materials, cut, arm: Arm::Radius };
     let material = crate::material::find("440c", &[]).unwrap();
     let mut rig = Rig::new(Sample { materials: vec![material; 2], spheres }, laws);
     rig.periods = [Some(20.0), None];
     let (finder, mut bodies) = (Finder::new(&rig), Bodies::new(&rig));
     let mut contacts = Contacts::<2, SpringDashpot>::new(&rig, 1.0);
-    contacts.renew(&rig, &finder, &bodies, &binder);
+    contacts.renew(&rig, &finder, &bodies, &maker);
     contacts.sections = Sections::so_many(&contacts.near, 400, sections);
     contacts.width = width.unwrap_or(Width::Scalar);
     if width.is_none() {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::{Machine, flat_weight};
 use crate::dem::rig::contacts::Excess;
-use crate::dem::rig::law::{Binder, Bonding};
+use crate::dem::rig::law::{ContactLaw, LawMaker};
 use crate::dem::rig::{Body, LoadKind, Rig};
 
 /// What loads do to a body during a step.
@@ -54,7 +54,7 @@ pub fn loaded<const D: usize>(rig: &Rig<D>) -> Vec<Loaded> {
     all
 }
 
-impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
+impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
     /// What loads do during the step that begins now.
     pub fn plan_acts(&mut self, rig: &Rig<D>) {
         self.acts.clear();
@@ -107,10 +107,10 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
     /// Moves loaded bodies on.
     pub fn apply_acts(&mut self, rig: &Rig<D>, h: f64) {
         for act in &self.acts {
-            let (displacement, trial, inverse, weight) = match act.body {
+            let (displacement, predicted, inverse, weight) = match act.body {
                 Body::Sphere(i) => (
                     &mut self.bodies.displacement[i],
-                    &mut self.trial[i],
+                    &mut self.predicted[i],
                     // A load acts on the whole sphere, of which the rig may hold a part.
                     self.bodies.inverse_mass[i].map(|inverse| inverse * self.bodies.weight[i]),
                     self.bodies.weight[i],
@@ -118,20 +118,20 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
                 Body::Flat(f) => {
                     let weight = flat_weight(rig);
                     let inverse = self.bodies.flat_inverse_mass[f].map(|inverse| inverse * weight);
-                    (&mut self.bodies.flat_moved[f], &mut self.flat_trial[f], inverse, weight)
+                    (&mut self.bodies.flat_moved[f], &mut self.predicted_flat[f], inverse, weight)
                 }
             };
             if let Some([moved, velocity]) = act.prescribed {
                 for k in 0..D {
                     displacement[k] = act.from[k] + moved[k];
                 }
-                *trial = velocity;
+                *predicted = velocity;
                 continue;
             }
             for k in 0..D {
                 let push = act.force[k] * inverse[k];
                 displacement[k] += 0.5 * h * h * push;
-                trial[k] += h * push;
+                predicted[k] += h * push;
                 self.work_in += weight * act.force[k] * (displacement[k] - act.from[k]);
             }
         }

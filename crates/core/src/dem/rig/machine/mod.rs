@@ -19,18 +19,18 @@ pub(super) use past::Past;
 use super::bodies::{Bodies, dot};
 use super::cluster::Ahead;
 use super::contacts::{Contacts, Excess, Predicted, Sums};
-use super::law::{Binder, Bonding};
+use super::law::{ContactLaw, LawMaker};
 use super::ledger::EnergyLedger;
 use super::pairs::Finder;
-use super::turns::Turns;
+use super::spins::Spins;
 use super::{Body, LoadKind, Rig};
 use crate::dem::share::parts;
 
 /// A rig in motion under laws of one type.
-pub(super) struct Machine<const D: usize, L: Bonding, B> {
+pub(super) struct Machine<const D: usize, L: ContactLaw, B> {
     pub bodies: Bodies<D>,
     pub contacts: Contacts<D, L>,
-    pub binder: B,
+    pub maker: B,
     pub finder: Finder<D>,
     pub step: f64,
     pub count: u64,
@@ -38,10 +38,10 @@ pub(super) struct Machine<const D: usize, L: Bonding, B> {
     pub seen: Vec<[f64; D]>,
     pub flat_seen: Vec<[f64; D]>,
     pub sums: Sums<D>,
-    trial: Vec<[f64; D]>,
+    predicted: Vec<[f64; D]>,
     /// r ω predicted, or ω where arms end in the contact; empty without friction.
-    trial_turn: Turns<D>,
-    flat_trial: Vec<[f64; D]>,
+    predicted_turn: Spins<D>,
+    predicted_flat: Vec<[f64; D]>,
     /// Work of loads and prescribed motion, and what bars and drag took (J).
     pub work_in: f64,
     pub absorbed: f64,
@@ -57,8 +57,8 @@ pub(super) struct Machine<const D: usize, L: Bonding, B> {
     acts: Vec<Act<D>>,
 }
 
-impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
-    pub fn new(rig: &Rig<D>, binder: B, face_factor: f64, step: f64) -> Self {
+impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
+    pub fn new(rig: &Rig<D>, maker: B, face_factor: f64, step: f64) -> Self {
         let bodies = Bodies::new(rig);
         let finder = Finder::new(rig);
         let contacts = Contacts::new(rig, face_factor);
@@ -67,9 +67,9 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         Self {
             seen: bodies.displacement.clone(),
             flat_seen: bodies.flat_moved.clone(),
-            trial: vec![[0.0; D]; spheres],
-            trial_turn: Turns::still(if turning { spheres } else { 0 }),
-            flat_trial: vec![[0.0; D]; flats],
+            predicted: vec![[0.0; D]; spheres],
+            predicted_turn: Spins::still(if turning { spheres } else { 0 }),
+            predicted_flat: vec![[0.0; D]; flats],
             sums: Sums::new(spheres, flats),
             work_in: 0.0,
             absorbed: 0.0,
@@ -82,7 +82,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             acts: Vec::new(),
             bodies,
             contacts,
-            binder,
+            maker,
             finder,
             step,
         }
@@ -96,7 +96,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
     /// Contacts and forces at the start, and the energy that is there already.
     pub fn begin(&mut self, rig: &Rig<D>) {
         self.finder.allow(&self.bodies.velocity, self.step);
-        self.contacts.renew(rig, &self.finder, &self.bodies, &self.binder);
+        self.contacts.renew(rig, &self.finder, &self.bodies, &self.maker);
         // Velocities prescribed at time zero hold from the start on.
         for load in rig.loads.iter().filter(|load| load.kind == LoadKind::Velocity && load.curve.end() > 0.0) {
             let velocity = load.direction.map(|n| n * load.curve.value(0.0));
@@ -137,22 +137,22 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
                 .past
                 .as_mut()
                 .map_or_else(Ahead::default, |past| past.cluster_ahead(c, &state.acceleration, state.spin_rate));
-            let predicted = (&mut self.trial[..], &mut self.trial_turn);
+            let predicted = (&mut self.predicted[..], &mut self.predicted_turn);
             state.drift(rig, cluster, (h, &ahead), &mut self.bodies, predicted, &self.contacts.lever);
             self.bodies.clusters[c] = state;
         }
         strayed |= self.driven_strayed(rig);
         if strayed {
-            self.finder.allow(&self.trial, h);
-            self.contacts.renew(rig, &self.finder, &self.bodies, &self.binder);
+            self.finder.allow(&self.predicted, h);
+            self.contacts.renew(rig, &self.finder, &self.bodies, &self.maker);
             self.seen.copy_from_slice(&self.bodies.displacement);
             self.flat_seen.copy_from_slice(&self.bodies.flat_moved);
         }
-        let Self { bodies, contacts, sums, trial, trial_turn, flat_trial, .. } = self;
+        let Self { bodies, contacts, sums, predicted, predicted_turn, predicted_flat, .. } = self;
         contacts.sweep(
             rig,
             bodies,
-            Predicted { velocity: trial, turn: trial_turn, flat_velocity: flat_trial, step: h },
+            Predicted { velocity: predicted, turn: predicted_turn, flat_velocity: predicted_flat, step: h },
             sums,
         );
         let impulses = self.part_impulses();
@@ -197,7 +197,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
     }
 }
 
-impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
+impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
     /// Draws the balance.
     pub fn ledger(&self, rig: &Rig<D>) -> EnergyLedger {
         let mut ledger = EnergyLedger {

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::{Machine, flat_weight};
 use crate::dem::rig::bodies::Bodies;
-use crate::dem::rig::law::{Binder, Bonding};
-use crate::dem::rig::turns::Turns;
+use crate::dem::rig::law::{ContactLaw, LawMaker};
+use crate::dem::rig::spins::Spins;
 use crate::dem::rig::{Body, Rig};
 use crate::dem::share::{cut, pieces};
 
@@ -16,11 +16,11 @@ fn drift<const D: usize>(
     displacement: &mut [f64; D],
     velocity: &[f64; D],
     acceleration: &[f64; D],
-    trial: &mut [f64; D],
+    predicted: &mut [f64; D],
 ) {
     for k in 0..D {
         displacement[k] += h * (velocity[k] + 0.5 * h * acceleration[k]);
-        trial[k] = velocity[k] + h * acceleration[k];
+        predicted[k] = velocity[k] + h * acceleration[k];
     }
 }
 
@@ -50,38 +50,38 @@ fn kick<const D: usize, const DAMPED: bool>(
     damped
 }
 
-/// Whether a body has moved farther than its leeway since near pairs were last looked for.
+/// Whether a body has moved farther than its skin since near pairs were last looked for.
 #[inline(always)]
-pub(super) fn strayed<const D: usize>(now: &[f64; D], seen: &[f64; D], leeway: f64) -> bool {
+pub(super) fn strayed<const D: usize>(now: &[f64; D], seen: &[f64; D], skin: f64) -> bool {
     let mut squared = 0.0;
     for k in 0..D {
         squared += (now[k] - seen[k]) * (now[k] - seen[k]);
     }
-    squared > leeway * leeway
+    squared > skin * skin
 }
 
-impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
+impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
     /// Moves all bodies on and predicts their velocities; whether a sphere has moved so far that pairs may be near that were not when
     /// last looked for.
     pub(super) fn drift(&mut self, h: f64) -> bool {
         let Bodies { displacement, velocity, acceleration, spin, spin_rate, .. } = &mut self.bodies;
-        let (seen, leeway, lever) = (&self.seen, &self.finder.leeway, &self.contacts.lever);
-        let axes = if self.turning { Turns::<D>::AXES } else { 0 };
+        let (seen, skin, lever) = (&self.seen, &self.finder.skin, &self.contacts.lever);
+        let axes = if self.turning { Spins::<D>::AXES } else { 0 };
         let count = displacement.len();
-        let (mut displacements, mut trials) = (&mut displacement[..], &mut self.trial[..]);
-        let mut turns = self.trial_turn.numbers_mut();
+        let (mut displacements, mut predicted) = (&mut displacement[..], &mut self.predicted[..]);
+        let mut turns = self.predicted_turn.numbers_mut();
         let take = |range: Range<usize>| {
             let turn = cut(&mut turns, axes * range.len());
-            (cut(&mut displacements, range.len()), cut(&mut trials, range.len()), turn, range)
+            (cut(&mut displacements, range.len()), cut(&mut predicted, range.len()), turn, range)
         };
-        let any = pieces(count, take, |(displacement, trial, turn, range)| {
+        let any = pieces(count, take, |(displacement, predicted, turn, range)| {
             let rows =
-                displacement.iter_mut().zip(&velocity[range.clone()]).zip(&acceleration[range.clone()]).zip(trial);
-            for (((displacement, velocity), acceleration), trial) in rows {
-                drift(h, displacement, velocity, acceleration, trial);
+                displacement.iter_mut().zip(&velocity[range.clone()]).zip(&acceleration[range.clone()]).zip(predicted);
+            for (((displacement, velocity), acceleration), predicted) in rows {
+                drift(h, displacement, velocity, acceleration, predicted);
             }
             if axes > 0 {
-                let row = Turns::<D>::ROW;
+                let row = Spins::<D>::ROW;
                 let numbers = axes * range.start..axes * range.end;
                 let rows = turn.chunks_exact_mut(row).zip(spin.numbers()[numbers.clone()].chunks_exact(row));
                 let rows = rows.zip(spin_rate.numbers()[numbers].chunks_exact(row)).zip(&lever[range.clone()]);
@@ -93,14 +93,14 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             }
             // Mostly none has: without an early end the loop runs in vector registers.
             let mut any = false;
-            for ((now, seen), leeway) in displacement.iter().zip(&seen[range.clone()]).zip(&leeway[range]) {
-                any |= strayed(now, seen, *leeway);
+            for ((now, seen), skin) in displacement.iter().zip(&seen[range.clone()]).zip(&skin[range]) {
+                any |= strayed(now, seen, *skin);
             }
             any
         });
         let Bodies { flat_moved, flat_velocity, flat_acceleration, .. } = &mut self.bodies;
         for f in 0..flat_moved.len() {
-            drift(h, &mut flat_moved[f], &flat_velocity[f], &flat_acceleration[f], &mut self.flat_trial[f]);
+            drift(h, &mut flat_moved[f], &flat_velocity[f], &flat_acceleration[f], &mut self.predicted_flat[f]);
         }
         any.contains(&true)
     }
@@ -112,8 +112,8 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
             Body::Sphere(i) => Some(i),
             Body::Flat(_) => None,
         });
-        let (bodies, leeway) = (&self.bodies, &self.finder.leeway);
-        members.chain(loaded).any(|i| strayed(&bodies.displacement[i], &self.seen[i], leeway[i]))
+        let (bodies, skin) = (&self.bodies, &self.finder.skin);
+        members.chain(loaded).any(|i| strayed(&bodies.displacement[i], &self.seen[i], skin[i]))
             || bodies.flat_moved.iter().zip(&self.flat_seen).any(|(now, seen)| strayed(now, seen, self.finder.common))
     }
 
@@ -123,7 +123,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         let Bodies { velocity, acceleration, inverse_mass, damping, spin, spin_rate, inverse_inertia, weight, .. } =
             &mut self.bodies;
         let (force, torque) = (&self.sums.force, self.sums.torque.numbers());
-        let axes = if self.turning { Turns::<D>::AXES } else { 0 };
+        let axes = if self.turning { Spins::<D>::AXES } else { 0 };
         let count = velocity.len();
         let (mut velocities, mut accelerations) = (&mut velocity[..], &mut acceleration[..]);
         let (mut spins, mut rates) = (spin.numbers_mut(), spin_rate.numbers_mut());
@@ -146,7 +146,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
                 }
             }
             if axes > 0 {
-                let row = Turns::<D>::ROW;
+                let row = Spins::<D>::ROW;
                 let rows = spin.chunks_exact_mut(row).zip(rate.chunks_exact_mut(row));
                 let rows = rows.zip(torque[axes * range.start..axes * range.end].chunks_exact(row));
                 for (((spin, rate), torque), inverse) in rows.zip(&inverse_inertia[range]) {

@@ -12,8 +12,8 @@ use super::{Machine, flat_weight};
 use crate::dem::Integrator;
 use crate::dem::rig::Rig;
 use crate::dem::rig::cluster::Ahead;
-use crate::dem::rig::law::{Binder, Bonding};
-use crate::dem::rig::turns::Turns;
+use crate::dem::rig::law::{ContactLaw, LawMaker};
+use crate::dem::rig::spins::Spins;
 use crate::dem::share::{cut, pieces};
 use crate::dem::step::Coefficients;
 
@@ -76,7 +76,7 @@ impl Past {
     }
 
     /// Takes up [`numbers`](Self::numbers); whether they fit.
-    pub fn take_up(&mut self, numbers: &[Vec<f64>]) -> bool {
+    pub fn restore(&mut self, numbers: &[Vec<f64>]) -> bool {
         let tracks = [&mut self.spheres, &mut self.spins, &mut self.flats, &mut self.clusters];
         let mut places: Vec<&mut Vec<f64>> =
             tracks.into_iter().flat_map(|track| [&mut track.one, &mut track.two]).collect();
@@ -112,7 +112,7 @@ impl Past {
     }
 }
 
-impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
+impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
     /// Goes on by a scheme from here. Verlet remembers nothing; Runge-Kutta's, which a rig does not know, is refused before.
     pub fn go_by(&mut self, integrator: Integrator) {
         self.past = (integrator == Integrator::Adams).then(|| Past {
@@ -132,7 +132,7 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         }
     }
 
-    /// After Verlet's drift; whether a sphere has moved farther than its leeway now.
+    /// After Verlet's drift; whether a sphere has moved farther than its skin now.
     pub(super) fn drift_by_past(&mut self, h: f64) -> bool {
         let Some(past) = &mut self.past else { return false };
         let bodies = &mut self.bodies;
@@ -140,39 +140,39 @@ impl<const D: usize, L: Bonding, B: Binder<L>> Machine<D, L, B> {
         {
             let (track, now) = (&*spheres, bodies.acceleration.as_flattened());
             let count = bodies.displacement.len();
-            let (mut displacements, mut trials) =
-                (bodies.displacement.as_flattened_mut(), self.trial.as_flattened_mut());
+            let (mut displacements, mut predicted) =
+                (bodies.displacement.as_flattened_mut(), self.predicted.as_flattened_mut());
             let take = |range: Range<usize>| {
                 let numbers = D * range.len();
-                (cut(&mut displacements, numbers), cut(&mut trials, numbers), D * range.start)
+                (cut(&mut displacements, numbers), cut(&mut predicted, numbers), D * range.start)
             };
-            pieces(count, take, |(displacement, trial, from)| {
-                for (m, (displacement, trial)) in displacement.iter_mut().zip(trial).enumerate() {
+            pieces(count, take, |(displacement, predicted, from)| {
+                for (m, (displacement, predicted)) in displacement.iter_mut().zip(predicted).enumerate() {
                     let [moved, velocity] = track.ahead(table, from + m, now[from + m]);
                     *displacement += h * moved;
-                    *trial += velocity;
+                    *predicted += velocity;
                 }
             });
             spheres.now.copy_from_slice(bodies.acceleration.as_flattened());
         }
         if !spins.now.is_empty() {
-            let row = Turns::<D>::ROW;
+            let row = Spins::<D>::ROW;
             let (rates, lever) = (bodies.spin_rate.numbers(), &self.contacts.lever);
-            for (n, turn) in self.trial_turn.numbers_mut().iter_mut().enumerate() {
+            for (n, turn) in self.predicted_turn.numbers_mut().iter_mut().enumerate() {
                 *turn += lever[n / row] * spins.ahead(table, n, rates[n])[1];
             }
             spins.now.copy_from_slice(rates);
         }
         let now = bodies.flat_acceleration.as_flattened();
         let moved = bodies.flat_moved.as_flattened_mut();
-        for (n, (moved, trial)) in moved.iter_mut().zip(self.flat_trial.as_flattened_mut()).enumerate() {
+        for (n, (moved, predicted)) in moved.iter_mut().zip(self.predicted_flat.as_flattened_mut()).enumerate() {
             let [way, velocity] = flats.ahead(table, n, now[n]);
             *moved += h * way;
-            *trial += velocity;
+            *predicted += velocity;
         }
         flats.now.copy_from_slice(now);
-        let rows = bodies.displacement.iter().zip(&self.seen).zip(&self.finder.leeway);
-        rows.into_iter().any(|((now, seen), leeway)| strayed(now, seen, *leeway))
+        let rows = bodies.displacement.iter().zip(&self.seen).zip(&self.finder.skin);
+        rows.into_iter().any(|((now, seen), skin)| strayed(now, seen, *skin))
     }
 
     /// After Verlet's kick.

@@ -8,10 +8,17 @@ fn unit(angle: f64) -> Vector2 {
 }
 
 /// In units of the diameter: rows 5 to 16 and a radius of 16.5/sin 60°.
-fn thesis_bench() -> Bench {
+fn thesis_bench() -> PlanoConvex {
     let spacing = 0.75_f64.sqrt();
     let radius = 16.5 / 60.0_f64.to_radians().sin();
-    Bench { apex: 4.0 * spacing, radius, back: 15.0 * spacing, half_width: 16.5, end: 49.0 * spacing, speeds: SPEEDS }
+    PlanoConvex {
+        apex: 4.0 * spacing,
+        radius,
+        back: 15.0 * spacing,
+        half_width: 16.5,
+        end: 49.0 * spacing,
+        speeds: SPEEDS,
+    }
 }
 
 /// Burgoyne 2016, fig. 5.14: an interface at 60° bends the wave by 60° − 30.6° = 29.4° (printed to 0.1°).
@@ -77,7 +84,7 @@ fn travel_time_is_stationary() {
 /// Rays close to the axis of a thin plano-convex lens meet at f = R/(V_host/V_lens − 1) behind it.
 #[test]
 fn a_thin_lens_has_the_textbook_focal_length() {
-    let bench = Bench { apex: 1.0, radius: 10.0, back: 1.0001, half_width: 3.0, end: 100.0, speeds: SPEEDS };
+    let bench = PlanoConvex { apex: 1.0, radius: 10.0, back: 1.0001, half_width: 3.0, end: 100.0, speeds: SPEEDS };
     let focal = 10.0 / (SPEEDS[0] / SPEEDS[1] - 1.0);
     let crossing = bench.trace(1e-3).unwrap().axis_crossing().unwrap();
     assert!((crossing - bench.back - focal).abs() < 1e-3);
@@ -85,21 +92,21 @@ fn a_thin_lens_has_the_textbook_focal_length() {
 
 #[test]
 fn rays_that_the_lens_does_not_pass_on_say_why() {
-    let bench = Bench { back: 8.0 * 0.75_f64.sqrt(), ..thesis_bench() };
+    let bench = PlanoConvex { back: 8.0 * 0.75_f64.sqrt(), ..thesis_bench() };
     assert!(bench.aperture() < 13.0);
     let beside = bench.trace(14.0).unwrap_err();
     assert_eq!(beside.reason, Reason::Beside);
     assert_eq!(beside.path.at_depth(bench.end).unwrap().0, 14.0);
 
     // Into a faster lens the front reflects from asin(791/1345) = 36° on, x = 11.2.
-    let faster = Bench { speeds: [SPEEDS[1], SPEEDS[0]], ..thesis_bench() };
+    let faster = PlanoConvex { speeds: [SPEEDS[1], SPEEDS[0]], ..thesis_bench() };
     assert!(faster.trace(8.0).is_ok());
     let stray = faster.trace(11.3).unwrap_err();
     assert!(matches!(stray.reason, Reason::TotalReflection(Face::Front, _)));
     assert_eq!(stray.path.points.len(), 2);
 
     // A lens of a third of the host's speed sends the rim's ray to its back beyond asin(1/3) = 19°.
-    let slower = Bench { speeds: [3.0, 1.0], ..thesis_bench() };
+    let slower = PlanoConvex { speeds: [3.0, 1.0], ..thesis_bench() };
     let stray = slower.trace(16.0).unwrap_err();
     assert!(matches!(stray.reason, Reason::TotalReflection(Face::Back, _)));
     assert_eq!(stray.path.points.last().unwrap()[1], slower.back);
@@ -108,7 +115,7 @@ fn rays_that_the_lens_does_not_pass_on_say_why() {
 /// A fast, strongly curved lens throws a ray out through its own front, where it meets the circle again.
 #[test]
 fn a_ray_may_leave_through_the_front() {
-    let bench = Bench { apex: 0.0, radius: 1.0, back: 0.9, half_width: 2.0, end: 3.0, speeds: [1.0, 1.5] };
+    let bench = PlanoConvex { apex: 0.0, radius: 1.0, back: 0.9, half_width: 2.0, end: 3.0, speeds: [1.0, 1.5] };
     let stray = bench.trace(0.66).unwrap_err();
     assert_eq!(stray.reason, Reason::LeavesThroughFront);
     let [x, z] = *stray.path.points.last().unwrap();
@@ -118,7 +125,7 @@ fn a_ray_may_leave_through_the_front() {
 /// Mirror lines turn rays round; the time along a path is its length over the speeds.
 #[test]
 fn mirrors_keep_the_ray_in_the_crystal() {
-    let bench = Bench { half_width: 16.5, end: 200.0, ..thesis_bench() };
+    let bench = PlanoConvex { half_width: 16.5, end: 200.0, ..thesis_bench() };
     let path = bench.trace(16.0).unwrap();
     assert!(path.points.iter().all(|p| (0.0..=16.5).contains(&p[0])));
     assert!(path.points.len() > 6);

@@ -49,7 +49,7 @@ pub fn leave(inside: Vector2, speeds: [f64; 2]) -> Result<Vector2, TotalReflecti
 /// The front is a circular arc, convex towards the impact, with its apex on the axis; the back is flat. The lens ends where
 /// the two meet, or at the mirror line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bench {
+pub struct PlanoConvex {
     /// Depth of the front on the axis (m).
     pub apex: f64,
     /// Radius of the front (m).
@@ -96,7 +96,7 @@ impl std::fmt::Display for Stray {
 
 impl std::error::Error for Stray {}
 
-impl Bench {
+impl PlanoConvex {
     /// Depth of the arc below its apex at a distance `x` ≤ radius from the axis (m).
     pub fn sag(&self, x: f64) -> f64 {
         self.radius - (self.radius * self.radius - x * x).max(0.0).sqrt()
@@ -197,5 +197,5 @@ impl Walk {
 }
 
 #[cfg(test)]
-#[path = "bench_tests.rs"]
+#[path = "plano_convex_tests.rs"]
 mod tests;

@@ -2,7 +2,7 @@
 
 use super::bodies::{Bodies, dot};
 use super::contacts::Sums;
-use crate::dem::record::{Point, Rise};
+use crate::dem::record::{ArrivalTracker, Point};
 
 /// When a sphere counts as reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,13 +26,13 @@ impl Arrival {
 
 /// Greatest speeds and forces over accepted steps, and first arrivals.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Felt {
+pub(super) struct Peaks {
     pub arrivals: Vec<Arrival>,
     /// (m²/s²)
     pub speed_squared: Vec<f64>,
     /// Square of the net force of contacts (N²).
     pub force_squared: Vec<f64>,
-    pub rises: Vec<Rise>,
+    pub trackers: Vec<ArrivalTracker>,
     /// Per displacement threshold and sphere the first time it was passed (s), NaN before.
     pub moved: Vec<Vec<f64>>,
     /// Squared displacement one accepted step before (m²).
@@ -43,19 +43,19 @@ pub(super) struct Felt {
 pub(super) fn net_force_squared<const D: usize>(i: usize, bodies: &Bodies<D>, sums: &Sums<D>) -> f64 {
     // Across a mirror that a sphere lies on its other half pushes back.
     let part = bodies.weight[i];
-    let felt = |k: usize| if part < 1.0 && bodies.inverse_mass[i][k] == 0.0 { 0.0 } else { sums.force[i][k] / part };
-    let force: [f64; D] = std::array::from_fn(felt);
+    let peaks = |k: usize| if part < 1.0 && bodies.inverse_mass[i][k] == 0.0 { 0.0 } else { sums.force[i][k] / part };
+    let force: [f64; D] = std::array::from_fn(peaks);
     dot(&force, &force)
 }
 
-impl Felt {
+impl Peaks {
     pub fn new(spheres: usize, arrivals: Vec<Arrival>) -> Self {
         let thresholds = arrivals.iter().filter(|arrival| matches!(arrival, Arrival::Displacement(_))).count();
         Self {
             arrivals,
             speed_squared: vec![0.0; spheres],
             force_squared: vec![0.0; spheres],
-            rises: vec![Rise::default(); spheres],
+            trackers: vec![ArrivalTracker::default(); spheres],
             moved: vec![vec![f64::NAN; spheres]; thresholds],
             moved_before: vec![0.0; if thresholds > 0 { spheres } else { 0 }],
         }
@@ -74,7 +74,7 @@ impl Felt {
                 Arrival::Displacement(_) => {}
             }
         }
-        for i in 0..self.rises.len() {
+        for i in 0..self.trackers.len() {
             let speed_squared = bodies.speed_squared(i);
             let is_maximum = speed_squared > self.speed_squared[i];
             if is_maximum {
@@ -82,7 +82,7 @@ impl Felt {
             }
             let speed = speed_squared.sqrt();
             let floor = (own * speed).min(of_first * first).min(fixed);
-            self.rises[i].push(time, speed, is_maximum, floor);
+            self.trackers[i].push(time, speed, is_maximum, floor);
             self.force_squared[i] = net_force_squared(i, bodies, sums).max(self.force_squared[i]);
         }
         if self.moved_before.is_empty() {
@@ -108,34 +108,34 @@ impl Felt {
 
     /// First arrivals (s) by the k-th threshold, with the step by which the run advanced.
     pub fn arrivals(&self, k: usize, step: f64) -> Vec<Option<f64>> {
-        let first = self.rises.first().and_then(Rise::maximum);
-        let of = |rise: &Rise| match self.arrivals[k] {
-            Arrival::OwnMaximum(part) => rise.arrival(step, part * rise.maximum()?),
-            Arrival::FirstSphere(part) => rise.arrival(step, part * first?),
-            Arrival::Speed(speed) => rise.arrival(step, speed),
+        let first = self.trackers.first().and_then(ArrivalTracker::maximum);
+        let of = |tracker: &ArrivalTracker| match self.arrivals[k] {
+            Arrival::OwnMaximum(part) => tracker.arrival(step, part * tracker.maximum()?),
+            Arrival::FirstSphere(part) => tracker.arrival(step, part * first?),
+            Arrival::Speed(speed) => tracker.arrival(step, speed),
             Arrival::Displacement(_) => None,
         };
         if matches!(self.arrivals[k], Arrival::Displacement(_)) {
             let place = self.arrivals[..k].iter().filter(|a| matches!(a, Arrival::Displacement(_))).count();
             return self.moved[place].iter().map(|&time| (!time.is_nan()).then_some(time)).collect();
         }
-        self.rises.iter().map(of).collect()
+        self.trackers.iter().map(of).collect()
     }
 
     /// As numbers, for a checkpoint.
     pub fn numbers(&self) -> Vec<Vec<f64>> {
         let mut rows = vec![self.speed_squared.clone(), self.force_squared.clone(), self.moved_before.clone()];
         rows.extend(self.moved.iter().cloned());
-        for rise in &self.rises {
-            let mut row = vec![rise.previous];
-            row.extend(rise.points.iter().flat_map(|point| [point.time, point.speed, point.before]));
+        for tracker in &self.trackers {
+            let mut row = vec![tracker.previous];
+            row.extend(tracker.points.iter().flat_map(|point| [point.time, point.speed, point.before]));
             rows.push(row);
         }
         rows
     }
 
     /// Takes up numbers from a checkpoint; false if they are not of this shape.
-    pub fn take_up(&mut self, rows: Vec<Vec<f64>>) -> bool {
+    pub fn restore(&mut self, rows: Vec<Vec<f64>>) -> bool {
         let mut rows = rows.into_iter();
         let same = |old: &mut Vec<f64>, new: Option<Vec<f64>>| match new {
             Some(new) if new.len() == old.len() => {
@@ -150,11 +150,11 @@ impl Felt {
         for times in &mut self.moved {
             fits &= same(times, rows.next());
         }
-        for rise in &mut self.rises {
+        for tracker in &mut self.trackers {
             let row = rows.next().unwrap_or_default();
             let [previous, points @ ..] = row.as_slice() else { return false };
-            rise.previous = *previous;
-            rise.points = points.chunks_exact(3).map(|p| Point { time: p[0], speed: p[1], before: p[2] }).collect();
+            tracker.previous = *previous;
+            tracker.points = points.chunks_exact(3).map(|p| Point { time: p[0], speed: p[1], before: p[2] }).collect();
         }
         fits && rows.next().is_none()
     }

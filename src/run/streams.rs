@@ -6,11 +6,11 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::TrialError;
+use super::RunError;
 use super::events::{self, Events, State};
 use super::frames::Frames;
 use crate::dem::rig::{Body, EnergyLedger, Simulation, Touching, View};
-use crate::setup::{Bench, Contacts, Intruder, Labels, Quantity, RecordPlan, Region, spin_about_y};
+use crate::setup::{Contacts, Intruder, Labels, PreparedRig, Quantity, RecordPlan, Region, spin_about_y};
 
 /// Names of the axes in `D` dimensions.
 pub(super) const fn axes<const D: usize>() -> &'static [&'static str] {
@@ -76,35 +76,35 @@ pub(super) struct Streams {
 
 impl Streams {
     /// Creates the files, each with its header.
-    pub fn begin<const D: usize>(folder: &Path, bench: &Bench<D>) -> Result<Self, TrialError> {
-        let mut streams = Self::open(folder, bench, None, |name, header| Stream::create(folder.join(name), header))?;
+    pub fn begin<const D: usize>(folder: &Path, prepared: &PreparedRig<D>) -> Result<Self, RunError> {
+        let mut streams = Self::open(folder, prepared, None, |name, header| Stream::create(folder.join(name), header))?;
         streams.flush()?;
         Ok(streams)
     }
 
     /// Opens the files where they were left, and cuts off what came later.
-    pub fn take_up<const D: usize>(
+    pub fn restore<const D: usize>(
         folder: &Path,
-        bench: &Bench<D>,
+        prepared: &PreparedRig<D>,
         lengths: &BTreeMap<String, u64>,
         events: Option<State>,
-    ) -> Result<Self, TrialError> {
-        Self::open(folder, bench, events, |name, _| {
-            Stream::take_up(folder.join(name), lengths.get(name).copied().unwrap_or(0))
+    ) -> Result<Self, RunError> {
+        Self::open(folder, prepared, events, |name, _| {
+            Stream::restore(folder.join(name), lengths.get(name).copied().unwrap_or(0))
         })
     }
 
     fn open<const D: usize>(
         folder: &Path,
-        bench: &Bench<D>,
+        prepared: &PreparedRig<D>,
         state: Option<State>,
-        mut stream: impl FnMut(&str, &str) -> Result<Stream, TrialError>,
-    ) -> Result<Self, TrialError> {
-        let (rig, record) = (&bench.rig, &bench.record);
+        mut stream: impl FnMut(&str, &str) -> Result<Stream, RunError>,
+    ) -> Result<Self, RunError> {
+        let (rig, record) = (&prepared.rig, &prepared.record);
         let along = |stem: &str, unit: &str| -> String {
             axes::<D>().iter().fold(String::new(), |text, axis| format!("{text},{stem}{axis}_{unit}"))
         };
-        let layers = layer_header(bench.layers);
+        let layers = layer_header(prepared.layers);
         let flats = rig.flats.iter().fold("time_s".to_owned(), |text, flat| {
             let name = &flat.name;
             format!("{text},{name}_moved_m,{name}_velocity_m_s,{name}_force_N")
@@ -123,7 +123,7 @@ impl Streams {
             }
         });
         let regions = region_header(&record.regions);
-        let intruders = bench.intruders.iter().fold("time_s".to_owned(), |text, intruder| {
+        let intruders = prepared.intruders.iter().fold("time_s".to_owned(), |text, intruder| {
             let of = |stem: &str, unit: &str| along(&format!("{}_{stem}", intruder.name), unit);
             let angle = intruder.cluster.map_or(String::new(), |_| format!(",{}_angle_rad", intruder.name));
             format!("{text}{}{}{}{angle}", of("u", "m"), of("v", "m_s"), of("F", "N"))
@@ -137,9 +137,9 @@ impl Streams {
         let contacts = when(record.contacts != Contacts::None, "contacts.csv", &contacts)?;
         let regions = when(!record.regions.is_empty(), "regions.csv", &regions)?;
         let events = when(!record.events.is_empty(), events::FILE, events::HEADER)?;
-        let intruders = when(!bench.intruders.is_empty(), "intruders.csv", &intruders)?;
-        let mut in_layer = vec![0.0; bench.layers as usize];
-        bench.sites.iter().for_each(|site| in_layer[site.layer as usize - 1] += 1.0);
+        let intruders = when(!prepared.intruders.is_empty(), "intruders.csv", &intruders)?;
+        let mut in_layer = vec![0.0; prepared.layers as usize];
+        prepared.sites.iter().for_each(|site| in_layer[site.layer as usize - 1] += 1.0);
         Ok(Self {
             energies: stream("energies.csv", ENERGIES)?,
             layers: stream("layers.csv", &layers)?,
@@ -149,19 +149,19 @@ impl Streams {
             contacts,
             regions,
             intruders,
-            events: events.map(|stream| Events::new(bench, stream, state)),
-            frames: record.frames.then(|| Frames::of(bench, folder)).transpose()?,
+            events: events.map(|stream| Events::new(prepared, stream, state)),
+            frames: record.frames.then(|| Frames::of(prepared, folder)).transpose()?,
             record: record.clone(),
-            places: bench.sites.iter().map(|site| [site.layer, site.column]).collect(),
+            places: prepared.sites.iter().map(|site| [site.layer, site.column]).collect(),
             in_layer,
-            strikers: bench.intruders.clone(),
-            labels: bench.labels(),
+            strikers: prepared.intruders.clone(),
+            labels: prepared.labels(),
             row: String::new(),
         })
     }
 
     /// Writes one sample of everything.
-    pub fn sample<const D: usize>(&mut self, simulation: &Simulation<D>) -> Result<(), TrialError> {
+    pub fn sample<const D: usize>(&mut self, simulation: &Simulation<D>) -> Result<(), RunError> {
         let (view, rig, time) = (simulation.view(), simulation.rig(), simulation.time());
         let row = &mut self.row;
         self.energies.row(row, time, energies(&simulation.ledger()))?;
@@ -213,8 +213,8 @@ impl Streams {
                 let square = |v: [f64; D]| v.iter().map(|v| v * v).sum::<f64>();
                 [
                     of(&|i| view.velocity(i)[D - 1]) / region.spheres.len() as f64,
-                    of(&|i| 0.5 * view.part(i) * rig.mass[i] * square(view.velocity(i))),
-                    of(&|i| view.part(i) * dissipated[i]),
+                    of(&|i| 0.5 * view.simulated_fraction(i) * rig.mass[i] * square(view.velocity(i))),
+                    of(&|i| view.simulated_fraction(i) * dissipated[i]),
                 ]
             });
             regions.row(row, time, values)?;
@@ -283,7 +283,7 @@ impl Streams {
     }
 
     /// Hands everything to the disk.
-    pub fn flush(&mut self) -> Result<(), TrialError> {
+    pub fn flush(&mut self) -> Result<(), RunError> {
         self.all().try_for_each(Stream::flush)?;
         self.frames.as_mut().map_or(Ok(()), Frames::flush)
     }
@@ -360,14 +360,14 @@ pub(super) struct Stream {
 }
 
 impl Stream {
-    pub fn create(path: PathBuf, header: &str) -> Result<Self, TrialError> {
-        let file = File::create(&path).map_err(|error| TrialError::File { path: path.clone(), error })?;
+    pub fn create(path: PathBuf, header: &str) -> Result<Self, RunError> {
+        let file = File::create(&path).map_err(|error| RunError::File { path: path.clone(), error })?;
         let mut stream = Self { path, file: BufWriter::new(file), length: 0 };
         stream.line(header)?;
         Ok(stream)
     }
 
-    pub fn take_up(path: PathBuf, length: u64) -> Result<Self, TrialError> {
+    pub fn restore(path: PathBuf, length: u64) -> Result<Self, RunError> {
         let attempt = || -> io::Result<File> {
             let mut file = OpenOptions::new().write(true).open(&path)?;
             if file.metadata()?.len() < length {
@@ -379,31 +379,26 @@ impl Stream {
         };
         match attempt() {
             Ok(file) => Ok(Self { path, file: BufWriter::new(file), length }),
-            Err(error) => Err(TrialError::File { path, error }),
+            Err(error) => Err(RunError::File { path, error }),
         }
     }
 
-    pub fn line(&mut self, text: &str) -> Result<(), TrialError> {
+    pub fn line(&mut self, text: &str) -> Result<(), RunError> {
         let written = self.file.write_all(text.as_bytes()).and_then(|()| self.file.write_all(b"\n"));
         self.length += text.len() as u64 + 1;
-        written.map_err(|error| TrialError::File { path: self.path.clone(), error })
+        written.map_err(|error| RunError::File { path: self.path.clone(), error })
     }
 
     /// A time and values.
-    pub fn row(
-        &mut self,
-        row: &mut String,
-        time: f64,
-        values: impl IntoIterator<Item = f64>,
-    ) -> Result<(), TrialError> {
+    pub fn row(&mut self, row: &mut String, time: f64, values: impl IntoIterator<Item = f64>) -> Result<(), RunError> {
         row.clear();
         let _ = write!(row, "{time:?}");
         append(row, values);
         self.line(row)
     }
 
-    pub fn flush(&mut self) -> Result<(), TrialError> {
+    pub fn flush(&mut self) -> Result<(), RunError> {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().sync_data());
-        flushed.map_err(|error| TrialError::File { path: self.path.clone(), error })
+        flushed.map_err(|error| RunError::File { path: self.path.clone(), error })
     }
 }

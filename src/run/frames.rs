@@ -1,15 +1,15 @@
-//! Frames of a trial in the plane: two files a sample, as impacts on beds have them.
+//! Frames of a run in the plane: two files a sample, as impacts on beds have them.
 
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::TrialError;
+use super::RunError;
 use crate::bed::{FRAME_SI, Frame, frame_names, frame_texts_into};
 use crate::dem::rig::Simulation;
-use crate::setup::Bench;
+use crate::setup::PreparedRig;
 
-/// Where frames stand in the folder of a trial.
+/// Where frames stand in the folder of a run.
 const FOLDER: &str = "frames";
 
 /// Keeps frames.
@@ -27,17 +27,17 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    /// Of a bench, in the folder of its trial.
-    pub fn of<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<Self, TrialError> {
+    /// Of a prepared rig, in the folder of its run.
+    pub fn of<const D: usize>(prepared: &PreparedRig<D>, folder: &Path) -> Result<Self, RunError> {
         let folder = folder.join(FOLDER);
-        fs::create_dir_all(&folder).map_err(|error| TrialError::File { path: folder.clone(), error })?;
-        let flats = bench.rig.flats.iter().map(|flat| flat.name.clone()).collect();
-        let (every, grains, texts) = (bench.record.every, bench.sites.len(), Default::default());
+        fs::create_dir_all(&folder).map_err(|error| RunError::File { path: folder.clone(), error })?;
+        let flats = prepared.rig.flats.iter().map(|flat| flat.name.clone()).collect();
+        let (every, grains, texts) = (prepared.record.every, prepared.sites.len(), Default::default());
         Ok(Self { folder, every, grains, flats, texts, written: Vec::new() })
     }
 
     /// Writes the present state; that of a sample which a run that is taken up writes again has the same bytes.
-    pub fn keep<const D: usize>(&mut self, simulation: &Simulation<D>) -> Result<(), TrialError> {
+    pub fn keep<const D: usize>(&mut self, simulation: &Simulation<D>) -> Result<(), RunError> {
         let Some(frame) = Frame::of(simulation, [self.grains, 0]) else { return Ok(()) };
         // The last sample may come before its time.
         let number = simulation.steps().div_ceil(self.every);
@@ -45,22 +45,22 @@ impl Frames {
         frame_texts_into(&mut self.texts, number, &frame, FRAME_SI, &flats);
         for (name, text) in frame_names(number).iter().zip(&self.texts) {
             let path = self.folder.join(name);
-            fs::write(&path, text).map_err(|error| TrialError::File { path: path.clone(), error })?;
+            fs::write(&path, text).map_err(|error| RunError::File { path: path.clone(), error })?;
             self.written.push(path);
         }
         Ok(())
     }
 
     /// Hands everything to the disk.
-    pub fn flush(&mut self) -> Result<(), TrialError> {
+    pub fn flush(&mut self) -> Result<(), RunError> {
         for path in self.written.drain(..) {
-            File::open(&path).and_then(|file| file.sync_data()).map_err(|error| TrialError::File { path, error })?;
+            File::open(&path).and_then(|file| file.sync_data()).map_err(|error| RunError::File { path, error })?;
         }
         Ok(())
     }
 }
 
-/// Takes away the frames of an earlier trial, and nothing else that stands among them.
+/// Takes away the frames of an earlier run, and nothing else that stands among them.
 pub(super) fn remove(folder: &Path) -> io::Result<()> {
     let folder = folder.join(FOLDER);
     if !folder.is_dir() {

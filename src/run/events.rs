@@ -10,11 +10,11 @@ use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
-use super::TrialError;
+use super::RunError;
 use super::streams::{Stream, append};
 use super::tables::threshold_name;
 use crate::dem::rig::{Arrival, Body, Touching, View};
-use crate::setup::{Bench, Event};
+use crate::setup::{Event, PreparedRig};
 
 /// Name of the file.
 pub(super) const FILE: &str = "events.csv";
@@ -103,12 +103,12 @@ pub(super) struct Events {
 
 impl Events {
     /// Sees nothing yet; `state` is that of the beginning, or of a checkpoint.
-    pub fn new<const D: usize>(bench: &Bench<D>, stream: Stream, state: Option<State>) -> Self {
-        let (spheres, flats) = (bench.rig.sample.spheres.len(), bench.rig.flats.len());
-        let record = &bench.record;
-        let all_names = bench.labels().names().to_vec();
+    pub fn new<const D: usize>(prepared: &PreparedRig<D>, stream: Stream, state: Option<State>) -> Self {
+        let (spheres, flats) = (prepared.rig.sample.spheres.len(), prepared.rig.flats.len());
+        let record = &prepared.record;
+        let all_names = prepared.labels().names().to_vec();
         // What happens to an intruder is told by its contacts, and over time in a table of its own.
-        let of_all = |place: usize| record.events_of_all && (place < bench.sites.len() || place >= spheres);
+        let of_all = |place: usize| record.events_of_all && (place < prepared.sites.len() || place >= spheres);
         let meant = |place: usize| of_all(place) || record.spheres.binary_search(&place).is_ok();
         let names = all_names.iter().enumerate().map(|(k, name)| meant(k).then(|| name.clone())).collect();
         let kinds = record.events.clone();
@@ -145,7 +145,7 @@ impl Events {
     }
 
     /// Looks at the state after a step (s) and writes what has happened.
-    pub fn see<const D: usize>(&mut self, view: &View<'_, D>, step: f64) -> Result<(), TrialError> {
+    pub fn see<const D: usize>(&mut self, view: &View<'_, D>, step: f64) -> Result<(), RunError> {
         self.look_at_contacts(view);
         self.look_at_bodies(view, step);
         self.look_at_arrivals(view, step);

@@ -10,10 +10,10 @@ use super::{Plan, impact};
 
 /// One impact of a set.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blow {
-    /// The force on each struck sphere, along the direction of the blow, and how long it lasts.
+pub struct ImpactLoad {
+    /// The force on each struck sphere, along the direction of the load, and how long it lasts.
     pub pulse: ForcePulse,
-    /// Angle (rad) between the blow and the axis, positive towards +x; below a right angle.
+    /// Angle (rad) between the load and the axis, positive towards +x; below a right angle.
     pub angle: f64,
     /// Which spheres of row 1 are struck: those between these two distances from the axis (m), negative to its left. All where
     /// there is none.
@@ -24,13 +24,13 @@ pub struct Blow {
     pub friction: Option<f64>,
 }
 
-impl From<ForcePulse> for Blow {
+impl From<ForcePulse> for ImpactLoad {
     fn from(pulse: ForcePulse) -> Self {
         Self { pulse, angle: 0.0, place: None, law: None, friction: None }
     }
 }
 
-impl Blow {
+impl ImpactLoad {
     /// Whether the motion is that of its mirror image, so that one half of the crystal says all.
     pub fn is_symmetric(&self) -> bool {
         self.angle == 0.0 && self.place.is_none()
@@ -40,10 +40,10 @@ impl Blow {
 /// How what is built differs from what is drawn. As long as places are sites of the half, both halves of the crystal differ alike;
 /// place n + i, n the number of sites, is the image of site i on the other side of the axis, and then each half is as it is.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Flaw {
+pub struct Imperfection {
     /// The materials, places in the palette, among which a wrong sphere is.
-    pub letters: Vec<u8>,
-    /// Places that hold a wrong sphere, and how many places further on in `letters` its material stands.
+    pub alphabet: Vec<u8>,
+    /// Places that hold a wrong sphere, and how many places further on in `alphabet` its material stands.
     pub wrong: Vec<(usize, u8)>,
     /// For every place its sphere's radius over the nominal one, at most 1, and 0 where it is empty; none where all are nominal.
     pub radii: Vec<f64>,
@@ -51,7 +51,7 @@ pub struct Flaw {
     pub materials: Vec<Material>,
 }
 
-impl Flaw {
+impl Imperfection {
     /// Whether the halves differ each in its own way, of a crystal with so many sites in the half.
     pub fn is_one_sided(&self, sites: usize) -> bool {
         self.radii.len() > sites || self.wrong.iter().any(|&(place, _)| place >= sites)
@@ -64,8 +64,8 @@ impl Flaw {
             built.extend(drawn);
         }
         for &(place, shift) in &self.wrong {
-            if let Some(letter) = self.letters.iter().position(|&letter| letter == built[place]) {
-                built[place] = self.letters[(letter + usize::from(shift)) % self.letters.len()];
+            if let Some(letter) = self.alphabet.iter().position(|&letter| letter == built[place]) {
+                built[place] = self.alphabet[(letter + usize::from(shift)) % self.alphabet.len()];
             }
         }
         built
@@ -74,30 +74,30 @@ impl Flaw {
 
 /// One member of a set: what strikes, and how what is struck was built.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Case {
+pub struct LoadCase {
     /// The impact.
-    pub blow: Blow,
+    pub load: ImpactLoad,
     /// What is built otherwise than drawn.
-    pub flaw: Flaw,
-    /// Whether both halves are simulated though neither blow nor flaw asks for it, since what is drawn differs in them: its materials
+    pub imperfection: Imperfection,
+    /// Whether both halves are simulated though neither load nor imperfection asks for it, since what is drawn differs in them: its materials
     /// are then those of all sites, and behind them those of their images.
     pub halves_differ: bool,
 }
 
-impl From<Blow> for Case {
-    fn from(blow: Blow) -> Self {
-        Self { blow, flaw: Flaw::default(), halves_differ: false }
+impl From<ImpactLoad> for LoadCase {
+    fn from(load: ImpactLoad) -> Self {
+        Self { load, imperfection: Imperfection::default(), halves_differ: false }
     }
 }
 
-impl From<ForcePulse> for Case {
+impl From<ForcePulse> for LoadCase {
     fn from(pulse: ForcePulse) -> Self {
-        Blow::from(pulse).into()
+        ImpactLoad::from(pulse).into()
     }
 }
 
-/// The part of a crystal that has to be simulated under a blow: its half, or, where the blow is not symmetric, the whole
-/// between smooth walls at both far sides. Under a symmetric blow the two say the same.
+/// The part of a crystal that has to be simulated under a load: its half, or, where the load is not symmetric, the whole
+/// between smooth walls at both far sides. Under a symmetric load the two say the same.
 pub(super) struct Field<const D: usize = 2> {
     /// What strikes it.
     pub impact: Impact,
@@ -110,20 +110,20 @@ pub(super) struct Field<const D: usize = 2> {
 }
 
 impl Field {
-    /// Both halves are simulated where the blow is not symmetric, and where `whole` asks for it.
-    pub fn new(design: &Design, plan: &Plan, blow: &Blow, whole: bool) -> Self {
+    /// Both halves are simulated where the load is not symmetric, and where `whole` asks for it.
+    pub fn new(design: &Design, plan: &Plan, load: &ImpactLoad, whole: bool) -> Self {
         let lattice = &design.lattice;
         let sites = lattice.sites();
-        let friction = blow.friction.or(design.friction).filter(|&mu| mu > 0.0);
+        let friction = load.friction.or(design.friction).filter(|&mu| mu > 0.0);
         let mut impact = impact(design, plan);
-        impact.law = blow.law.unwrap_or(design.law);
-        impact.pulse = ForcePulse { force: blow.pulse.force * blow.angle.cos(), ..blow.pulse };
-        if blow.is_symmetric() && !whole {
+        impact.law = load.law.unwrap_or(design.law);
+        impact.pulse = ForcePulse { force: load.pulse.force * load.angle.cos(), ..load.pulse };
+        if load.is_symmetric() && !whole {
             let spheres = sites.iter().enumerate().map(|(i, site)| ([site.x, site.z], i)).collect();
             let images = (0..sites.len()).map(|i| [i, i]).collect();
             return Self { impact, friction, spheres, images };
         }
-        impact.slope = blow.angle.tan();
+        impact.slope = load.angle.tan();
         let mut spheres = Vec::new();
         let mut first = 0;
         for row in sites.chunk_by(|a, b| a.row == b.row) {
@@ -143,7 +143,7 @@ impl Field {
         let slack = 1e-9 * lattice.diameter();
         let is_struck = |&k: &usize| {
             let x = spheres[k].0[0];
-            blow.place.is_none_or(|[from, to]| (from - slack..=to + slack).contains(&x))
+            load.place.is_none_or(|[from, to]| (from - slack..=to + slack).contains(&x))
         };
         impact.struck = on(1).into_iter().filter(is_struck).collect();
         impact.exit = on(lattice.rows());
@@ -155,10 +155,10 @@ impl Field {
 
 impl Field<3> {
     /// Of a crystal in space the half x ≥ 0: what strikes it there is its own image.
-    pub fn in_space(design: &SpaceDesign, plan: &Plan, blow: &Blow) -> Self {
+    pub fn in_space(design: &SpaceDesign, plan: &Plan, load: &ImpactLoad) -> Self {
         let mut impact = super::impact_in_space(design, plan);
-        impact.law = blow.law.unwrap_or(design.law);
-        impact.pulse = blow.pulse;
+        impact.law = load.law.unwrap_or(design.law);
+        impact.pulse = load.pulse;
         let sites = design.lattice.sites();
         let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();
         Self { impact, friction: None, spheres, images: (0..sites.len()).map(|i| [i, i]).collect() }
@@ -171,9 +171,9 @@ impl<const D: usize> Field<D> {
         self.spheres.len() > self.images.len()
     }
 
-    /// The spheres to simulate where a layout is built with its flaw.
-    pub fn sample(&self, palette: &[Material], diameter: f64, layout: &[u8], flaw: &Flaw) -> Sample<D> {
-        let (built, sites) = (flaw.built(layout), self.images.len());
+    /// The spheres to simulate where a layout is built with its imperfection.
+    pub fn sample(&self, palette: &[Material], diameter: f64, layout: &[u8], imperfection: &Imperfection) -> Sample<D> {
+        let (built, sites) = (imperfection.built(layout), self.images.len());
         // Where the halves are alike a place on the other side is as its site.
         let of = |place: usize, places: usize| if place < places { place } else { place % sites };
         let spheres = self
@@ -181,11 +181,11 @@ impl<const D: usize> Field<D> {
             .iter()
             .map(|&(centre, place)| Sphere {
                 centre,
-                radius: 0.5 * diameter * flaw.radii.get(of(place, flaw.radii.len())).unwrap_or(&1.0),
+                radius: 0.5 * diameter * imperfection.radii.get(of(place, imperfection.radii.len())).unwrap_or(&1.0),
                 material: usize::from(built[of(place, built.len())]),
             })
             .collect();
-        let materials = if flaw.materials.is_empty() { palette } else { &flaw.materials };
+        let materials = if imperfection.materials.is_empty() { palette } else { &imperfection.materials };
         Sample { materials: materials.to_vec(), spheres }
     }
 
@@ -224,12 +224,13 @@ mod tests {
 
     #[test]
     fn a_wrong_sphere_is_of_another_of_the_letters() {
-        let flaw = Flaw { letters: vec![0, 2, 3], wrong: vec![(1, 1), (2, 2), (3, 1)], ..Flaw::default() };
+        let imperfection =
+            Imperfection { alphabet: vec![0, 2, 3], wrong: vec![(1, 1), (2, 2), (3, 1)], ..Imperfection::default() };
         // A material that may not be chosen stays.
-        assert_eq!(flaw.built(&[0, 0, 0, 1, 2]), [0, 2, 3, 1, 2]);
-        assert_eq!(flaw.built(&[3, 3, 3, 3, 3]), [3, 0, 2, 0, 3]);
+        assert_eq!(imperfection.built(&[0, 0, 0, 1, 2]), [0, 2, 3, 1, 2]);
+        assert_eq!(imperfection.built(&[3, 3, 3, 3, 3]), [3, 0, 2, 0, 3]);
         // The second of two sites, on the other side of the axis alone.
-        let flaw = Flaw { wrong: vec![(3, 1)], ..flaw };
-        assert_eq!((flaw.is_one_sided(2), flaw.built(&[0, 2])), (true, vec![0, 2, 0, 3]));
+        let imperfection = Imperfection { wrong: vec![(3, 1)], ..imperfection };
+        assert_eq!((imperfection.is_one_sided(2), imperfection.built(&[0, 2])), (true, vec![0, 2, 0, 3]));
     }
 }

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::streams::{append, axes, contact_header, contact_row};
-use super::{TrialError, write};
+use super::{RunError, write};
 use crate::dem::rig::{Arrival, Body, Simulation};
-use crate::setup::{Bench, Labels};
+use crate::setup::{Labels, PreparedRig};
 
 /// What each sphere felt at most, and when it was reached.
 pub(super) struct Peaks {
@@ -34,13 +34,13 @@ impl Peaks {
 /// Writes the tables of spheres, layers and contacts, and that of regions where there are any.
 pub(super) fn write_all<const D: usize>(
     folder: &Path,
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     simulation: &Simulation<D>,
-) -> Result<(), TrialError> {
-    let peaks = Peaks::of(simulation, bench.record.arrivals.len());
-    write_peaks(folder, bench, &peaks, &|i| simulation.view().part(i))?;
+) -> Result<(), RunError> {
+    let peaks = Peaks::of(simulation, prepared.record.arrivals.len());
+    write_peaks(folder, prepared, &peaks, &|i| simulation.view().simulated_fraction(i))?;
     let mut contacts = contact_header::<D>() + "\n";
-    let labels = bench.labels();
+    let labels = prepared.labels();
     for touching in simulation.view().contacts() {
         contact_row(&mut contacts, &labels, &touching);
         contacts.push('\n');
@@ -52,14 +52,14 @@ pub(super) fn write_all<const D: usize>(
 /// Writes the tables of spheres and layers, and that of regions where there are any; `part` tells how much of a sphere is simulated.
 pub(super) fn write_peaks<const D: usize>(
     folder: &Path,
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     peaks: &Peaks,
     part: &dyn Fn(usize) -> f64,
-) -> Result<(), TrialError> {
-    write(&folder.join("spheres-final.csv"), spheres(bench, peaks).as_bytes())?;
-    write(&folder.join("layers-final.csv"), layers(bench, peaks).as_bytes())?;
-    if !bench.record.regions.is_empty() {
-        write(&folder.join("regions-final.csv"), regions(bench, peaks, part).as_bytes())?;
+) -> Result<(), RunError> {
+    write(&folder.join("spheres-final.csv"), spheres(prepared, peaks).as_bytes())?;
+    write(&folder.join("layers-final.csv"), layers(prepared, peaks).as_bytes())?;
+    if !prepared.record.regions.is_empty() {
+        write(&folder.join("regions-final.csv"), regions(prepared, peaks, part).as_bytes())?;
     }
     Ok(())
 }
@@ -78,14 +78,14 @@ fn contacts_ever<const D: usize>(labels: &Labels, simulation: &Simulation<D>) ->
 }
 
 /// One line per sphere: where it lay, what it is, what it felt at most, when the wave came. Empty where it did not.
-fn spheres<const D: usize>(bench: &Bench<D>, peaks: &Peaks) -> String {
-    let (rig, Peaks { speed, force, dissipated, arrivals }) = (&bench.rig, peaks);
+fn spheres<const D: usize>(prepared: &PreparedRig<D>, peaks: &Peaks) -> String {
+    let (rig, Peaks { speed, force, dissipated, arrivals }) = (&prepared.rig, peaks);
     let mut text = "sphere,layer,column".to_owned();
     axes::<D>().iter().for_each(|axis| text += &format!(",{axis}_m"));
     text += ",diameter_m,material,max_speed_m_s,max_kinetic_J,max_force_N,dissipated_J";
-    bench.record.arrivals.iter().for_each(|arrival| text += &format!(",arrival_{}_s", threshold_name(*arrival)));
+    prepared.record.arrivals.iter().for_each(|arrival| text += &format!(",arrival_{}_s", threshold_name(*arrival)));
     text.push('\n');
-    for (i, (sphere, site)) in rig.sample.spheres.iter().zip(&bench.sites).enumerate() {
+    for (i, (sphere, site)) in rig.sample.spheres.iter().zip(&prepared.sites).enumerate() {
         let _ = write!(text, "{},{},{}", i + 1, site.layer, site.column);
         append(&mut text, sphere.centre);
         let _ = write!(text, ",{:?},{}", 2.0 * sphere.radius, rig.sample.materials[sphere.material].name);
@@ -103,13 +103,13 @@ fn spheres<const D: usize>(bench: &Bench<D>, peaks: &Peaks) -> String {
 
 /// One line per layer: how many spheres it has, what they dissipated, the fastest of them, and the mean of the arrivals that
 /// there were.
-fn layers<const D: usize>(bench: &Bench<D>, peaks: &Peaks) -> String {
+fn layers<const D: usize>(prepared: &PreparedRig<D>, peaks: &Peaks) -> String {
     let Peaks { speed, dissipated, arrivals, .. } = peaks;
     let mut text = "layer,spheres,dissipated_J,max_speed_m_s".to_owned();
-    bench.record.arrivals.iter().for_each(|arrival| text += &format!(",arrival_{}_s", threshold_name(*arrival)));
+    prepared.record.arrivals.iter().for_each(|arrival| text += &format!(",arrival_{}_s", threshold_name(*arrival)));
     text.push('\n');
-    let mut members = vec![Vec::new(); bench.layers as usize];
-    bench.sites.iter().enumerate().for_each(|(i, site)| members[site.layer as usize - 1].push(i));
+    let mut members = vec![Vec::new(); prepared.layers as usize];
+    prepared.sites.iter().enumerate().for_each(|(i, site)| members[site.layer as usize - 1].push(i));
     for (layer, members) in (1..).zip(members) {
         let _ = write!(text, "{layer},{}", members.len());
         let lost: f64 = members.iter().map(|&i| dissipated[i]).sum();
@@ -129,10 +129,10 @@ fn layers<const D: usize>(bench: &Bench<D>, peaks: &Peaks) -> String {
 
 /// One line per region: the mean of its spheres' greatest kinetic energies, as the scores of lenses have it, the greatest of
 /// their speeds and forces, and what their simulated parts dissipated.
-fn regions<const D: usize>(bench: &Bench<D>, peaks: &Peaks, part: &dyn Fn(usize) -> f64) -> String {
-    let (rig, Peaks { speed, force, dissipated, .. }) = (&bench.rig, peaks);
+fn regions<const D: usize>(prepared: &PreparedRig<D>, peaks: &Peaks, part: &dyn Fn(usize) -> f64) -> String {
+    let (rig, Peaks { speed, force, dissipated, .. }) = (&prepared.rig, peaks);
     let mut text = "region,spheres,mean_max_kinetic_J,max_speed_m_s,max_force_N,dissipated_J\n".to_owned();
-    for region in &bench.record.regions {
+    for region in &prepared.record.regions {
         let members = &region.spheres;
         let sum = |value: &dyn Fn(usize) -> f64| members.iter().map(|&i| value(i)).sum::<f64>();
         let most = |values: &[f64]| members.iter().map(|&i| values[i]).fold(0.0, f64::max);

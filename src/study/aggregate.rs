@@ -10,7 +10,7 @@ use crate::score::{Better, Measure, Needs, Scores};
 /// How the scores under several impacts become one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Over {
+pub enum Aggregate {
     /// The impact under which a score is worst for what is asked of it, for each score by itself.
     #[default]
     Worst,
@@ -20,7 +20,7 @@ pub enum Over {
 
 /// Which of several values counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum Extreme {
     /// The least.
     Least,
     /// The greatest.
@@ -28,26 +28,32 @@ pub enum Side {
 }
 
 /// A measure of one layout over all impacts: the value that counts, where every impact gives one.
-pub fn value(measure: Measure, entry: &Entry, stats: &LayoutStats, over: Over, side: Side) -> Option<f64> {
+pub fn value(
+    measure: Measure,
+    entry: &Entry,
+    stats: &LayoutStats,
+    aggregate: Aggregate,
+    extreme: Extreme,
+) -> Option<f64> {
     if measure.needs() == Needs::Layout {
         let mut scores = Scores::default();
         scores.add_layout(stats);
         return scores.get(measure);
     }
     let values: Vec<f64> = entry.impacts.iter().map(|scores| scores.get(measure)).collect::<Option<_>>()?;
-    match (over, side) {
-        (Over::Mean, _) => (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64),
-        (Over::Worst, Side::Least) => values.into_iter().reduce(f64::min),
-        (Over::Worst, Side::Most) => values.into_iter().reduce(f64::max),
+    match (aggregate, extreme) {
+        (Aggregate::Mean, _) => (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64),
+        (Aggregate::Worst, Extreme::Least) => values.into_iter().reduce(f64::min),
+        (Aggregate::Worst, Extreme::Most) => values.into_iter().reduce(f64::max),
     }
 }
 
 /// All measures of one layout over all impacts: of each the value under the impact where it is worst, or the mean.
-pub fn summary(entry: &Entry, stats: &LayoutStats, over: Over) -> Scores {
+pub fn summary(entry: &Entry, stats: &LayoutStats, aggregate: Aggregate) -> Scores {
     let mut scores = Scores::default();
     for &measure in Measure::ALL {
-        let side = if measure.better() == Better::Greater { Side::Least } else { Side::Most };
-        scores.set(measure, value(measure, entry, stats, over, side));
+        let extreme = if measure.better() == Better::Greater { Extreme::Least } else { Extreme::Most };
+        scores.set(measure, value(measure, entry, stats, aggregate, extreme));
     }
     scores
 }
@@ -55,7 +61,7 @@ pub fn summary(entry: &Entry, stats: &LayoutStats, over: Over) -> Scores {
 /// The same of a layout's runs under all impacts and forces; none where a guard stopped one of them.
 pub(super) fn of_runs(study: &Study, runs: &[Evaluated], stats: &LayoutStats) -> Option<Scores> {
     let entry = Entry::new(String::new(), String::new(), &study.by_impact(runs));
-    entry.stop.is_none().then(|| summary(&entry, stats, study.objective.over))
+    entry.stop.is_none().then(|| summary(&entry, stats, study.objective.aggregate))
 }
 
 #[cfg(test)]
@@ -73,11 +79,11 @@ mod tests {
         };
         let entry = Entry::new(String::new(), String::new(), &[]);
         let entry = Entry { impacts: vec![scores(2.0), scores(5.0), scores(3.0)], ..entry };
-        let all = |over| summary(&entry, &LayoutStats::default(), over);
+        let all = |aggregate| summary(&entry, &LayoutStats::default(), aggregate);
         for &measure in Measure::ALL.iter().filter(|measure| measure.needs() != Needs::Layout) {
             let worst = if measure.better() == Better::Greater { 2.0 } else { 5.0 };
-            assert_eq!(all(Over::Worst).get(measure), Some(worst), "{}", measure.name());
-            assert_eq!(all(Over::Mean).get(measure), Some(10.0 / 3.0), "{}", measure.name());
+            assert_eq!(all(Aggregate::Worst).get(measure), Some(worst), "{}", measure.name());
+            assert_eq!(all(Aggregate::Mean).get(measure), Some(10.0 / 3.0), "{}", measure.name());
         }
     }
 }

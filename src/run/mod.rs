@@ -1,6 +1,6 @@
 //! One rig from its file to records on disk: written as the run goes, taken up where it was left.
 //!
-//! In: a [`Bench`]. Out: a folder with the samples over time as CSV, tables of what each sphere and contact felt, and a
+//! In: a [`PreparedRig`]. Out: a folder with the samples over time as CSV, tables of what each sphere and contact felt, and a
 //! [`Summary`]. Memory does not grow with the length of the run. A checkpoint is written now and then; a run that was killed at
 //! any moment goes on from it, its files cut back to where it stood, and ends with the same bytes.
 //!
@@ -32,12 +32,12 @@ pub use summary::{BodySummary, Recorded, Summary};
 
 use crate::dem::rig::{RigError, RigStop, Simulation};
 use crate::output::{self, OutputError};
-use crate::setup::Bench;
+use crate::setup::PreparedRig;
 use crate::{Context, Progress};
 use checkpoint::Checkpoint;
 use streams::Streams;
 
-/// The file by which a folder of a trial is recognised.
+/// The file by which a folder of a run is recognised.
 pub const SUMMARY: &str = "trial.json";
 /// The text of the rig file.
 pub const RIG: &str = "rig.toml";
@@ -50,12 +50,12 @@ const CHUNK: u64 = 4096;
 
 /// A run that could not begin, go on or be written.
 #[derive(Debug, thiserror::Error)]
-pub enum TrialError {
+pub enum RunError {
     /// The rig cannot be set in motion.
     #[error(transparent)]
     Rig(#[from] RigError),
     /// The folder holds something else.
-    #[error("{0} exists and holds no trial; it is left alone")]
+    #[error("{0} exists and holds no run; it is left alone")]
     Foreign(PathBuf),
     /// The folder holds an unfinished run.
     #[error("{0} holds a run that is not finished")]
@@ -90,12 +90,12 @@ pub enum TrialError {
     Series(#[from] SeriesError),
 }
 
-impl TrialError {
+impl RunError {
     /// What to try.
     pub fn help(&self) -> &'static str {
         match self {
             Self::Rig(RigError::Overlap { .. }) => {
-                "Move or shrink one of them, or write run.squeezed = true if they are meant to."
+                "Move or shrink one of them, or write run.precompressed = true if they are meant to."
             }
             Self::Rig(RigError::Step { .. }) => "Leave run.step out to have it chosen.",
             Self::Rig(RigError::Period { .. }) => "Widen the crystal: more cells along that axis.",
@@ -142,45 +142,45 @@ const MOST_HALVINGS: u32 = 8;
 /// taken up goes on with the step it had.
 ///
 /// # Errors
-/// See [`TrialError`]. A guard or an interruption is no error but an [`Ending`].
+/// See [`RunError`]. A guard or an interruption is no error but an [`Ending`].
 pub fn run<const D: usize>(
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     folder: &Path,
     keeping: Keeping,
     context: &Context,
-) -> Result<(Summary, Ending), TrialError> {
+) -> Result<(Summary, Ending), RunError> {
     let path = folder.join(CHECKPOINT);
     // What was begun by rows is gone on with by rows.
     let by_rows = if keeping.resume { large::halved(&path)? } else { None };
     let mut begun = match keeping.resume && by_rows.is_none() {
-        true => Some(taken_up(bench, folder, &path)?),
+        true => Some(taken_up(prepared, folder, &path)?),
         false => None,
     };
     let mut tries_rows = begun.is_none();
     let mut keeping = keeping;
     let mut halved = by_rows.or(begun.as_ref().map(|checkpoint| checkpoint.halved.clone())).unwrap_or_default();
-    let mut bench = bench.clone();
-    bench.record.frames = begun.as_ref().map_or(bench.record.frames, |checkpoint| checkpoint.frames);
+    let mut prepared = prepared.clone();
+    prepared.record.frames = begun.as_ref().map_or(prepared.record.frames, |checkpoint| checkpoint.frames);
     loop {
-        let bench = halved.of(&bench);
-        let by_rows = if tries_rows { large::run(&bench, folder, keeping, &halved, context)? } else { None };
+        let prepared = halved.of(&prepared);
+        let by_rows = if tries_rows { large::run(&prepared, folder, keeping, &halved, context)? } else { None };
         let done = match by_rows {
             Some(done) => done,
             None => {
                 tries_rows = false;
-                once(&bench, folder, begun.take(), &halved, keeping.every, context)?
+                once(&prepared, folder, begun.take(), &halved, keeping.every, context)?
             }
         };
         match done {
             (_, Ending::Stopped(stop @ RigStop::Coarse { .. })) if halved.times < MOST_HALVINGS => {
-                let why = stop.words("s", &|body| bench.name_of(body));
+                let why = stop.words("s", &|body| prepared.name_of(body));
                 halved = Halved { times: halved.times + 1, why };
                 keeping.resume = false;
-                fs::remove_file(&path).map_err(|error| TrialError::File { path: path.clone(), error })?;
+                fs::remove_file(&path).map_err(|error| RunError::File { path: path.clone(), error })?;
             }
             done => {
                 if !matches!(done.1, Ending::Interrupted { .. }) {
-                    fs::remove_file(&path).map_err(|error| TrialError::File { path, error })?;
+                    fs::remove_file(&path).map_err(|error| RunError::File { path, error })?;
                     let _ = fs::remove_file(folder.join(CHECKPOINT).with_extension("new"));
                 }
                 return Ok(done);
@@ -198,43 +198,44 @@ struct Halved {
 
 impl Halved {
     /// The bench with its step halved so often; samples stay at the same times.
-    fn of<const D: usize>(&self, bench: &Bench<D>) -> Bench<D> {
-        let mut bench = bench.clone();
+    fn of<const D: usize>(&self, prepared: &PreparedRig<D>) -> PreparedRig<D> {
+        let mut prepared = prepared.clone();
         if self.times > 0 {
-            bench.plan.step *= 0.5_f64.powi(self.times as i32);
-            bench.record.every <<= self.times;
+            prepared.plan.step *= 0.5_f64.powi(self.times as i32);
+            prepared.record.every <<= self.times;
             let times = if self.times == 1 { "once".to_owned() } else { format!("{} times", self.times) };
-            bench.plan.step_reason += &format!("; halved {times} and begun again: {}", self.why);
+            prepared.plan.step_reason += &format!("; halved {times} and begun again: {}", self.why);
         }
-        bench
+        prepared
     }
 }
 
 /// A run with one step, from its beginning or from where it was left.
 fn once<const D: usize>(
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     folder: &Path,
     begun: Option<Checkpoint>,
     halved: &Halved,
     keep_every: Duration,
     context: &Context,
-) -> Result<(Summary, Ending), TrialError> {
-    let mut simulation = Simulation::new(bench.rig.clone(), bench.plan.step)?.watching(bench.record.arrivals.clone());
+) -> Result<(Summary, Ending), RunError> {
+    let mut simulation =
+        Simulation::new(prepared.rig.clone(), prepared.plan.step)?.recording(prepared.record.arrivals.clone());
     let path = folder.join(CHECKPOINT);
     let mut streams = if let Some(checkpoint) = begun {
-        let damaged = |reason: String| TrialError::Checkpoint { path: path.clone(), reason };
-        simulation.take_up(&checkpoint.state).map_err(|error| damaged(error.to_string()))?;
-        Streams::take_up(folder, bench, &checkpoint.lengths, checkpoint.events)?
+        let damaged = |reason: String| RunError::Checkpoint { path: path.clone(), reason };
+        simulation.restore(&checkpoint.state).map_err(|error| damaged(error.to_string()))?;
+        Streams::restore(folder, prepared, &checkpoint.lengths, checkpoint.events)?
     } else {
-        begin(bench, folder)?;
-        let mut streams = Streams::begin(folder, bench)?;
+        begin(prepared, folder)?;
+        let mut streams = Streams::begin(folder, prepared)?;
         streams.sample(&simulation)?;
         streams.begin_events(&simulation.view());
-        Checkpoint::of(bench, &simulation, &mut streams, halved)?.write(&path)?;
+        Checkpoint::of(prepared, &simulation, &mut streams, halved)?.write(&path)?;
         streams
     };
 
-    let (total, every) = (bench.plan.steps(), bench.record.every);
+    let (total, every) = (prepared.plan.steps(), prepared.record.every);
     let mut kept = Instant::now();
     let mut ending = Ending::Complete;
     while simulation.steps() < total {
@@ -248,7 +249,7 @@ fn once<const D: usize>(
                 if simulation.steps() == sample || simulation.steps() == total {
                     streams.sample(&simulation)?;
                 }
-                Checkpoint::of(bench, &simulation, &mut streams, halved)?.write(&path)?;
+                Checkpoint::of(prepared, &simulation, &mut streams, halved)?.write(&path)?;
                 ending = Ending::Interrupted { time };
                 break;
             }
@@ -262,7 +263,7 @@ fn once<const D: usize>(
             streams.sample(&simulation)?;
         }
         if kept.elapsed() >= keep_every {
-            Checkpoint::of(bench, &simulation, &mut streams, halved)?.write(&path)?;
+            Checkpoint::of(prepared, &simulation, &mut streams, halved)?.write(&path)?;
             kept = Instant::now();
         }
         context.tell(Progress::Steps { done: simulation.steps(), of: total });
@@ -270,9 +271,9 @@ fn once<const D: usize>(
     streams.flush()?;
     let complete = !matches!(ending, Ending::Interrupted { .. });
     if complete {
-        tables::write_all(folder, bench, &simulation)?;
+        tables::write_all(folder, prepared, &simulation)?;
     }
-    let summary = Summary::new(bench, &simulation, &ending, folder)?;
+    let summary = Summary::new(prepared, &simulation, &ending, folder)?;
     write(&folder.join(SUMMARY), summary.json().as_bytes())?;
     Ok((summary, ending))
 }
@@ -283,7 +284,7 @@ fn advance<const D: usize>(
     steps: u64,
     context: &Context,
     streams: &mut Streams,
-) -> Result<Result<(), RigStop>, TrialError> {
+) -> Result<Result<(), RigStop>, RunError> {
     let step = simulation.step();
     let Some(events) = streams.events() else { return Ok(simulation.advance(steps, context)) };
     let mut written = Ok(());
@@ -295,16 +296,16 @@ fn advance<const D: usize>(
     written.map(|()| advanced)
 }
 
-/// Makes the folder of a new run. What stands there is replaced only where it is a trial that came to its end.
-fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialError> {
-    let at = |error| TrialError::File { path: folder.to_owned(), error };
+/// Makes the folder of a new run. What stands there is replaced only where it is a run that came to its end.
+fn begin<const D: usize>(prepared: &PreparedRig<D>, folder: &Path) -> Result<(), RunError> {
+    let at = |error| RunError::File { path: folder.to_owned(), error };
     if folder.exists() {
         let empty = fs::read_dir(folder).map_err(at)?.next().is_none();
         if !empty && finished(folder).is_none() {
-            return Err(TrialError::Foreign(folder.to_owned()));
+            return Err(RunError::Foreign(folder.to_owned()));
         }
         if folder.join(CHECKPOINT).exists() {
-            return Err(TrialError::Unfinished(folder.to_owned()));
+            return Err(RunError::Unfinished(folder.to_owned()));
         }
         for entry in fs::read_dir(folder).map_err(at)? {
             let entry = entry.map_err(at)?;
@@ -315,11 +316,11 @@ fn begin<const D: usize>(bench: &Bench<D>, folder: &Path) -> Result<(), TrialErr
         frames::remove(folder).map_err(at)?;
     }
     fs::create_dir_all(folder).map_err(at)?;
-    write(&folder.join(RIG), bench.text.as_bytes())?;
-    write(&folder.join(SUMMARY), Summary::beginning(bench).json().as_bytes())
+    write(&folder.join(RIG), prepared.text.as_bytes())?;
+    write(&folder.join(SUMMARY), Summary::beginning(prepared).json().as_bytes())
 }
 
-/// Whether a trial writes files of this name, which the next one there may remove.
+/// Whether a run writes files of this name, which the next one there may remove.
 fn is_written(name: &str) -> bool {
     const RECORDS: [&str; 14] = [
         "intruders.csv",
@@ -343,24 +344,24 @@ fn is_written(name: &str) -> bool {
     picture || ["report.html", "network.svg", "motion.svg"].contains(&name) || RECORDS.contains(&name)
 }
 
-/// Whether the trial in a folder came to its end; none if the folder holds no trial.
+/// Whether the trial in a folder came to its end; none if the folder holds no run.
 fn finished(folder: &Path) -> Option<bool> {
     let text = fs::read_to_string(folder.join(SUMMARY)).ok()?;
     serde_json::from_str::<Summary>(&text).ok().map(|summary| summary.finished)
 }
 
 /// The checkpoint of the run in a folder, if it is one of this bench.
-fn taken_up<const D: usize>(bench: &Bench<D>, folder: &Path, path: &Path) -> Result<Checkpoint, TrialError> {
+fn taken_up<const D: usize>(prepared: &PreparedRig<D>, folder: &Path, path: &Path) -> Result<Checkpoint, RunError> {
     match (path.exists(), finished(folder)) {
         (true, Some(_)) => {}
-        (false, Some(true)) => return Err(TrialError::Finished(folder.to_owned())),
+        (false, Some(true)) => return Err(RunError::Finished(folder.to_owned())),
         // Killed before its first checkpoint, it has not come far.
-        (false, Some(false)) | (_, None) => return Err(TrialError::Nothing(folder.to_owned())),
+        (false, Some(false)) | (_, None) => return Err(RunError::Nothing(folder.to_owned())),
     }
-    Checkpoint::read(path, bench)
+    Checkpoint::read(path, prepared)
 }
 
 /// Writes a file by way of one beside it, so that it is there as a whole or not at all, also after a power cut.
-fn write(path: &Path, bytes: &[u8]) -> Result<(), TrialError> {
+fn write(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
     Ok(output::keep(path, bytes)?)
 }

@@ -18,12 +18,12 @@ use super::checkpoint::is_of;
 use super::streams::{ENERGIES, Stream, append, energies, layer_header, region_header};
 use super::summary::Reached;
 use super::tables::{Peaks, write_peaks};
-use super::{CHECKPOINT, Ending, Halved, Keeping, SUMMARY, Summary, TrialError, begin, write};
+use super::{CHECKPOINT, Ending, Halved, Keeping, RunError, SUMMARY, Summary, begin, write};
 use crate::dem::bulk::{Arrivals, Bulk, MANY, Recording};
 use crate::dem::rig::{Arrival, Body, Curve, EnergyLedger, Law, LawBook, LoadKind, RigStop, sealed, unsealed};
 use crate::dem::{ForcePulse, Impact, Integrator, Period, Stop};
 use crate::real::Width;
-use crate::setup::{Bench, Contacts, Quantity};
+use crate::setup::{Contacts, PreparedRig, Quantity};
 use crate::{Context, Progress};
 
 /// First line of the checkpoint of such a run.
@@ -33,19 +33,19 @@ const CHUNK: u64 = 16;
 
 /// The impact on a bench that is one large crystal in space: equal free spheres, one law without friction, no flats, walls, bars or gravity; one
 /// square force along z from the start on, spheres that move along z, or both; samples of motion alone. None of all others.
-pub fn impact_of(bench: &Bench<3>) -> Option<Impact> {
-    let (rig, record) = (&bench.rig, &bench.record);
+pub fn impact_of(prepared: &PreparedRig<3>) -> Option<Impact> {
+    let (rig, record) = (&prepared.rig, &prepared.record);
     let nothing_else = rig.clusters.is_empty()
         && rig.flats.is_empty()
         && rig.bars.is_empty()
         && rig.gravity == [0.0; 3]
         && rig.drag == 0.0
-        && !rig.squeezed
+        && !rig.precompressed
         && !rig.held.iter().flatten().any(|&held| held)
         && !rig.has_friction()
         && !rig.velocity.iter().any(|&[x, y, _]| x != 0.0 || y != 0.0)
         && rig.overlap_limit.is_none()
-        && bench.intruders.is_empty();
+        && prepared.intruders.is_empty();
     let spheres = &rig.sample.spheres;
     let arrivals = matches!(record.arrivals[..], [] | [Arrival::Speed(_)] | [Arrival::OwnMaximum(0.01)]);
     let motion_alone = arrivals
@@ -90,32 +90,32 @@ pub fn impact_of(bench: &Bench<3>) -> Option<Impact> {
         moving,
         exit: Vec::new(),
         integrator: Integrator::Verlet,
-        step: bench.plan.step,
-        window: bench.plan.window,
+        step: prepared.plan.step,
+        window: prepared.plan.window,
     })
 }
 
 /// A bench of any dimension, where it is one in space.
-fn in_space<const D: usize>(bench: &Bench<D>) -> Option<&Bench<3>> {
-    let any: &dyn Any = bench;
+fn in_space<const D: usize>(prepared: &PreparedRig<D>) -> Option<&PreparedRig<3>> {
+    let any: &dyn Any = prepared;
     any.downcast_ref()
 }
 
 /// The crystal of such a bench, at its start.
-fn crystal_of(bench: &Bench<3>) -> Option<Bulk> {
-    let impact = impact_of(bench)?;
-    let arrivals = match bench.record.arrivals[..] {
+fn crystal_of(prepared: &PreparedRig<3>) -> Option<Bulk> {
+    let impact = impact_of(prepared)?;
+    let arrivals = match prepared.record.arrivals[..] {
         [] => Arrivals::None,
         [Arrival::Speed(speed)] => Arrivals::Speed(speed),
         _ => Arrivals::OwnMaximum,
     };
     let recording = Recording { energies: true, arrivals };
-    Bulk::new(&bench.rig.sample, &impact, recording, Width::widest()).ok()
+    Bulk::new(&prepared.rig.sample, &impact, recording, Width::widest()).ok()
 }
 
 /// Whether a bench is followed by its rows.
-pub fn is_large<const D: usize>(bench: &Bench<D>) -> bool {
-    in_space(bench).is_some_and(|bench| impact_of(bench).is_some())
+pub fn is_large<const D: usize>(prepared: &PreparedRig<D>) -> bool {
+    in_space(prepared).is_some_and(|prepared| impact_of(prepared).is_some())
 }
 
 /// What stands before the state in a checkpoint.
@@ -138,22 +138,23 @@ struct Streams {
 
 impl Streams {
     fn open(
-        bench: &Bench<3>,
-        mut open: impl FnMut(&str, &str) -> Result<Stream, TrialError>,
-    ) -> Result<Self, TrialError> {
-        let quantities = bench.record.quantities.iter().map(|quantity| match quantity {
+        prepared: &PreparedRig<3>,
+        mut open: impl FnMut(&str, &str) -> Result<Stream, RunError>,
+    ) -> Result<Self, RunError> {
+        let quantities = prepared.record.quantities.iter().map(|quantity| match quantity {
             Quantity::Position => ",x_m,y_m,z_m",
             Quantity::Displacement => ",ux_m,uy_m,uz_m",
             _ => ",vx_m_s,vy_m_s,vz_m_s",
         });
         let spheres = format!("time_s,sphere,layer,column{}", quantities.collect::<String>());
         let mut when = |wanted: bool, name: &str, header: &str| wanted.then(|| open(name, header)).transpose();
-        let spheres = when(!bench.record.spheres.is_empty(), "spheres.csv", &spheres)?;
-        let regions = when(!bench.record.regions.is_empty(), "regions.csv", &region_header(&bench.record.regions))?;
+        let spheres = when(!prepared.record.spheres.is_empty(), "spheres.csv", &spheres)?;
+        let regions =
+            when(!prepared.record.regions.is_empty(), "regions.csv", &region_header(&prepared.record.regions))?;
         let energies = open("energies.csv", ENERGIES)?;
         Ok(Self {
             energies,
-            layers: open("layers.csv", &layer_header(bench.layers))?,
+            layers: open("layers.csv", &layer_header(prepared.layers))?,
             spheres,
             regions,
             row: String::new(),
@@ -167,39 +168,44 @@ impl Streams {
     }
 
     /// One sample of everything; what the energies are.
-    fn sample(&mut self, bench: &Bench<3>, bulk: &Bulk, layer_sizes: &[f64]) -> Result<EnergyLedger, TrialError> {
+    fn sample(
+        &mut self,
+        prepared: &PreparedRig<3>,
+        bulk: &Bulk,
+        layer_sizes: &[f64],
+    ) -> Result<EnergyLedger, RunError> {
         let (time, row) = (bulk.time(), &mut self.row);
         let ledger = ledger(bulk);
         self.energies.row(row, time, energies(&ledger))?;
         let velocities = bulk.velocities();
         let mut sums = vec![0.0; layer_sizes.len()];
-        for (site, velocity) in bench.sites.iter().zip(&velocities) {
+        for (site, velocity) in prepared.sites.iter().zip(&velocities) {
             sums[site.layer as usize - 1] += velocity[2];
         }
         self.layers.row(row, time, sums.iter().zip(layer_sizes).map(|(sum, count)| sum / count.max(1.0)))?;
         if let Some(regions) = &mut self.regions {
             let (weights, dissipated) = (bulk.weights(), bulk.dissipated());
             let square = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>();
-            let values = bench.record.regions.iter().flat_map(|region| {
+            let values = prepared.record.regions.iter().flat_map(|region| {
                 let of = |value: &dyn Fn(usize) -> f64| region.spheres.iter().map(|&i| value(i)).sum::<f64>();
                 [
                     of(&|i| velocities[i][2]) / region.spheres.len() as f64,
-                    of(&|i| 0.5 * weights[i] * bench.rig.mass[i] * square(velocities[i])),
+                    of(&|i| 0.5 * weights[i] * prepared.rig.mass[i] * square(velocities[i])),
                     of(&|i| weights[i] * dissipated[i]),
                 ]
             });
             regions.row(row, time, values)?;
         }
         let Some(spheres) = &mut self.spheres else { return Ok(ledger) };
-        for &i in &bench.record.spheres {
+        for &i in &prepared.record.spheres {
             row.clear();
-            let site = bench.sites[i];
+            let site = prepared.sites[i];
             let _ = write!(row, "{time:?},{},{},{}", i + 1, site.layer, site.column);
             let moved = bulk.displacement(i);
-            for quantity in &bench.record.quantities {
+            for quantity in &prepared.record.quantities {
                 match quantity {
                     Quantity::Position => {
-                        let rest = bench.rig.sample.spheres[i].centre;
+                        let rest = prepared.rig.sample.spheres[i].centre;
                         append(row, (0..3).map(|k| rest[k] + moved[k]));
                     }
                     Quantity::Displacement => append(row, moved),
@@ -226,10 +232,16 @@ fn ledger(bulk: &Bulk) -> EnergyLedger {
     }
 }
 
-fn keep(path: &Path, bench: &Bench<3>, bulk: &Bulk, halved: &Halved, streams: &mut Streams) -> Result<(), TrialError> {
+fn keep(
+    path: &Path,
+    prepared: &PreparedRig<3>,
+    bulk: &Bulk,
+    halved: &Halved,
+    streams: &mut Streams,
+) -> Result<(), RunError> {
     streams.all().try_for_each(|(_, stream)| stream.flush())?;
     let lengths = streams.all().map(|(name, stream)| (name.to_owned(), stream.length)).collect();
-    let (text, seeds) = (crc32fast::hash(bench.text.as_bytes()), bench.seeds.clone());
+    let (text, seeds) = (crc32fast::hash(prepared.text.as_bytes()), prepared.seeds.clone());
     let head = sealed(&Head { halved: halved.clone(), text, seeds, lengths });
     let attempt = || -> std::io::Result<()> {
         // Beside it first: the one before stays until this one is whole.
@@ -242,12 +254,12 @@ fn keep(path: &Path, bench: &Bench<3>, bulk: &Bulk, halved: &Halved, streams: &m
         file.into_inner().map_err(|error| error.into_error())?.sync_all()?;
         std::fs::rename(&beside, path)
     };
-    attempt().map_err(|error| TrialError::File { path: path.to_owned(), error })
+    attempt().map_err(|error| RunError::File { path: path.to_owned(), error })
 }
 
 /// The beginning of a checkpoint of this machine, and where the state begins; none where it is another's.
-fn head(path: &Path) -> Result<Option<(Head, BufReader<File>)>, TrialError> {
-    let at = |error| TrialError::File { path: path.to_owned(), error };
+fn head(path: &Path) -> Result<Option<(Head, BufReader<File>)>, RunError> {
+    let at = |error| RunError::File { path: path.to_owned(), error };
     let Ok(file) = File::open(path) else { return Ok(None) };
     let mut file = BufReader::with_capacity(1 << 20, file);
     let mut opening = vec![0; OPENING.len()];
@@ -258,66 +270,72 @@ fn head(path: &Path) -> Result<Option<(Head, BufReader<File>)>, TrialError> {
     file.read_exact(&mut length).map_err(at)?;
     let mut head = vec![0; u64::from_le_bytes(length).min(1 << 24) as usize];
     file.read_exact(&mut head).map_err(at)?;
-    let damaged = || TrialError::Checkpoint { path: path.to_owned(), reason: "the checkpoint is damaged".to_owned() };
+    let damaged = || RunError::Checkpoint { path: path.to_owned(), reason: "the checkpoint is damaged".to_owned() };
     Ok(Some((unsealed(&head).ok_or_else(damaged)?, file)))
 }
 
 /// How often the step of the run in a checkpoint of this machine was halved; none where it is another's, or none at all.
-pub fn halved(path: &Path) -> Result<Option<Halved>, TrialError> {
+pub fn halved(path: &Path) -> Result<Option<Halved>, RunError> {
     Ok(head(path)?.map(|(head, _)| head.halved))
 }
 
 /// Takes up a run.
-fn restore(folder: &Path, path: &Path, bench: &Bench<3>, bulk: &mut Bulk) -> Result<Option<Streams>, TrialError> {
-    let refused = |reason: &str| TrialError::Checkpoint { path: path.to_owned(), reason: reason.to_owned() };
+fn restore(
+    folder: &Path,
+    path: &Path,
+    prepared: &PreparedRig<3>,
+    bulk: &mut Bulk,
+) -> Result<Option<Streams>, RunError> {
+    let refused = |reason: &str| RunError::Checkpoint { path: path.to_owned(), reason: reason.to_owned() };
     let Some((head, mut file)) = head(path)? else { return Ok(None) };
-    is_of(head.text, &head.seeds, bench).map_err(|reason| refused(&reason))?;
+    is_of(head.text, &head.seeds, prepared).map_err(|reason| refused(&reason))?;
     bulk.restore(&mut file).map_err(|error| refused(&error.to_string()))?;
-    let open = |name: &str, _: &str| Stream::take_up(folder.join(name), head.lengths.get(name).copied().unwrap_or(0));
-    Streams::open(bench, open).map(Some)
+    let open = |name: &str, _: &str| Stream::restore(folder.join(name), head.lengths.get(name).copied().unwrap_or(0));
+    Streams::open(prepared, open).map(Some)
 }
 
 /// The guards of rigs on accuracy: contacts that are too stiff for the step, and energy that is left over.
-fn inaccurate(bench: &Bench<3>, bulk: &Bulk, ledger: Option<&EnergyLedger>) -> Option<RigStop> {
+fn inaccurate(prepared: &PreparedRig<3>, bulk: &Bulk, ledger: Option<&EnergyLedger>) -> Option<RigStop> {
     let time = bulk.time();
-    if let (Some(resolution), Some(stiffest)) = (bench.rig.resolution, bulk.stiffest()) {
+    if let (Some(resolution), Some(stiffest)) = (prepared.rig.resolution, bulk.stiffest()) {
         let limit = resolution * (stiffest.reduced_mass / stiffest.stiffness).sqrt();
-        if bench.plan.step > limit * (1.0 + 1e-9) {
-            let (step, stiffness, bodies) = (bench.plan.step, stiffest.stiffness, stiffest.spheres.map(Body::Sphere));
+        if prepared.plan.step > limit * (1.0 + 1e-9) {
+            let (step, stiffness, bodies) =
+                (prepared.plan.step, stiffest.stiffness, stiffest.spheres.map(Body::Sphere));
             return Some(RigStop::Coarse { step, limit, stiffness, bodies, time });
         }
     }
-    let limit = bench.rig.residual_limit;
+    let limit = prepared.rig.residual_limit;
     let residual = ledger?.residual().filter(|residual| residual.abs() > limit)?;
     Some(RigStop::Residual { residual, limit, time })
 }
 
 /// Runs a bench by its rows. None where it is none of these, or where spheres have met that are no neighbours.
 pub fn run<const D: usize>(
-    bench: &Bench<D>,
+    prepared: &PreparedRig<D>,
     folder: &Path,
     keeping: Keeping,
     halved: &Halved,
     context: &Context,
-) -> Result<Option<(Summary, Ending)>, TrialError> {
-    let Some(bench) = in_space(bench) else { return Ok(None) };
-    let Some(mut bulk) = crystal_of(bench) else { return Ok(None) };
+) -> Result<Option<(Summary, Ending)>, RunError> {
+    let Some(prepared) = in_space(prepared) else { return Ok(None) };
+    let Some(mut bulk) = crystal_of(prepared) else { return Ok(None) };
     let path = folder.join(CHECKPOINT);
-    let mut layer_sizes = vec![0.0; bench.layers as usize];
-    bench.sites.iter().for_each(|site| layer_sizes[site.layer as usize - 1] += 1.0);
+    let mut layer_sizes = vec![0.0; prepared.layers as usize];
+    prepared.sites.iter().for_each(|site| layer_sizes[site.layer as usize - 1] += 1.0);
     let mut streams = if keeping.resume {
-        match restore(folder, &path, bench, &mut bulk)? {
+        match restore(folder, &path, prepared, &mut bulk)? {
             Some(streams) => streams,
             None => return Ok(None),
         }
     } else {
-        begin(bench, folder)?;
-        let mut streams = Streams::open(bench, |name, header| Stream::create(folder.join(name), header))?;
-        streams.sample(bench, &bulk, &layer_sizes)?;
-        keep(&path, bench, &bulk, halved, &mut streams)?;
+        begin(prepared, folder)?;
+        let mut streams = Streams::open(prepared, |name, header| Stream::create(folder.join(name), header))?;
+        streams.sample(prepared, &bulk, &layer_sizes)?;
+        keep(&path, prepared, &bulk, halved, &mut streams)?;
         streams
     };
-    let (total, every) = (bench.plan.steps(), bench.record.every);
+    let (total, every) = (prepared.plan.steps(), prepared.record.every);
     let mut kept = Instant::now();
     let mut ending = Ending::Complete;
     while bulk.steps() < total {
@@ -327,18 +345,18 @@ pub fn run<const D: usize>(
         let advanced = bulk.advance(until - done, context);
         // The end of the window is a sample too.
         let ledger = match bulk.steps() == sample || bulk.steps() == total {
-            true => Some(streams.sample(bench, &bulk, &layer_sizes)?),
+            true => Some(streams.sample(prepared, &bulk, &layer_sizes)?),
             false => None,
         };
         match advanced {
             Ok(()) => {}
             Err(Stop::Interrupted { time_s }) => {
-                keep(&path, bench, &bulk, halved, &mut streams)?;
+                keep(&path, prepared, &bulk, halved, &mut streams)?;
                 ending = Ending::Interrupted { time: time_s };
                 break;
             }
             Err(Stop::Met { .. } | Stop::Leap { .. }) => {
-                std::fs::remove_file(&path).map_err(|error| TrialError::File { path, error })?;
+                std::fs::remove_file(&path).map_err(|error| RunError::File { path, error })?;
                 return Ok(None);
             }
             Err(stop) => {
@@ -346,12 +364,12 @@ pub fn run<const D: usize>(
                 break;
             }
         }
-        if let Some(stop) = inaccurate(bench, &bulk, ledger.as_ref()) {
+        if let Some(stop) = inaccurate(prepared, &bulk, ledger.as_ref()) {
             ending = Ending::Stopped(stop);
             break;
         }
         if kept.elapsed() >= keeping.every {
-            keep(&path, bench, &bulk, halved, &mut streams)?;
+            keep(&path, prepared, &bulk, halved, &mut streams)?;
             kept = Instant::now();
         }
         context.tell(Progress::Steps { done: bulk.steps(), of: total });
@@ -365,12 +383,12 @@ pub fn run<const D: usize>(
         max_speed: speed.iter().copied().fold(0.0, f64::max),
     };
     if !matches!(ending, Ending::Interrupted { .. }) {
-        let arrivals = if bench.record.arrivals.is_empty() { Vec::new() } else { vec![bulk.arrivals()] };
+        let arrivals = if prepared.record.arrivals.is_empty() { Vec::new() } else { vec![bulk.arrivals()] };
         let peaks = Peaks { speed, force: bulk.max_net_force(), dissipated: bulk.dissipated(), arrivals };
         let weights = bulk.weights();
-        write_peaks(folder, bench, &peaks, &|i| weights[i])?;
+        write_peaks(folder, prepared, &peaks, &|i| weights[i])?;
     }
-    let summary = Summary::of(bench, &reached, &ending);
+    let summary = Summary::of(prepared, &reached, &ending);
     write(&folder.join(SUMMARY), summary.json().as_bytes())?;
     Ok(Some((summary, ending)))
 }

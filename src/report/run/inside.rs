@@ -1,17 +1,17 @@
-//! What goes on inside a sheet, from the frames of its trial.
+//! What goes on inside a sheet, from the frames of its run.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{TrialReportError, table};
+use super::{RunReportError, table};
 use crate::motion::{self, follow};
 use crate::network::{ANGLE, Carrier, Chains, frames, read_frame};
 use crate::report::inside::{View, draw_motion, draw_network};
-use crate::trial::{Series, Summary};
+use crate::run::{Series, Summary};
 use crate::units::Dimension::Time;
 
-/// The force network at its moment, and non-affine motion from the first frame to the last; none of a trial without frames.
-pub(super) fn pictures(folder: &Path, summary: &Summary) -> Result<Vec<(String, String)>, TrialReportError> {
+/// The force network at its moment, and non-affine motion from the first frame to the last; none of a run without frames.
+pub(super) fn pictures(folder: &Path, summary: &Summary) -> Result<Vec<(String, String)>, RunReportError> {
     let mut pictures = Vec::new();
     let place = folder.join("frames");
     if !place.is_dir() || summary.dimension != 2 {
@@ -44,20 +44,19 @@ pub(super) fn pictures(folder: &Path, summary: &Summary) -> Result<Vec<(String, 
 
 /// Which frame shows most: that with the greatest kinetic energy of the first region, or, without regions, with most energy stored in
 /// contacts. Samples and frames are as many.
-fn moment(folder: &Path) -> Result<(usize, String), TrialReportError> {
-    let of = |name: &str,
-              column: &dyn Fn(&[String]) -> Option<usize>|
-     -> Result<Option<(usize, String)>, TrialReportError> {
-        let path = folder.join(name);
-        if !path.exists() {
-            return Ok(None);
-        }
-        let record = Series::read(&path, usize::MAX)?;
-        let Some(column) = column(&record.names) else { return Ok(None) };
-        let values = record.columns[column].iter().enumerate();
-        let most = values.max_by(|a, b| a.1.total_cmp(b.1)).map(|(k, _)| k);
-        Ok(most.map(|k| (k, record.names[column].clone())))
-    };
+fn moment(folder: &Path) -> Result<(usize, String), RunReportError> {
+    let of =
+        |name: &str, column: &dyn Fn(&[String]) -> Option<usize>| -> Result<Option<(usize, String)>, RunReportError> {
+            let path = folder.join(name);
+            if !path.exists() {
+                return Ok(None);
+            }
+            let record = Series::read(&path, usize::MAX)?;
+            let Some(column) = column(&record.names) else { return Ok(None) };
+            let values = record.columns[column].iter().enumerate();
+            let most = values.max_by(|a, b| a.1.total_cmp(b.1)).map(|(k, _)| k);
+            Ok(most.map(|k| (k, record.names[column].clone())))
+        };
     let kinetic = |names: &[String]| names.iter().position(|name| name.ends_with("_kinetic_J"));
     if let Some((k, column)) = of("regions.csv", &kinetic)? {
         let region = column.trim_end_matches("_kinetic_J");

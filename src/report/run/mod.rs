@@ -13,7 +13,7 @@ use std::path::Path;
 use super::chart::{COLOURS, Chart, Line};
 use super::frame::{self, Figure, Frame, Provenance};
 use super::svg::escape;
-use crate::trial::{RIG, SUMMARY, Series, Summary};
+use crate::run::{RIG, SUMMARY, Series, Summary};
 use crate::units::Dimension::{Force, Length, Speed, Time};
 
 /// Points of a line, at most.
@@ -24,10 +24,10 @@ const LINES: usize = 8;
 
 /// A record that cannot be drawn.
 #[derive(Debug, thiserror::Error)]
-pub enum TrialReportError {
+pub enum RunReportError {
     /// A record that cannot be read.
     #[error(transparent)]
-    Series(#[from] crate::trial::SeriesError),
+    Series(#[from] crate::run::SeriesError),
     /// A frame that cannot be read.
     #[error(transparent)]
     Frame(#[from] crate::columns::TableError),
@@ -60,9 +60,9 @@ struct Times {
 ///
 /// # Errors
 /// A file that cannot be read or written.
-pub fn draw_trial(folder: &Path) -> Result<Vec<String>, TrialReportError> {
+pub fn draw_run(folder: &Path) -> Result<Vec<String>, RunReportError> {
     let fail =
-        |name: &str, reason: String| TrialReportError::File { path: folder.join(name).display().to_string(), reason };
+        |name: &str, reason: String| RunReportError::File { path: folder.join(name).display().to_string(), reason };
     let text = std::fs::read_to_string(folder.join(SUMMARY)).map_err(|error| fail(SUMMARY, error.to_string()))?;
     let summary: Summary = serde_json::from_str(&text).map_err(|error| fail(SUMMARY, error.to_string()))?;
     let mut pictures: Vec<(String, String)> = Vec::new();
@@ -128,10 +128,10 @@ pub fn draw_trial(folder: &Path) -> Result<Vec<String>, TrialReportError> {
 
 static EMPTY: Vec<f64> = Vec::new();
 
-fn write(folder: &Path, name: &str, text: &str) -> Result<(), TrialReportError> {
+fn write(folder: &Path, name: &str, text: &str) -> Result<(), RunReportError> {
     let path = folder.join(name);
     std::fs::write(&path, text)
-        .map_err(|error| TrialReportError::File { path: path.display().to_string(), reason: error.to_string() })
+        .map_err(|error| RunReportError::File { path: path.display().to_string(), reason: error.to_string() })
 }
 
 /// Points over microseconds.

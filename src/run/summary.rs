@@ -6,13 +6,13 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::tables::threshold_name;
-use super::{Ending, SUMMARY, TrialError, events, series};
+use super::{Ending, RunError, SUMMARY, events, series};
 use crate::dem::rig::{EnergyLedger, Gain, Simulation};
 use crate::evaluate::gain_words;
 use crate::outcome::Method;
-use crate::setup::{Bench, Intruder};
+use crate::setup::{Intruder, PreparedRig};
 
-/// The format of `trial.json`.
+/// The format of `run.json`.
 const FORMAT: u32 = 1;
 
 /// A run in numbers; everything else is in the files beside it.
@@ -132,69 +132,69 @@ pub(super) struct Reached {
 
 impl Summary {
     /// Of a crystal without flats and other bodies.
-    pub(super) fn of<const D: usize>(bench: &Bench<D>, reached: &Reached, ending: &Ending) -> Self {
+    pub(super) fn of<const D: usize>(prepared: &PreparedRig<D>, reached: &Reached, ending: &Ending) -> Self {
         Self {
             time_s: reached.time,
             steps: reached.steps,
             finished: !matches!(ending, Ending::Interrupted { .. }),
             stop: match ending {
-                Ending::Stopped(stop) => Some(stop.words("s", &|body| bench.name_of(body))),
+                Ending::Stopped(stop) => Some(stop.words("s", &|body| prepared.name_of(body))),
                 _ => None,
             },
             energies: reached.ledger,
             residual: reached.ledger.residual(),
             max_speed_m_s: reached.max_speed,
-            ..Self::beginning(bench)
+            ..Self::beginning(prepared)
         }
     }
 
     /// Of a run that has only begun.
-    pub(super) fn beginning<const D: usize>(bench: &Bench<D>) -> Self {
+    pub(super) fn beginning<const D: usize>(prepared: &PreparedRig<D>) -> Self {
         let recorded =
-            |&i: &usize| Recorded { sphere: i + 1, layer: bench.sites[i].layer, column: bench.sites[i].column };
+            |&i: &usize| Recorded { sphere: i + 1, layer: prepared.sites[i].layer, column: prepared.sites[i].column };
         Self {
             format: FORMAT,
-            name: bench.name.clone(),
-            file: bench.path.display().to_string(),
-            method: bench.method(),
+            name: prepared.name.clone(),
+            file: prepared.path.display().to_string(),
+            method: prepared.method(),
             dimension: D,
-            spheres: bench.sites.len(),
-            layers: bench.layers,
-            diameter_m: bench.diameter,
-            seeds: bench.seeds.clone(),
-            every: bench.record.every,
+            spheres: prepared.sites.len(),
+            layers: prepared.layers,
+            diameter_m: prepared.diameter,
+            seeds: prepared.seeds.clone(),
+            every: prepared.record.every,
             time_s: 0.0,
             steps: 0,
             finished: false,
             stop: None,
-            warnings: bench.plan.warnings.clone(),
+            warnings: prepared.plan.warnings.clone(),
             energies: EnergyLedger::default(),
             residual: None,
             gains: Vec::new(),
             max_speed_m_s: 0.0,
             flats: Vec::new(),
             intruders: Vec::new(),
-            recorded: bench.record.spheres.iter().map(recorded).collect(),
+            recorded: prepared.record.spheres.iter().map(recorded).collect(),
             events: BTreeMap::new(),
-            arrivals: bench.record.arrivals.iter().map(|&a| format!("arrival_{}_s", threshold_name(a))).collect(),
-            pictures: bench.record.pictures.iter().map(|picture| picture.name().to_owned()).collect(),
+            arrivals: prepared.record.arrivals.iter().map(|&a| format!("arrival_{}_s", threshold_name(a))).collect(),
+            pictures: prepared.record.pictures.iter().map(|picture| picture.name().to_owned()).collect(),
         }
     }
 
     pub(super) fn new<const D: usize>(
-        bench: &Bench<D>,
+        prepared: &PreparedRig<D>,
         simulation: &Simulation<D>,
         ending: &Ending,
         folder: &Path,
-    ) -> Result<Self, TrialError> {
+    ) -> Result<Self, RunError> {
         let ledger = simulation.ledger();
         let gains = simulation.gains();
-        let mut warnings = bench.plan.warnings.clone();
-        warnings.extend(gains.iter().filter_map(|gain| gain_words(gain, ledger.at_hand, bench.rig.residual_limit)));
+        let mut warnings = prepared.plan.warnings.clone();
+        warnings.extend(gains.iter().filter_map(|gain| gain_words(gain, ledger.at_hand, prepared.rig.residual_limit)));
         let mut flats = Vec::new();
-        if !bench.rig.flats.is_empty() {
+        if !prepared.rig.flats.is_empty() {
             // Of the samples, a line at a time: time, then three columns for each flat.
-            let mut peaks = vec![[f64::NEG_INFINITY, 0.0, 0.0]; bench.rig.flats.len()];
+            let mut peaks = vec![[f64::NEG_INFINITY, 0.0, 0.0]; prepared.rig.flats.len()];
             series::scan(&folder.join("flats.csv"), |values| {
                 for (peak, state) in peaks.iter_mut().zip(values[1..].chunks_exact(3)) {
                     if state[2] > peak[0] {
@@ -203,7 +203,7 @@ impl Summary {
                     peak[2] = state[1];
                 }
             })?;
-            flats.extend(bench.rig.flats.iter().zip(peaks).map(|(flat, [force, time, velocity])| BodySummary {
+            flats.extend(prepared.rig.flats.iter().zip(peaks).map(|(flat, [force, time, velocity])| BodySummary {
                 name: flat.name.clone(),
                 mass_kg: Some(flat.mass).filter(|mass| mass.is_finite()),
                 peak_force_n: force,
@@ -212,11 +212,11 @@ impl Summary {
             }));
         }
         let mut intruders = Vec::new();
-        if !bench.intruders.is_empty() {
-            let mut peaks = vec![[0.0_f64; 3]; bench.intruders.len()];
+        if !prepared.intruders.is_empty() {
+            let mut peaks = vec![[0.0_f64; 3]; prepared.intruders.len()];
             series::scan(&folder.join("intruders.csv"), |values| {
                 let mut rest = &values[1..];
-                for (peak, intruder) in peaks.iter_mut().zip(&bench.intruders) {
+                for (peak, intruder) in peaks.iter_mut().zip(&prepared.intruders) {
                     let (state, others) =
                         rest.split_at((3 * D + usize::from(intruder.cluster.is_some())).min(rest.len()));
                     rest = others;
@@ -234,10 +234,10 @@ impl Summary {
                 peak_time_s: time,
                 velocity_m_s: velocity,
             };
-            intruders.extend(bench.intruders.iter().zip(peaks).map(of));
+            intruders.extend(prepared.intruders.iter().zip(peaks).map(of));
         }
         let mut counts: BTreeMap<String, u64> =
-            bench.record.events.iter().map(|event| (event.name().to_owned(), 0)).collect();
+            prepared.record.events.iter().map(|event| (event.name().to_owned(), 0)).collect();
         if !counts.is_empty() {
             series::lines(&folder.join(events::FILE), |line| {
                 if let Some(count) = line.split(',').nth(1).and_then(|name| counts.get_mut(name)) {
@@ -249,23 +249,23 @@ impl Summary {
             time: simulation.time(),
             steps: simulation.steps(),
             ledger,
-            max_speed: simulation.greatest_speed().into_iter().take(bench.sites.len()).fold(0.0, f64::max),
+            max_speed: simulation.greatest_speed().into_iter().take(prepared.sites.len()).fold(0.0, f64::max),
         };
-        Ok(Self { gains, warnings, flats, intruders, events: counts, ..Self::of(bench, &reached, ending) })
+        Ok(Self { gains, warnings, flats, intruders, events: counts, ..Self::of(prepared, &reached, ending) })
     }
 
-    /// That of the trial in a folder.
+    /// That of the run in a folder.
     ///
     /// # Errors
     /// A file that cannot be read, or is none of these.
-    pub fn read(folder: &Path) -> Result<Self, TrialError> {
+    pub fn read(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(SUMMARY);
-        let fail = |error| TrialError::File { path: path.clone(), error };
+        let fail = |error| RunError::File { path: path.clone(), error };
         let text = std::fs::read_to_string(&path).map_err(fail)?;
         serde_json::from_str(&text).map_err(|error| fail(error.into()))
     }
 
-    /// As the text of `trial.json`.
+    /// As the text of `run.json`.
     pub fn json(&self) -> String {
         // Its keys are text and what is not finite becomes null: this cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"

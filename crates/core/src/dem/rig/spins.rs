@@ -4,9 +4,9 @@ use std::ops::Range;
 
 /// A spin, a torque or the like of every sphere, the numbers of one behind those of another.
 #[derive(Clone, Debug)]
-pub(super) struct Turns<const D: usize>(Vec<f64>);
+pub(super) struct Spins<const D: usize>(Vec<f64>);
 
-impl<const D: usize> Turns<D> {
+impl<const D: usize> Spins<D> {
     /// Numbers a sphere: none on a line, one in the plane, about the axis out of it.
     pub const AXES: usize = match D {
         2 => 1,
@@ -83,14 +83,14 @@ fn axes_of_spin<const D: usize>() -> Range<usize> {
 #[inline(always)]
 pub(super) fn add<const D: usize>(numbers: &mut [f64], sphere: usize, factor: f64, row: &[f64; 3]) {
     for (n, k) in axes_of_spin::<D>().enumerate() {
-        numbers[Turns::<D>::AXES * sphere + n] += factor * row[k];
+        numbers[Spins::<D>::AXES * sphere + n] += factor * row[k];
     }
 }
 
 /// Multiplies each by a factor of its sphere, in the numbers of some spheres.
 #[inline(always)]
 pub(super) fn multiply<const D: usize>(numbers: &mut [f64], factors: &[f64]) {
-    for (row, factor) in numbers.chunks_exact_mut(Turns::<D>::ROW).zip(factors) {
+    for (row, factor) in numbers.chunks_exact_mut(Spins::<D>::ROW).zip(factors) {
         row.iter_mut().for_each(|number| *number *= factor);
     }
 }

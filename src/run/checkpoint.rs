@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::events::State;
 use super::streams::Streams;
-use super::{Halved, TrialError, write};
+use super::{Halved, RunError, write};
 use crate::dem::rig::{Simulation, sealed, unsealed};
-use crate::setup::Bench;
+use crate::setup::PreparedRig;
 
 /// First line of the file; the number is that of the format.
 const OPENING: &[u8] = b"granulens trial checkpoint 4\n";
@@ -34,11 +34,11 @@ pub(super) struct Checkpoint {
 }
 
 /// Whether a run with this checksum and these seeds is one of the bench; if not, why.
-pub(super) fn is_of<const D: usize>(text: u32, seeds: &[u64], bench: &Bench<D>) -> Result<(), String> {
-    if text != crc32fast::hash(bench.text.as_bytes()) {
+pub(super) fn is_of<const D: usize>(text: u32, seeds: &[u64], prepared: &PreparedRig<D>) -> Result<(), String> {
+    if text != crc32fast::hash(prepared.text.as_bytes()) {
         return Err("the file of the rig has changed since; what was begun cannot be gone on with".to_owned());
     }
-    if seeds != bench.seeds {
+    if seeds != prepared.seeds {
         let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
         return Err(format!("the run was begun with other seeds ({}); give the same --seed", seeds.join(", ")));
     }
@@ -48,17 +48,17 @@ pub(super) fn is_of<const D: usize>(text: u32, seeds: &[u64], bench: &Bench<D>) 
 impl Checkpoint {
     /// Of a run that has just been sampled, or is between samples. Streams are written out first.
     pub fn of<const D: usize>(
-        bench: &Bench<D>,
+        prepared: &PreparedRig<D>,
         simulation: &Simulation<D>,
         streams: &mut Streams,
         halved: &Halved,
-    ) -> Result<Self, TrialError> {
+    ) -> Result<Self, RunError> {
         streams.flush()?;
-        let text = crc32fast::hash(bench.text.as_bytes());
+        let text = crc32fast::hash(prepared.text.as_bytes());
         Ok(Self {
             text,
-            seeds: bench.seeds.clone(),
-            frames: bench.record.frames,
+            seeds: prepared.seeds.clone(),
+            frames: prepared.record.frames,
             halved: halved.clone(),
             lengths: streams.lengths(),
             events: streams.events().map(|e| e.state.clone()),
@@ -67,26 +67,26 @@ impl Checkpoint {
     }
 
     /// Puts it in its place at once: the one before stays until this one is whole.
-    pub fn write(&self, path: &Path) -> Result<(), TrialError> {
+    pub fn write(&self, path: &Path) -> Result<(), RunError> {
         let mut bytes = OPENING.to_vec();
         bytes.extend(sealed(self));
         write(path, &bytes)
     }
 
     /// Reads one, of the same rig file.
-    pub fn read<const D: usize>(path: &Path, bench: &Bench<D>) -> Result<Self, TrialError> {
-        let bytes = std::fs::read(path).map_err(|error| TrialError::File { path: path.to_owned(), error })?;
+    pub fn read<const D: usize>(path: &Path, prepared: &PreparedRig<D>) -> Result<Self, RunError> {
+        let bytes = std::fs::read(path).map_err(|error| RunError::File { path: path.to_owned(), error })?;
         let Some(rest) = bytes.strip_prefix(OPENING) else {
             let ours = bytes.starts_with(b"granulens trial checkpoint");
             let reason = if ours { "the checkpoint is of another version" } else { "this is no checkpoint" };
             return Err(Self::refused(path, reason));
         };
         let checkpoint: Self = unsealed(rest).ok_or_else(|| Self::refused(path, "the checkpoint is damaged"))?;
-        is_of(checkpoint.text, &checkpoint.seeds, bench).map_err(|reason| Self::refused(path, &reason))?;
+        is_of(checkpoint.text, &checkpoint.seeds, prepared).map_err(|reason| Self::refused(path, &reason))?;
         Ok(checkpoint)
     }
 
-    fn refused(path: &Path, reason: &str) -> TrialError {
-        TrialError::Checkpoint { path: path.to_owned(), reason: reason.to_owned() }
+    fn refused(path: &Path, reason: &str) -> RunError {
+        RunError::Checkpoint { path: path.to_owned(), reason: reason.to_owned() }
     }
 }

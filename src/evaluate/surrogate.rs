@@ -6,16 +6,16 @@ use crate::design::Design;
 use crate::layout::Layout;
 use crate::wave::site_speeds;
 
-/// A guess without a simulation.
+/// A surrogate without a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Glance {
+pub enum ArrivalSurrogate {
     /// Straight down, through what stands there: microseconds.
     Bound,
     /// First arrivals along the fastest paths: milliseconds.
     Eikonal,
 }
 
-impl Glance {
+impl ArrivalSurrogate {
     /// Both, the cheaper first.
     pub const ALL: [Self; 2] = [Self::Bound, Self::Eikonal];
 
@@ -85,9 +85,9 @@ mod tests {
             crate::lens::propose(&design.lattice, &design.host, &request, &design.target, design.constants).unwrap();
         let layout = lens.layout();
         let host = Layout { materials: vec![0; layout.materials.len()], ..layout.clone() };
-        for glance in Glance::ALL {
-            assert!(glance.delay(&design, &host).abs() < 1e-12, "{}", glance.name());
-            assert!(glance.delay(&design, &layout) > 1e-6, "{}", glance.name());
+        for surrogate in ArrivalSurrogate::ALL {
+            assert!(surrogate.delay(&design, &host).abs() < 1e-12, "{}", surrogate.name());
+            assert!(surrogate.delay(&design, &layout) > 1e-6, "{}", surrogate.name());
         }
         let speeds = site_speeds(&layout, design.constants, None);
         let (straight, first) = (straight_down(&layout, &speeds), eikonal(&design, &layout, None).at_sites());
