@@ -112,6 +112,7 @@ impl Case {
             slope: 0.0,
             struck: self.struck(),
             moving: Vec::new(),
+            projectile: None,
             exit: Vec::new(),
             integrator,
             step: STEP,

@@ -110,6 +110,9 @@ pub struct Outcome<S = Site, R = Region, P = Proposal> {
     /// The forces (N) that the verdict is judged over.
     #[serde(default, rename = "forces_N")]
     pub forces: Vec<f64>,
+    /// The speeds (m/s), where a projectile strikes.
+    #[serde(default, rename = "speeds_m_s", skip_serializing_if = "Vec::is_empty")]
+    pub speeds: Vec<f64>,
     /// The first arrangement against the best flat, uniform and random one.
     #[serde(default)]
     pub verdict: Vec<Verdict>,
@@ -380,6 +383,9 @@ pub struct Checked {
     /// The forces (N) that these are over; empty where only the design's own was asked for.
     #[serde(default, rename = "forces_N", skip_serializing_if = "Vec::is_empty")]
     pub forces: Vec<f64>,
+    /// The speeds (m/s), where a projectile strikes.
+    #[serde(default, rename = "speeds_m_s", skip_serializing_if = "Vec::is_empty")]
+    pub speeds: Vec<f64>,
     /// Names of the materials that `piece` and `half` count, the host first.
     pub materials: Vec<String>,
     /// What Q refers to: see [`Outcome::reference`].

@@ -93,7 +93,7 @@ fn the_good_file_is_read_as_written() {
     assert_eq!((design.lattice.diameter(), design.lattice.rows(), design.lattice.len()), (6.35e-3, 50, 850));
     assert_eq!(design.host.name, "stainless-440c");
     assert_eq!((design.law, design.constants), (LawKind::Hertz, Constants::Text));
-    assert_eq!((design.impact.force, design.impact.duration), (26e3, 20e-6));
+    assert_eq!((design.impact.strength(), design.impact.duration()), (26e3, Some(20e-6)));
     assert_eq!((design.target.foci[0].region.rows, design.target.foci[0].region.x), ([30, 34], [0.0, 2.5 * 6.35e-3]));
     assert_eq!(design.target.protect.x, [12.0 * 6.35e-3, 104.775 / 1000.0]);
     let lens = design.lens.as_ref().unwrap();

@@ -97,16 +97,16 @@ impl Design {
     fn impact(&self) -> String {
         self.inner.impact_in_words()
     }
-    /// Force on each sphere of row 1 (N).
+    /// Force on each sphere of row 1 (N); none where a projectile strikes.
     #[getter]
     #[pyo3(name = "force_N")]
-    fn force(&self) -> f64 {
-        self.inner.impact.force
+    fn force(&self) -> Option<f64> {
+        Some(self.inner.impact.pulse()?.force)
     }
-    /// Duration of the pulse (s).
+    /// Duration of the pulse (s); none where a projectile strikes.
     #[getter]
-    fn duration_s(&self) -> f64 {
-        self.inner.impact.duration
+    fn duration_s(&self) -> Option<f64> {
+        self.inner.impact.duration()
     }
     /// What the user should know about what the file leaves out.
     #[getter]

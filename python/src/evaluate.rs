@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use granulens::dem::{ForcePulse, Stop};
+use granulens::dem::{Stop, Strike};
 use granulens::evaluate::{self, Detail, Evaluated, Forces, Overrides, Plan};
 use granulens::layout::LayoutCounter;
 use granulens::score::{Measure, Scores, Spreads, over_forces};
@@ -72,10 +72,10 @@ impl Evaluator {
         let plan = Plan::new(&design, overrides, &all).map_err(|error| Failure::from(design.blame_plan(&error)))?;
         let overrides = Overrides { step: Some(plan.step), window: Some(plan.window), ..overrides };
         let detail = if records { Detail::Everything } else { Detail::Energies };
-        let pulses: Vec<ForcePulse> =
-            forces.about(design.impact.force).into_iter().map(|force| ForcePulse { force, ..design.impact }).collect();
+        let strengths = forces.about(design.impact.strength()).into_iter();
+        let strikes: Vec<Strike> = strengths.map(|strength| design.impact.with_strength(strength)).collect();
         let inner = run(py, threads, |context| {
-            let made = evaluate::Evaluator::new(&*design, &pulses, palette.clone(), overrides, context);
+            let made = evaluate::Evaluator::new(&*design, &strikes, palette.clone(), overrides, context);
             made.map(|made| made.recording(detail))
         })?;
         let inner = inner.map_err(|error| match error {

@@ -7,15 +7,16 @@ use std::time::Instant;
 use granulens::dem::Stop;
 use granulens::design::{AnyDesign, SpaceDesign, Threshold};
 use granulens::evaluate::{
-    Beside, Evaluation, Forces, OverLawsError, Plan, Subject, beside_uniform, impact, method, unnamed,
+    Beside, Evaluation, Forces, OverLawsError, Plan, Subject, beside_uniform, impact, method, parted, unnamed,
 };
 use granulens::gate::{Asked, Gate, GateError, Word, gate};
 use granulens::layout::Layout;
 use granulens::material::Material;
 use granulens::outcome::{self, Checked, FORMAT};
+use granulens::report::strengths;
 use granulens::score::{Measure, Scores};
 use granulens::tolerance::{MOST_SAMPLES, Tolerances};
-use granulens::units::Dimension::{self, Energy, Force, Mass};
+use granulens::units::Dimension::{self, Energy, Mass};
 
 use super::compare::read_piece;
 use super::console::{context, emit, emit_json, note};
@@ -165,6 +166,7 @@ impl Check {
         // Where several forces are asked for, their score is what a threshold is about.
         let judged = if forces.is_empty() { &scores } else { &mean };
         let price = |material: &Material| design.price(material);
+        let (forces, speeds) = parted(design.impact, forces);
         let checked = Checked {
             format: FORMAT,
             design: design.name.clone(),
@@ -173,6 +175,7 @@ impl Check {
             scores,
             over_forces: spreads,
             forces,
+            speeds,
             materials: layout.palette.iter().map(|material| material.name.clone()).collect(),
             reference,
             piece: subject.piece(price),
@@ -338,9 +341,8 @@ fn words(checked: &Checked) -> String {
     line("contrast F/P", shown(checked, Measure::Contrast));
     line("focal gain G", shown(checked, Measure::FocalGain));
     line("protection Q", q);
-    if let [first, .., last] = &checked.forces[..] {
-        let forces = checked.forces.len();
-        line("over", format!("{forces} forces from {} to {}; ± of one force", Force.show(*first), Force.show(*last)));
+    if let Some((_, what)) = strengths(&checked.forces, &checked.speeds) {
+        line("over", format!("{what}; ± of one of them"));
     }
     for measure in [Measure::WorkIn, Measure::Kinetic, Measure::Stored] {
         line(measure.symbol(), shown(checked, measure));

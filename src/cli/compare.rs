@@ -92,7 +92,8 @@ impl Compare {
 
 /// Fails where all arrangements were simulated, but the verdict was interrupted.
 pub fn unfinished(comparison: &Comparison, outcome: &Outcome) -> Result<(), Failure> {
-    let judged = !outcome.forces.is_empty() || outcome.arrangements.len() < comparison.len();
+    let judged =
+        !outcome.forces.is_empty() || !outcome.speeds.is_empty() || outcome.arrangements.len() < comparison.len();
     if judged {
         Ok(())
     } else {

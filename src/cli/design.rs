@@ -3,14 +3,16 @@
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
+use granulens::dem::Strike;
 use granulens::design::{AnyDesign, Design};
-use granulens::evaluate::{Ranked, proposal, rank, validity};
+use granulens::evaluate::{Ranked, proposal, rank, struck_force, validity};
 use granulens::layout::{self, Bill};
 use granulens::lens::{Family, Lens};
 use granulens::material::{Material, library};
 use granulens::score::Scores;
 use granulens::target::Focus;
 use granulens::units::Dimension::{Force, Length, Mass, Time};
+use granulens::wave::Dimension;
 use serde_json::json;
 
 use super::console::{context, emit, emit_json, note};
@@ -180,9 +182,10 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         1 => format!(", axis at {}, focal length {focal}", in_diameters(lens.prescription.axis)),
         _ => format!(", {} parts", lens.parts.len()),
     };
+    let force = struck_force(design, Dimension::Two, host, design.lattice.diameter());
     let mut words = format!(
         "speeds: {} {:.0} m/s, {} {:.0} m/s (bound, 2D), ratio {:.3}, critical angle {critical}\n\
-         impact: {} per sphere, {} per contact; {}\n\
+         impact: {}{} per sphere, {} per contact; {}\n\
          lens: rows {} to {}, {}{radius}, steepest {:.1} deg, half aperture {}, thickness {}{whole}\n\
          piece: {}; both halves, {}\n\
          half: {} of the simulated half, {}\n\
@@ -193,8 +196,9 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         material.name,
         lens.lens_speed,
         lens.host_speed / lens.lens_speed,
-        Force.show(design.impact.force),
-        Force.show(granulens::wave::contact_force(design.impact.force)),
+        about(design.impact),
+        Force.show(force),
+        Force.show(granulens::wave::contact_force(force)),
         lens.palette.iter().map(of).collect::<Vec<_>>().join("; "),
         lens.prescription.apex_row,
         lens.prescription.back_row,
@@ -221,6 +225,11 @@ pub fn words(design: &Design, lens: &Lens) -> String {
         words.push_str(&format!("\nwarning: {warning}"));
     }
     words
+}
+
+/// Of a projectile what it is; the force is then that of its first wave in the host.
+pub(super) fn about(strike: Strike) -> String {
+    strike.projectile().map_or(String::new(), |_| format!("{strike}, about "))
 }
 
 fn percent(fraction: f64) -> String {

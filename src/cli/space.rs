@@ -8,7 +8,7 @@ use granulens::dem::Stop;
 use granulens::design::SpaceDesign;
 use granulens::evaluate::{
     Evaluation, EvaluatorError, Forces, Overrides, Plan, SpaceComparison, compare_in_space, evaluate_in_space,
-    impact_in_space, method, stops,
+    impact_in_space, method, parted, stops, struck_force,
 };
 use granulens::lattice::{Block, Layered};
 use granulens::layout::{self, Layout};
@@ -25,6 +25,7 @@ use super::Common;
 use super::command_line;
 use super::console::{Count, context, emit, emit_json, note};
 use super::cost::{Part, arrangement, tell};
+use super::design::about;
 use super::failure::Failure;
 use super::folder::{begin, probe, probe_all, write_file, write_json};
 
@@ -86,10 +87,11 @@ fn words(design: &SpaceDesign, body: &Body, request: &LensRequest, layout: &Layo
         Symmetry::Axis => ("revolved about the axis", "disc of the same area as the struck layer"),
         Symmetry::Plane => ("the same all along y", "struck width"),
     };
+    let force = struck_force(design, Dimension::Three, &design.host, block.diameter());
     let mut words = format!(
         "crystal: {}, {} layers of {wide} by {high} cells, {} spheres; half of it is simulated, {} sites\n\
          speeds: {} {:.0} m/s, {} {:.0} m/s (bound, 3D), ratio {:.3}\n\
-         impact: {} per sphere, {} per contact\n\
+         impact: {}{} per sphere, {} per contact\n\
          lens: layers {} to {}, {}, {going}{radius}, steepest {:.1} deg\n\
          piece: {}; {}\n\
          rays: {} of the {struck} reach the focus, {} without the lens; {} pass the protected region, {} without",
@@ -102,8 +104,9 @@ fn words(design: &SpaceDesign, body: &Body, request: &LensRequest, layout: &Layo
         request.material.name,
         body.speeds[1],
         body.speeds[0] / body.speeds[1],
-        Force.show(design.impact.force),
-        Force.show(Dimension::Three.contact_force(design.impact.force)),
+        about(design.impact),
+        Force.show(force),
+        Force.show(Dimension::Three.contact_force(force)),
         body.apex_row,
         body.back_row,
         request.family.name(),
@@ -265,6 +268,7 @@ pub fn check(
     let Evaluation { scores, record, .. } = evaluation;
     let (mean, spreads): (Scores, _) = spreads.unwrap_or_default();
     let judged = if over.is_empty() { &scores } else { &mean };
+    let over = parted(design.impact, over);
     let checked = Checked {
         format: FORMAT,
         design: design.name.clone(),
@@ -272,7 +276,8 @@ pub fn check(
         thresholds: design.thresholds.iter().map(|threshold| super::check::asked(threshold, judged)).collect(),
         scores,
         over_forces: spreads,
-        forces: over,
+        forces: over.0,
+        speeds: over.1,
         materials: layout.palette.iter().map(|material| material.name.clone()).collect(),
         reference,
         piece: layout.piece_in_space(|material| design.price(material)),

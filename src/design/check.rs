@@ -7,8 +7,7 @@ use super::file::{CompareFile, CrystalFile, DesignFile, EXAMPLES, ImpactFile, Le
 use super::tuning::tuning;
 use super::{Accuracy, Design, DesignError, lens, prices, region, space, threshold};
 use crate::contact::{Constants, LawKind};
-use crate::dem::ForcePulse;
-use crate::dem::Integrator;
+use crate::dem::{ForcePulse, Integrator, Projectile, Strike};
 use crate::document::{self, Scope, Source, Written, is_plain_name};
 use crate::lattice::HexagonalSheet;
 use crate::lens::LensRequest;
@@ -101,8 +100,11 @@ pub(super) fn checked<L, R>(
     )?;
     let crystal = read_crystal(&crystal, lattice, &own_materials)?;
     let mut notes = crystal.notes;
-    let impact =
-        top.required_section("impact", &file.impact, "Add the section [impact] with kind, force and duration.")?;
+    let impact = top.required_section(
+        "impact",
+        &file.impact,
+        "Add the section [impact] with kind, force and duration, or, of a projectile, kind, mass and speed.",
+    )?;
     let impact = read_impact(&impact)?;
     let regions = top.required_section("target", &file.target, "Add the section [target] with focus and protect.")?;
     let target = target(&regions, &crystal.lattice)?;
@@ -264,12 +266,23 @@ fn read_crystal<L>(
     Ok(Crystal { lattice, host, notes, law, friction, constants })
 }
 
-fn read_impact((scope, file): &(Scope, &ImpactFile)) -> Result<ForcePulse, DesignError> {
-    scope.required("kind", &file.kind)?.choice("kind of impact", &[("force-pulse", ())])?;
-    Ok(ForcePulse {
+/// Kinds of impacts by name, and whether it is a flat that strikes.
+pub(super) const IMPACTS: [(&str, bool); 2] = [("force-pulse", false), ("projectile", true)];
+
+fn read_impact((scope, file): &(Scope, &ImpactFile)) -> Result<Strike, DesignError> {
+    if scope.required("kind", &file.kind)?.choice("kind of impact", &IMPACTS)? {
+        let strange = [("force", &file.force), ("duration", &file.duration)];
+        scope.forbid(&strange, "a projectile", "It has mass and speed, and stays until it is thrown back.")?;
+        return Ok(Strike::Projectile(Projectile {
+            mass: scope.required("mass", &file.mass)?.positive(Dimension::Mass)?,
+            speed: scope.required("speed", &file.speed)?.positive(Dimension::Speed)?,
+        }));
+    }
+    scope.forbid(&[("mass", &file.mass), ("speed", &file.speed)], "a force pulse", "It has force and duration.")?;
+    Ok(Strike::Pulse(ForcePulse {
         force: scope.required("force", &file.force)?.positive(Dimension::Force)?,
         duration: scope.required("duration", &file.duration)?.positive(Dimension::Time)?,
-    })
+    }))
 }
 
 #[derive(Default)]
@@ -280,7 +293,7 @@ struct Run {
     window: Option<f64>,
 }
 
-fn read_run((scope, file): &(Scope, &RunFile), impact: &ForcePulse) -> Result<Run, DesignError> {
+fn read_run((scope, file): &(Scope, &RunFile), impact: &Strike) -> Result<Run, DesignError> {
     let integrator = match scope.optional("integrator", &file.integrator) {
         Some(name) => {
             let known = [("verlet", Integrator::Verlet), ("adams", Integrator::Adams), ("rk4", Integrator::Rk4)];
@@ -288,16 +301,17 @@ fn read_run((scope, file): &(Scope, &RunFile), impact: &ForcePulse) -> Result<Ru
         }
         None => Integrator::default(),
     };
-    let pulse = Dimension::Time.show(impact.duration);
+    let duration = impact.duration();
+    let pulse = duration.map_or(String::new(), |duration| Dimension::Time.show(duration));
     let step = match scope.optional("step", &file.step) {
         Some(entry) => match entry.positive(Dimension::Time)? {
-            step if step > impact.duration => {
+            step if duration.is_some_and(|duration| step > duration) => {
                 return Err(entry.fail(
                     &format!("is longer than the pulse, impact.duration = {pulse}"),
                     "Shorten it to a small part of the pulse, or leave it out to have it chosen.",
                 ));
             }
-            step if impact.duration / step > MOST_STEPS_IN_PULSE => {
+            step if duration.is_some_and(|duration| duration / step > MOST_STEPS_IN_PULSE) => {
                 return Err(entry.fail(
                     &format!("cuts the pulse of {pulse} into more than {} million steps", MOST_STEPS_IN_PULSE / 1e6),
                     "Check its unit, or leave it out to have it chosen.",
@@ -320,7 +334,7 @@ fn read_run((scope, file): &(Scope, &RunFile), impact: &ForcePulse) -> Result<Ru
     };
     let window = match scope.optional("window", &file.window) {
         Some(entry) => match entry.positive(Dimension::Time)? {
-            window if window <= impact.duration => {
+            window if duration.is_some_and(|duration| window <= duration) => {
                 return Err(entry.fail(
                     &format!("is not longer than the pulse, impact.duration = {pulse}"),
                     "Lengthen it so that the wave can cross the crystal, or leave it out to have it chosen.",

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{Design, DesignError, SpaceDesign, space};
 use crate::contact::LawKind;
-use crate::dem::ForcePulse;
+use crate::dem::Strike;
 use crate::document;
 use crate::layout::{self, AnyLayout, Layout, LayoutFileError};
 use crate::lens::LensRequest;
@@ -137,7 +137,7 @@ impl<'a> DesignRef<'a> {
     }
 
     /// What strikes the crystal.
-    pub fn impact(self) -> ForcePulse {
+    pub fn impact(self) -> Strike {
         each!(self, design => design.impact)
     }
 

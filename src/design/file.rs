@@ -32,7 +32,7 @@ section!(CrystalFile: Written {
     packing, diameter, rows, half_width, layers, cells, axis_layer, outline, sides, host, law, constants, friction,
     hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening
 });
-section!(ImpactFile: Written { kind, force, duration });
+section!(ImpactFile: Written { kind, force, duration, mass, speed });
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -81,6 +81,8 @@ const OWN: &[&str] = &[
     "impact.kind = \"force-pulse\"",
     "impact.force = \"26 kN\"",
     "impact.duration = \"20 us\"",
+    "impact.mass = \"500 g\"",
+    "impact.speed = \"20 m/s\"",
     "target.focus = { rows = [30, 34], x = [\"0 D\", \"2.5 D\"] }",
     "target.focus.rows = [30, 34]",
     "target.focus.x = [\"0 D\", \"2.5 D\"]",

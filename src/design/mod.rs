@@ -40,14 +40,12 @@ pub(crate) use threshold::{THRESHOLDS, read as thresholds};
 pub(crate) use tuning::tuning;
 
 use crate::contact::{Constants, LawKind};
-use crate::dem::ForcePulse;
-use crate::dem::Integrator;
+use crate::dem::{Integrator, Strike};
 use crate::document::{self, Source};
 use crate::lattice::{Block, HexagonalSheet};
 use crate::lens::LensRequest;
 use crate::material::{self, Material, UnknownMaterial};
 use crate::target::{Region, SpaceRegion, Target};
-use crate::units::Dimension::{Force, Time};
 
 /// A checked design: of a sheet or, as [`SpaceDesign`], of a crystal in space. Everything in SI; what the file left out holds its default.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +73,7 @@ pub struct Design<L = HexagonalSheet, R = Region> {
     /// Coefficient of friction at every contact, with Mindlin's tangential spring; none, as in Burgoyne 2016, unless given.
     pub friction: Option<f64>,
     /// What strikes the crystal.
-    pub impact: ForcePulse,
+    pub impact: Strike,
     /// Where energy is wanted and where it is not. Both regions hold spheres and share none.
     pub target: Target<R>,
     /// Which lens is asked for; a design that is only checked with given layouts has none.
@@ -182,8 +180,10 @@ impl<L, R> Design<L, R> {
 
     /// What strikes the crystal: `26 kN for 20 us on every sphere of row 1`; `row` is the crystal's word for what is struck.
     fn struck(&self, row: &str) -> String {
-        let [force, duration] = [Force.show(self.impact.force), Time.show(self.impact.duration)];
-        format!("{force} for {duration} on every sphere of {row} 1")
+        match self.impact {
+            Strike::Pulse(_) => format!("{} on every sphere of {row} 1", self.impact),
+            Strike::Projectile(_) => format!("{} on {row} 1", self.impact),
+        }
     }
 
     /// The contact law, with friction where there is some.

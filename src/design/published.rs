@@ -18,7 +18,7 @@ impl Design {
             && lattice.rows() == 50
             && near(lattice.half_width(), 16.5 * DIAMETER)
             && self.host.name == "stainless-440c";
-        let struck = near(impact.force, 26e3) && near(impact.duration, 20e-6);
+        let struck = impact.pulse().is_some_and(|pulse| near(pulse.force, 26e3) && near(pulse.duration, 20e-6));
         let law = self.law == LawKind::Thesis && self.constants == Constants::default() && self.friction.is_none();
         let aimed = matches!(&target.foci[..], [one] if is_region(&one.region, [0.0, 2.5]))
             && is_region(&target.protect, [12.0, 16.5]);
@@ -43,7 +43,7 @@ mod tests {
         assert!(read("thesis-lens.toml").is_published());
         assert!(!read("quickstart.toml").is_published());
         let mut other = read("thesis-lens.toml");
-        other.impact.force = 12e3;
+        other.impact = other.impact.with_strength(12e3);
         assert!(!other.is_published());
     }
 }

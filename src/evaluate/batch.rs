@@ -7,7 +7,7 @@ use super::{EvaluateError, Overrides, Plan, PlanError};
 use crate::Context;
 use crate::contact::LawKind;
 use crate::dem::{
-    BatchError, ForcePulse, Limit, OverlapAtRest, Record, Stop, simulate, simulate_batch_under, simulate_with_friction,
+    BatchError, Limit, OverlapAtRest, Record, Stop, Strike, simulate, simulate_batch_under, simulate_with_friction,
 };
 use crate::design::{Design, DesignRef};
 use crate::material::Material;
@@ -108,13 +108,13 @@ pub fn common_plan<'d>(
     palette: &[Material],
 ) -> Result<Plan, PlanError> {
     let design = design.into();
-    let under = |impact: ForcePulse, law: LawKind| match design {
+    let under = |impact: Strike, law: LawKind| match design {
         DesignRef::Plane(design) => Plan::new(&Design { impact, law, ..design.clone() }, overrides, palette),
         DesignRef::Space(design) => Plan::in_space(&Design { impact, law, ..design.clone() }, overrides, palette),
     };
     let mut common: Option<Plan> = None;
     for load in loads {
-        let plan = under(load.pulse, load.law.unwrap_or(design.law()))?;
+        let plan = under(load.strike, load.law.unwrap_or(design.law()))?;
         let Some(common) = &mut common else {
             common = Some(plan);
             continue;
@@ -212,7 +212,10 @@ impl Evaluator {
         };
         let fields: Vec<AnyField> = loads.iter().map(field).collect();
         let alike = |(load, whole): &(ImpactLoad, bool)| {
-            loads.iter().position(|(other, also)| also == whole && ImpactLoad { pulse: load.pulse, ..*other } == *load)
+            let is_kin = |other: &ImpactLoad| {
+                other.strike.is_like(&load.strike) && ImpactLoad { strike: load.strike, ..*other } == *load
+            };
+            loads.iter().position(|(other, also)| also == whole && is_kin(other))
         };
         let kin = loads.iter().filter_map(alike).collect();
         Ok(Self {
@@ -387,11 +390,11 @@ impl Evaluator {
             let spheres = sites.iter().flat_map(|&site| field.on(site)).map(|sphere| (sphere, share)).collect();
             Limit { spheres, most: group.iter().map(|&(case, layout)| most[layout][case]).collect() }
         });
-        let pulses: Vec<ForcePulse> =
-            group.iter().map(|&(case, _)| self.fields[self.cases[case].0].impact().pulse).collect();
+        let strikes: Vec<Strike> =
+            group.iter().map(|&(case, _)| self.fields[self.cases[case].0].impact().strike()).collect();
         let (impact, friction) = (&field.impact, field.friction);
         let peak_energies =
-            simulate_batch_under(&samples, impact, &pulses, friction, limit.as_ref(), self.width, context)?;
+            simulate_batch_under(&samples, impact, &strikes, friction, limit.as_ref(), self.width, context)?;
         Ok(peak_energies
             .into_iter()
             .map(|peaks| Evaluated { scores: self.energies(&field.folded(&peaks.max_kinetic)), stop: peaks.stop })

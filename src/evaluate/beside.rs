@@ -98,7 +98,7 @@ pub fn beside_uniform<'a>(
     if forces.is_one() || matches!(evaluation.record.stop, Some(Stop::Interrupted { .. })) {
         return Ok(Beside { evaluation, reference, stopped, forces: Vec::new(), over_forces: None });
     }
-    let forces = forces.about(design.impact.force);
+    let forces = forces.about(design.impact.strength());
     let runs = under_forces(design, plan, &pieces, &forces, context)?;
     let related = |force: usize| {
         let run = |k: usize| runs.get(k).map(|runs| &runs[force]).filter(|run| run.stop.is_none());

@@ -7,7 +7,7 @@ use super::forces::under_forces;
 use super::traced::spot_diagrams;
 use super::verdict::{Judged, verdict};
 use super::{Doubts, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError, Subject};
-use super::{method, validity};
+use super::{method, parted, validity};
 use crate::Context;
 use crate::dem::Stop;
 use crate::design::Design;
@@ -150,6 +150,7 @@ impl<'a> Comparison<'a> {
     ) -> Outcome {
         let Self { design, plan, .. } = self;
         let lattice = &design.lattice;
+        let forces = parted(design.impact, forces);
         let reference = self.reference.map(|material| self.subject.palette[usize::from(material)].name.clone());
         if let (None, Some(material)) = (design.reference(), &reference) {
             warnings.push(unnamed(material));
@@ -169,7 +170,8 @@ impl<'a> Comparison<'a> {
             materials: self.subject.palette.iter().map(|m| m.name.clone()).collect(),
             reference,
             is_published: self.proposal.is_some() && design.is_published(),
-            forces,
+            forces: forces.0,
+            speeds: forces.1,
             verdict,
             proposal: self.proposal.clone(),
             swaps: None,
@@ -307,7 +309,7 @@ pub(super) fn judge(
     context: &Context,
 ) -> Result<(Vec<f64>, Vec<Verdict>), EvaluatorError> {
     let Comparison { design, plan, .. } = comparison;
-    let forces = forces.about(design.impact.force);
+    let forces = forces.about(design.impact.strength());
     let runs: Vec<Vec<Evaluated>> = if forces.len() == 1 {
         let own = |a: &ArrangementOutcome| vec![Evaluated { scores: a.scores.clone(), stop: a.stop.clone() }];
         arrangements.iter().map(own).collect()
@@ -369,7 +371,7 @@ pub fn judged(comparison: &Comparison<'_>, context: &Context) -> Result<Vec<Verd
     let (kinds, pieces): (Vec<&str>, Vec<Subject<'_>>) = std::iter::once((name.as_str(), comparison.piece()))
         .chain(baselines.iter().map(|(baseline, layout)| (baseline.kind(), Subject::from(layout))))
         .unzip();
-    let runs = related(design, plan, (&kinds, &pieces), &forces.about(design.impact.force), context)?;
+    let runs = related(design, plan, (&kinds, &pieces), &forces.about(design.impact.strength()), context)?;
     let finished =
         |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
     Ok(of_first(&kinds, &runs.into_iter().map(finished).collect::<Vec<_>>()))

@@ -41,7 +41,8 @@ pub fn calibrate(
         .map(|material| {
             let layout = Layout::new(strip, vec![material.clone()], |_| 0);
             let speed = bound(Dimension::Two, [material, material], strip.diameter(), design.constants).speed;
-            let window = CROSSINGS * strip.depth(f64::from(strip.rows())) / speed + design.impact.duration;
+            let window =
+                CROSSINGS * strip.depth(f64::from(strip.rows())) / speed + design.impact.duration().unwrap_or(0.0);
             let plan = Plan { window: window.max(plan.window), ..plan.clone() };
             let record = simulated(&design, &layout.sample(), &plan, context)?;
             Ok(if record.stop.is_some() { None } else { decay(&strip, material, design.constants, &record) })

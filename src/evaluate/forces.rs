@@ -3,10 +3,10 @@
 
 use super::{Evaluated, Evaluator, EvaluatorError, ImpactLoad, LoadCase, Overrides, Plan, Subject};
 use crate::Context;
-use crate::dem::{ForcePulse, Stop};
+use crate::dem::Stop;
 use crate::design::Design;
 
-/// How many forces, evenly spaced, and how far the outermost lie from the design's own, as a part of it.
+/// How many forces, evenly spaced, and how far the outermost lie from the design's own, as a part of it. Of a projectile they are speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces {
     count: usize,
@@ -103,7 +103,7 @@ pub(super) fn under_forces(
             continue;
         }
         let case = |&force: &f64| {
-            let load = ImpactLoad::from(ForcePulse { force, ..design.impact });
+            let load = ImpactLoad::from(design.impact.with_strength(force));
             LoadCase { halves_differ, ..LoadCase::from(load) }
         };
         let cases: Vec<LoadCase> = forces.iter().map(case).collect();

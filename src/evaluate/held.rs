@@ -9,7 +9,7 @@ use crate::Context;
 use crate::dem::rig::{
     Body, Curve, Face, Flat, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation, rig_step,
 };
-use crate::dem::steps_in;
+use crate::dem::{Projectile, steps_in};
 use crate::design::Design;
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
@@ -48,15 +48,6 @@ pub enum Frame {
         /// Room at the end before they settle (m).
         end_gap: f64,
     },
-}
-
-/// A flat plate that strikes row 1 in place of a pulse: rigid, as wide as what a pulse would strike, and met as a sphere like the one it meets.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Projectile {
-    /// Of the plate in front of a sheet one sphere thick (kg).
-    pub mass: f64,
-    /// Along the blow (m/s).
-    pub speed: f64,
 }
 
 /// A piece in a frame that cannot be simulated.
@@ -108,7 +99,7 @@ fn room(design: &Design, spheres: &[HeldSphere], side_gap: f64, end_gap: f64) ->
     Room { side: far(0) + radius + side_gap, depth: far(1) + radius + end_gap }
 }
 
-/// Greatest kinetic energy by site of the half (J), the mean of a sphere and its image, of a piece under a blow: its pulse, or a projectile
+/// Greatest kinetic energy by site of the half (J), the mean of a sphere and its image, of a piece under a blow: its own strike, or a projectile
 /// that strikes in its direction and place.
 ///
 /// # Errors
@@ -179,12 +170,16 @@ pub fn held_energies(
     }
     let direction = [load.angle.sin(), load.angle.cos()];
     let front: Vec<&HeldSphere> = there.iter().filter(|&&k| struck[k]).map(|&k| &spheres[k]).collect();
-    match projectile {
+    match projectile.or(load.strike.projectile()) {
         None => rig.loads.push(Load {
             bodies: there.iter().enumerate().filter(|&(_, &k)| struck[k]).map(|(body, _)| Body::Sphere(body)).collect(),
             direction,
             kind: LoadKind::Force,
-            curve: Curve::Square { peak: load.pulse.force, start: 0.0, duration: load.pulse.duration },
+            curve: Curve::Square {
+                peak: load.strike.strength(),
+                start: 0.0,
+                duration: load.strike.duration().unwrap_or(0.0),
+            },
         }),
         Some(Projectile { mass, speed }) => {
             // It arrives as it touches the first of the spheres that it strikes.

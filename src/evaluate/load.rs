@@ -1,7 +1,7 @@
 //! What strikes a crystal and what is built of a drawing: the members of a set that a layout is judged by.
 
 use crate::contact::LawKind;
-use crate::dem::{ForcePulse, Impact, Mirror};
+use crate::dem::{ForcePulse, Impact, Mirror, Strike};
 use crate::design::{Design, SpaceDesign};
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
@@ -11,8 +11,9 @@ use super::{Plan, impact};
 /// One impact of a set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactLoad {
-    /// The force on each struck sphere, along the direction of the load, and how long it lasts.
-    pub pulse: ForcePulse,
+    /// What strikes: the force on each struck sphere, along the direction of the load, and how long it lasts; or a projectile, straight, on all of row 1,
+    /// with its mass before the whole crystal.
+    pub strike: Strike,
     /// Angle (rad) between the load and the axis, positive towards +x; below a right angle.
     pub angle: f64,
     /// Which spheres of row 1 are struck: those between these two distances from the axis (m), negative to its left. All where
@@ -24,9 +25,15 @@ pub struct ImpactLoad {
     pub friction: Option<f64>,
 }
 
+impl From<Strike> for ImpactLoad {
+    fn from(strike: Strike) -> Self {
+        Self { strike, angle: 0.0, place: None, law: None, friction: None }
+    }
+}
+
 impl From<ForcePulse> for ImpactLoad {
     fn from(pulse: ForcePulse) -> Self {
-        Self { pulse, angle: 0.0, place: None, law: None, friction: None }
+        Strike::from(pulse).into()
     }
 }
 
@@ -90,9 +97,9 @@ impl From<ImpactLoad> for LoadCase {
     }
 }
 
-impl From<ForcePulse> for LoadCase {
-    fn from(pulse: ForcePulse) -> Self {
-        ImpactLoad::from(pulse).into()
+impl<S: Into<Strike>> From<S> for LoadCase {
+    fn from(strike: S) -> Self {
+        ImpactLoad::from(strike.into()).into()
     }
 }
 
@@ -117,12 +124,17 @@ impl Field {
         let friction = load.friction.or(design.friction).filter(|&mu| mu > 0.0);
         let mut impact = impact(design, plan);
         impact.law = load.law.unwrap_or(design.law);
-        impact.pulse = ForcePulse { force: load.pulse.force * load.angle.cos(), ..load.pulse };
+        let along = match load.strike {
+            Strike::Pulse(pulse) => Strike::Pulse(ForcePulse { force: pulse.force * load.angle.cos(), ..pulse }),
+            flat => flat,
+        };
         if load.is_symmetric() && !whole {
+            impact = impact.struck_by(along.of_part(0.5));
             let spheres = sites.iter().enumerate().map(|(i, site)| ([site.x, site.z], i)).collect();
             let images = (0..sites.len()).map(|i| [i, i]).collect();
             return Self { impact, friction, spheres, images };
         }
+        impact = impact.struck_by(along);
         impact.slope = load.angle.tan();
         let mut spheres = Vec::new();
         let mut first = 0;
@@ -158,7 +170,7 @@ impl Field<3> {
     pub fn in_space(design: &SpaceDesign, plan: &Plan, load: &ImpactLoad) -> Self {
         let mut impact = super::impact_in_space(design, plan);
         impact.law = load.law.unwrap_or(design.law);
-        impact.pulse = load.pulse;
+        impact = impact.struck_by(load.strike.of_part(0.5));
         let sites = design.lattice.sites();
         let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();
         Self { impact, friction: None, spheres, images: (0..sites.len()).map(|i| [i, i]).collect() }

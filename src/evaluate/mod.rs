@@ -43,7 +43,7 @@ pub use compare::{Comparison, compare, judged, proposal, stops};
 pub use decay::{calibrate, decay};
 pub use forces::{Forces, ForcesError};
 pub use glimpse::glimpse;
-pub use held::{Frame, HeldError, HeldSphere, Projectile, held_energies, held_spheres, settled};
+pub use held::{Frame, HeldError, HeldSphere, held_energies, held_spheres, settled};
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use load::{ImpactLoad, Imperfection, LoadCase};
 pub use plan::{Overrides, Plan, PlanError};
@@ -65,17 +65,18 @@ use crate::Context;
 use crate::contact::Pair;
 use crate::dem::rig::Gain;
 use crate::dem::{
-    ContactRecord, Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, RESIDUAL_LIMIT, Record, simulate,
-    simulate_with_friction,
+    ContactRecord, ForcePulse, Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, RESIDUAL_LIMIT, Record, Strike,
+    simulate, simulate_with_friction,
 };
 use crate::design::Design;
 use crate::layout::Layout;
+use crate::material::Material;
 use crate::outcome::{COMMIT, Method, VERSION};
 use crate::sample::Sample;
 use crate::score::Scores;
 use crate::target::TargetSites;
 use crate::units::Dimension::Length;
-use crate::wave::Validity;
+use crate::wave::{Dimension, Validity, driving_force};
 
 /// One arrangement, simulated and scored.
 #[derive(Clone, Debug)]
@@ -142,33 +143,55 @@ fn simulated(design: &Design, sample: &Sample<2>, plan: &Plan, context: &Context
     })
 }
 
-/// The design's impact: a pulse on row 1, mirrors on both sides, the far end free.
+/// The design's impact: a pulse on row 1, or half of a projectile before it, mirrors on both sides, the far end free.
 pub fn impact(design: &Design, plan: &Plan) -> Impact {
     let lattice = &design.lattice;
     let sites = lattice.sites();
     let row = |number: u32| (0..sites.len()).filter(|&i| sites[i].row == number).collect();
-    Impact {
+    let impact = Impact {
         mirrors: vec![
             Mirror { axis: 0, position: 0.0, inward: 1.0 },
             Mirror { axis: 0, position: lattice.half_width(), inward: -1.0 },
         ],
         law: design.law,
         constants: design.constants,
-        pulse: design.impact,
+        pulse: NO_PULSE,
         periods: Vec::new(),
         slope: 0.0,
         struck: row(1),
         moving: Vec::new(),
+        projectile: None,
         exit: row(lattice.rows()),
         integrator: plan.integrator,
         step: plan.step,
         window: plan.window,
+    };
+    impact.struck_by(design.impact.of_part(0.5))
+}
+
+/// Strengths of one strike as forces (N), or as speeds (m/s).
+pub fn parted(strike: Strike, strengths: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+    match strike {
+        Strike::Pulse(_) => (strengths, Vec::new()),
+        Strike::Projectile(_) => (Vec::new(), strengths),
+    }
+}
+
+/// What stands for the pulse of an impact until it is said what strikes.
+const NO_PULSE: ForcePulse = ForcePulse { force: 0.0, duration: 0.0 };
+
+/// The force (N) on each struck sphere of a material: a pulse's own, or what a projectile's first wave carries.
+pub fn struck_force<L, R>(design: &Design<L, R>, dimension: Dimension, material: &Material, diameter: f64) -> f64 {
+    match design.impact {
+        Strike::Pulse(pulse) => pulse.force,
+        Strike::Projectile(flat) => driving_force(dimension, flat.speed, material, diameter, design.constants),
     }
 }
 
 /// How strong the impact is for each material: contact force over F_p, and what that means for the wave-speed bound.
-pub fn validity(design: &Design, material: &crate::material::Material) -> Validity {
-    Validity::new(design.impact.force, material, design.lattice.diameter(), design.constants)
+pub fn validity(design: &Design, material: &Material) -> Validity {
+    let force = struck_force(design, Dimension::Two, material, design.lattice.diameter());
+    Validity::new(force, material, design.lattice.diameter(), design.constants)
 }
 
 /// What limits the trust in one run's numbers, as measured on it.

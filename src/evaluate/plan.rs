@@ -1,8 +1,9 @@
 //! How a design is simulated: step and window, one for all of its arrangements, each with its reason.
 
 use super::stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
+use super::struck_force;
 use crate::contact::{AnyLaw, NormalLaw, Pair};
-use crate::dem::Integrator;
+use crate::dem::{Integrator, Strike};
 use crate::design::{Design, SpaceDesign};
 use crate::lattice::Layered;
 use crate::material::Material;
@@ -145,7 +146,15 @@ impl Plan {
             None => overrides.integrator.unwrap_or(design.integrator),
         };
         let Ground { dimension, diameter, row, depth } = ground;
-        let force = overshoot(design.law) * dimension.contact_force(design.impact.force);
+        let force = overshoot(design.law)
+            * match design.impact {
+                Strike::Pulse(pulse) => dimension.contact_force(pulse.force),
+                // The flat meets each sphere in one contact, which bears all of it.
+                Strike::Projectile(_) => {
+                    let driving = materials.iter().map(|material| struck_force(design, dimension, material, diameter));
+                    driving.fold(0.0, f64::max)
+                }
+            };
         let stiffness = |a: usize, b: usize| {
             let pair = Pair::new([&materials[a], &materials[b]], [0.5 * diameter; 2], design.constants);
             AnyLaw::new(design.law, &pair).stiffness_max(force)
@@ -159,7 +168,7 @@ impl Plan {
         let class = Fraction.show(design.accuracy.fraction());
         let limit = stiffest.words();
         let mut warnings = design.notes.clone();
-        let pulse = design.impact.duration;
+        let pulse = design.impact.duration();
         let (step, step_reason) = match overrides.step.or(design.step) {
             Some(step) if step > integrator.stability() * stiffest.limit => {
                 let Stiffest { names, stiffness, limit, .. } = stiffest;
@@ -177,9 +186,10 @@ impl Plan {
                 (step, format!("given; {limit}"))
             }
             None => {
-                let most = accurate.min(pulse / IN_PULSE);
-                let step = dividing(most, &[pulse]).unwrap_or(most);
-                (step, format!("{class} class: {limit} over {divisor}, {:.0} steps in the pulse", pulse / step))
+                let most = pulse.map_or(accurate, |pulse| accurate.min(pulse / IN_PULSE));
+                let step = pulse.and_then(|pulse| dividing(most, &[pulse])).unwrap_or(most);
+                let cut = pulse.map_or(String::new(), |pulse| format!(", {:.0} steps in the pulse", pulse / step));
+                (step, format!("{class} class: {limit} over {divisor}{cut}"))
             }
         };
         let speed = |m: &Material| wave::bound(dimension, [m, m], diameter, design.constants).speed;
@@ -191,7 +201,9 @@ impl Plan {
             slowest.name
         );
         let (window, window_reason) = match overrides.window.or(design.window) {
-            Some(window) if window <= pulse => return Err(PlanError::Window { window, pulse }),
+            Some(window) if pulse.is_some_and(|pulse| window <= pulse) => {
+                return Err(PlanError::Window { window, pulse: pulse.unwrap_or_default() });
+            }
             Some(window) => (window, format!("given; the formula {formula} gives {}", Time.show(chosen))),
             None => (chosen, formula),
         };

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use super::beside::reference;
 use super::compare::{of_first, relate};
 use super::{Doubts, EvaluateError, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError};
-use super::{method, stops, unnamed};
+use super::{NO_PULSE, method, parted, stops, unnamed};
 use crate::Context;
-use crate::dem::{ForcePulse, Impact, Mirror, Period, Stop, simulate, simulate_batch_under};
+use crate::dem::{Impact, Mirror, Period, Stop, Strike, simulate, simulate_batch_under};
 use crate::design::SpaceDesign;
 use crate::lattice::{Block, BlockSide, Layered};
 use crate::layout::{Baseline, Layout};
@@ -21,7 +21,7 @@ use crate::real::Width;
 use crate::sample::Sample;
 use crate::score::{Scores, Spreads, over_forces as over_forces_of};
 
-/// The design's impact: a pulse on layer 1, sides as the block's, the far end free.
+/// The design's impact: a pulse on layer 1, or half of a projectile before it, sides as the block's, the far end free.
 pub fn impact_in_space(design: &SpaceDesign, plan: &Plan) -> Impact {
     let block = &design.lattice;
     let ([half, high], [across, along]) = (block.half_widths(), block.sides());
@@ -43,20 +43,22 @@ pub fn impact_in_space(design: &SpaceDesign, plan: &Plan) -> Impact {
         }
         BlockSide::Free => {}
     }
-    Impact {
+    let impact = Impact {
         mirrors,
         periods,
         law: design.law,
         constants: design.constants,
-        pulse: design.impact,
+        pulse: NO_PULSE,
         slope: 0.0,
         struck: block.layer(1).collect(),
         moving: Vec::new(),
+        projectile: None,
         exit: block.layer(block.layers()).collect(),
         integrator: plan.integrator,
         step: plan.step,
         window: plan.window,
-    }
+    };
+    impact.struck_by(design.impact.of_part(0.5))
 }
 
 /// Simulates and scores one layout of a design in space, with full records.
@@ -108,9 +110,9 @@ fn under_forces(
         .par_iter()
         .map(|group| {
             let samples: Vec<Sample<3>> = group.iter().map(|&(k, _)| layouts[k].sample_in_space()).collect();
-            let pulses: Vec<ForcePulse> =
-                group.iter().map(|&(_, force)| ForcePulse { force, ..design.impact }).collect();
-            let briefs = simulate_batch_under(&samples, &impact, &pulses, None, None, width, context)?;
+            let strikes: Vec<Strike> =
+                group.iter().map(|&(_, strength)| impact.strike().with_strength(strength)).collect();
+            let briefs = simulate_batch_under(&samples, &impact, &strikes, None, None, width, context)?;
             let scored = briefs.into_iter().map(|brief| {
                 let scores = Scores::of_sites(&brief.max_kinetic, &within);
                 (Evaluated { scores, stop: brief.stop }, brief.max_kinetic)
@@ -152,7 +154,7 @@ pub fn beside_in_space(
     let kinds = std::iter::once((Baseline::AllHost, 0)).chain(reference.map(|material| (Baseline::AllLens, material)));
     let (names, uniform): (Vec<String>, Vec<Layout<Block>>) =
         kinds.map(|(kind, material)| (kind.name(), kind.layout(&subject, [1, 1], material))).unzip();
-    let own = design.impact.force;
+    let own = design.impact.strength();
     let over = if forces.is_one() { Vec::new() } else { forces.about(own) };
     let all: Vec<f64> = [own].into_iter().chain(over.iter().copied()).collect();
     let layouts: Vec<&Layout<Block>> = std::iter::once(&subject).chain(&uniform).collect();
@@ -312,7 +314,7 @@ pub fn compare_in_space(comparison: &SpaceComparison<'_>, context: &Context) -> 
     let SpaceComparison { design, plan, .. } = comparison;
     let begun = Begun::now();
     let named = comparison.arrangements();
-    let own = design.impact.force;
+    let own = design.impact.strength();
     // The design's own force comes first; where the verdict is over it alone it is not simulated twice.
     let over = if comparison.forces.is_one() { Vec::new() } else { comparison.forces.about(own) };
     let forces: Vec<f64> = [own].into_iter().chain(over.iter().copied()).collect();
@@ -407,6 +409,7 @@ fn outcome(
 ) -> SpaceOutcome {
     let SpaceComparison { design, plan, subject, .. } = comparison;
     let block = &design.lattice;
+    let forces = parted(design.impact, forces);
     let reference = comparison.reference.map(|material| subject.palette[usize::from(material)].name.clone());
     if let (None, Some(material)) = (design.reference(), &reference) {
         warnings.push(unnamed(material));
@@ -428,7 +431,8 @@ fn outcome(
         materials: subject.palette.iter().map(|m| m.name.clone()).collect(),
         reference,
         is_published: false,
-        forces,
+        forces: forces.0,
+        speeds: forces.1,
         verdict,
         proposal: comparison.proposal.clone(),
         arrangements,

@@ -22,8 +22,8 @@ pub use vtp::{bed_bodies, bed_contacts, collection, contacts, spheres};
 pub use xyz::{bed_frame, frame};
 
 use crate::contact::{Constants, LawKind};
-use crate::dem::ForcePulse;
-use crate::dem::rig::{Body, Curve, Law, LawBook, Load, LoadKind, Rig};
+use crate::dem::Strike;
+use crate::dem::rig::{Body, Law, LawBook, Rig};
 use crate::lattice::{HexagonalSheet, Site};
 use crate::layout::Layout;
 use crate::sample::{Sample, Sphere};
@@ -32,7 +32,7 @@ use crate::sample::{Sample, Sphere};
 /// half width. It moves as the half between its mirrors does, to rounding.
 ///
 /// Spheres stand in the order of the layout's sites, each with its mirror image, if it has one, right behind it.
-pub fn whole_crystal(layout: &Layout, pulse: ForcePulse, law: LawKind, constants: Constants) -> Rig<2> {
+pub fn whole_crystal(layout: &Layout, strike: impl Into<Strike>, law: LawKind, constants: Constants) -> Rig<2> {
     let sheet = layout.lattice;
     let (radius, half_width) = (0.5 * sheet.diameter(), sheet.half_width());
     let sites = sheet.sites();
@@ -50,8 +50,7 @@ pub fn whole_crystal(layout: &Layout, pulse: ForcePulse, law: LawKind, constants
     let laws = LawBook::Materials { law: Law::Named(law), constants, pairs: Vec::new(), friction: None };
     let mut rig = Rig::new(sample, laws);
     rig.periods[0] = Some(2.0 * half_width);
-    let curve = Curve::Square { peak: pulse.force, start: 0.0, duration: pulse.duration };
-    rig.loads.push(Load { bodies: struck, direction: [0.0, 1.0], kind: LoadKind::Force, curve });
+    rig.strike(strike.into(), struck, -radius);
     rig
 }
 

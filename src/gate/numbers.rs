@@ -1,7 +1,7 @@
 //! Whether the scores are what they are, or what step and window make them.
 
 use super::{GateError, Line, Look, Word, given};
-use crate::dem::{ForcePulse, Stop};
+use crate::dem::Stop;
 use crate::evaluate::{Evaluator, EvaluatorError, Forces, LoadCase};
 use crate::score::{Measure, geometric};
 use crate::stats::Mean;
@@ -30,8 +30,9 @@ pub(super) fn lines(look: &Look) -> Result<Vec<Line>, GateError> {
 type Runs = Vec<(Measure, Vec<f64>)>;
 
 fn scores(look: &Look, step: f64, window: f64) -> Result<Option<Runs>, GateError> {
-    let pulses = Forces::USUAL.about(look.design.impact.force);
-    let cases = pulses.into_iter().map(|force| look.case(ForcePulse { force, ..look.design.impact }));
+    let own = look.design.impact;
+    let strengths = Forces::USUAL.about(own.strength()).into_iter();
+    let cases = strengths.map(|strength| look.case(own.with_strength(strength)));
     let cases: Vec<LoadCase> = cases.collect();
     let palette = look.layout().palette.clone();
     let evaluator = match Evaluator::new(look.design, &cases, palette, given(look.plan, step, window), look.context) {

@@ -234,6 +234,8 @@ struct Numbers<'a, R> {
     verdict: &'a [Verdict],
     #[serde(rename = "forces_N")]
     forces: &'a [f64],
+    #[serde(rename = "speeds_m_s", skip_serializing_if = "<[f64]>::is_empty")]
+    speeds: &'a [f64],
     /// Names of the materials, the host first, and of that of all-lens, strips and mixtures, to which Q refers.
     materials: &'a [String],
     reference: Option<&'a str>,
@@ -319,6 +321,7 @@ impl<'a, R> Numbers<'a, R> {
             method: &outcome.manifest.method,
             verdict: &outcome.verdict,
             forces: &outcome.forces,
+            speeds: &outcome.speeds,
             materials: &outcome.materials,
             reference: outcome.reference.as_deref(),
             proposal: outcome.proposal.as_ref().and_then(without_lines),

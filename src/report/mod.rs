@@ -86,3 +86,4 @@ pub use surface_page::{surface_data, surface_page};
 pub use table::{solid_words, space_table, table};
 pub use trace::trace;
 pub use transmission::transmission;
+pub use verdict::strengths;

@@ -7,16 +7,25 @@ use crate::units::Dimension;
 
 /// Over which forces it is judged.
 pub fn over<S, R, P>(outcome: &Outcome<S, R, P>) -> String {
-    match &outcome.forces[..] {
-        [] => "none: interrupted, or nothing to compare with".to_owned(),
-        [_] => "one force, which does not say how much scores scatter; within 4 % nothing is decided".to_owned(),
-        [first, .., last] => format!(
-            "{} forces from {} to {}; equal is what lies within two standard deviations of the difference",
-            outcome.forces.len(),
-            Dimension::Force.show(*first),
-            Dimension::Force.show(*last)
-        ),
+    match strengths(&outcome.forces, &outcome.speeds) {
+        None => "none: interrupted, or nothing to compare with".to_owned(),
+        Some((1, what)) => format!("{what}, which does not say how much scores scatter; within 4 % nothing is decided"),
+        Some((_, what)) => format!("{what}; equal is what lies within two standard deviations of the difference"),
     }
+}
+
+/// How many forces or, where a projectile strikes, speeds there are, and which: `8 forces from 25.7 kN to 26.3 kN`.
+pub fn strengths(forces: &[f64], speeds: &[f64]) -> Option<(usize, String)> {
+    let (strengths, word, dimension) =
+        if speeds.is_empty() { (forces, "force", Dimension::Force) } else { (speeds, "speed", Dimension::Speed) };
+    let what = match strengths {
+        [] => return None,
+        [_] => format!("one {word}"),
+        [first, .., last] => {
+            format!("{} {word}s from {} to {}", strengths.len(), dimension.show(*first), dimension.show(*last))
+        }
+    };
+    Some((strengths.len(), what))
 }
 
 /// A line for each measure: `C 2.23: better than flat-height (1.00, ±0.02), ...`.

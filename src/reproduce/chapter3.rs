@@ -122,6 +122,7 @@ fn collisions(context: &Context) -> Result<Vec<Part>, RowError> {
                 slope: 0.0,
                 struck: Vec::new(),
                 moving: vec![(0, speed)],
+                projectile: None,
                 exit: Vec::new(),
                 integrator: Integrator::Rk4,
                 step: 5e-8,

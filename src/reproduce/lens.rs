@@ -201,6 +201,7 @@ pub(super) fn struck(layout: &Layout, law: LawKind, integrator: Integrator, step
         slope: 0.0,
         struck: (0..sheet.columns(1) as usize).collect(),
         moving: Vec::new(),
+        projectile: None,
         exit: Vec::new(),
         integrator,
         step,

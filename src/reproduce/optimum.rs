@@ -6,7 +6,7 @@
 use super::laws::stored;
 use super::{Part, Row, RowError, Verdict};
 use crate::Context;
-use crate::dem::ForcePulse;
+use crate::dem::{ForcePulse, Strike};
 use crate::design::Design;
 use crate::evaluate::{Evaluator, Overrides};
 use crate::layout::Layout;
@@ -125,9 +125,9 @@ fn scores(
         host.palette = layout.palette;
         layouts.push(layout.materials);
     }
-    let impacts: Vec<ForcePulse> = match impacts {
+    let impacts: Vec<Strike> = match impacts {
         [] => vec![design.impact],
-        impacts => impacts.iter().map(|&[force, duration]| ForcePulse { force, duration }).collect(),
+        impacts => impacts.iter().map(|&[force, duration]| ForcePulse { force, duration }.into()).collect(),
     };
     let overrides = Overrides { step: Some(5e-8), window, ..Overrides::default() };
     let evaluator =

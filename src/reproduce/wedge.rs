@@ -158,6 +158,7 @@ impl Wedge {
             slope: 0.0,
             struck: (0..sheet.columns(1) as usize).collect(),
             moving: Vec::new(),
+            projectile: None,
             exit: Vec::new(),
             integrator: Integrator::Verlet,
             step: 1e-7,

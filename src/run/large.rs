@@ -88,6 +88,7 @@ pub fn impact_of(prepared: &PreparedRig<3>) -> Option<Impact> {
         slope: 0.0,
         struck,
         moving,
+        projectile: None,
         exit: Vec::new(),
         integrator: Integrator::Verlet,
         step: prepared.plan.step,

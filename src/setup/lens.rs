@@ -2,7 +2,7 @@
 
 use super::{NO_CHANCE, PreparedRig, Region, RunPlan, Setup, SphereSite, record};
 use crate::dem::Mirror;
-use crate::dem::rig::{Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig};
+use crate::dem::rig::{Body, Friction, Law, LawBook, Rig};
 use crate::design::Design;
 use crate::document::DocumentError;
 use crate::evaluate::{Overrides, Plan, PlanError};
@@ -72,12 +72,9 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
     ];
     let sites = lattice.sites();
     let struck = (0..sites.len()).filter(|&i| sites[i].row == 1).map(Body::Sphere).collect();
-    rig.loads.push(Load {
-        bodies: struck,
-        direction: [0.0, 1.0],
-        kind: LoadKind::Force,
-        curve: Curve::Square { peak: design.impact.force, start: 0.0, duration: design.impact.duration },
-    });
+    // A rig's flats are whole, whatever its mirrors leave of them; here it is half of one.
+    let halves = 2.0_f64.powi(rig.mirrors.len() as i32) * 0.5;
+    rig.strike(design.impact.of_part(halves), struck, -0.5 * lattice.diameter());
     let mut warnings = plan.warnings;
     if design.integrator == crate::dem::Integrator::Rk4 {
         warnings.push("rigs are always advanced with verlet; run.integrator is not used here".to_owned());

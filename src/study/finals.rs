@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use super::aggregate::summary;
 use super::{Entry, Study, StudyError};
 use crate::Context;
-use crate::dem::ForcePulse;
 use crate::evaluate::{Evaluated, Evaluator, Forces, ImpactLoad, Overrides};
 use crate::score::{Measure, Scores};
 
@@ -37,8 +36,9 @@ pub(super) fn evaluate(
     let stats = study.counter.stats(&layout);
     // Of each impact the exact force, then those about it.
     let under = |load: &ImpactLoad| -> Vec<ImpactLoad> {
-        let forces = std::iter::once(load.pulse.force).chain(Forces::USUAL.about(load.pulse.force));
-        forces.map(|force| ImpactLoad { pulse: ForcePulse { force, ..load.pulse }, ..*load }).collect()
+        let own = load.strike.strength();
+        let strengths = std::iter::once(own).chain(Forces::USUAL.about(own));
+        strengths.map(|strength| ImpactLoad { strike: load.strike.with_strength(strength), ..*load }).collect()
     };
     let loads: Vec<ImpactLoad> = study.impacts.iter().flat_map(under).collect();
     let mut finals = Vec::new();

@@ -2,6 +2,7 @@
 
 use super::{Entry, Stage, Study, Work};
 use crate::contact::LawKind;
+use crate::dem::Strike;
 use crate::evaluate::{Detail, Plan};
 use crate::search::Assignment;
 
@@ -24,7 +25,11 @@ impl Key {
         key.add(said(study.design().text()).as_bytes());
         key.add(format!("{:?}", study.palette).as_bytes());
         key.add(plan.integrator.to_string().as_bytes());
-        let impacts = study.impacts.iter().flat_map(|impact| [impact.pulse.force, impact.pulse.duration]);
+        let impacts = study.impacts.iter().flat_map(|impact| match impact.strike {
+            Strike::Pulse(pulse) => [pulse.force, pulse.duration],
+            // No pulse lasts less than nothing.
+            Strike::Projectile(flat) => [flat.speed, -flat.mass],
+        });
         for number in impacts.chain([plan.step, plan.window]) {
             key.add(&number.to_bits().to_le_bytes());
         }

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::source::Source;
 use super::{Study, StudyError};
 use crate::contact::LawKind;
-use crate::dem::ForcePulse;
+use crate::dem::{ForcePulse, Strike};
 use crate::design::{Design, DesignRef};
 use crate::evaluate::{Evaluated, ImpactLoad, Imperfection, LoadCase};
 use crate::search::Rng;
@@ -93,7 +93,8 @@ pub(super) fn read_impacts(
         if angle != 0.0 && matches!(design, DesignRef::Space(_)) {
             return Err(fail("angle")("angle: in space impacts are along the axis. Leave it out.".to_owned()));
         }
-        let impact = ImpactLoad { pulse: ForcePulse { force, duration }, angle, place, law: None, friction: None };
+        let strike = Strike::Pulse(ForcePulse { force, duration });
+        let impact = ImpactLoad { strike, angle, place, law: None, friction: None };
         if impacts.contains(&impact) {
             return Err(fail("force")("the impact is given twice.".to_owned()));
         }
@@ -199,11 +200,11 @@ impl Study {
         self.under_each_impact(&imperfections)
     }
 
-    /// Imperfections under each impact, one imperfection after the other.
+    /// Flaws under each impact, one imperfection after the other.
     pub(super) fn under_each_impact(&self, imperfections: &[Imperfection]) -> Vec<LoadCase> {
         let under = |load: &ImpactLoad| -> Vec<ImpactLoad> {
-            let with = |force| ImpactLoad { pulse: ForcePulse { force, ..load.pulse }, ..*load };
-            self.forces.about(load.pulse.force).into_iter().map(with).collect()
+            let with = |strength| ImpactLoad { strike: load.strike.with_strength(strength), ..*load };
+            self.forces.about(load.strike.strength()).into_iter().map(with).collect()
         };
         let of = |imperfection: &Imperfection| -> Vec<LoadCase> {
             let loads = self.impacts.iter().flat_map(under);

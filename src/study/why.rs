@@ -13,7 +13,7 @@ use super::journal::{Journal, Ledger, Line};
 use super::key::Key;
 use super::{Study, StudyError};
 use crate::evaluate::Plan;
-use crate::units::Dimension::{Angle, Force, Length, Time};
+use crate::units::Dimension::{Angle, Length, Time};
 
 /// What the evaluations of one key depend on, each setting by its name.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -70,7 +70,7 @@ impl Circumstances {
         set("step", Time.show(plan.step));
         set("window", Time.show(plan.window));
         for (k, impact) in study.impacts.iter().enumerate() {
-            let mut words = format!("{} for {}", Force.show(impact.pulse.force), Time.show(impact.pulse.duration));
+            let mut words = impact.strike.to_string();
             if impact.angle != 0.0 {
                 words.push_str(&format!(" at {}", Angle.show(impact.angle)));
             }

@@ -5,9 +5,9 @@ use std::path::Path;
 use super::grade::{GRADES, Grade};
 use super::{ImpactLimits, State, Tolerances};
 use crate::contact::LawKind;
+use crate::dem::Projectile;
 use crate::design::{THRESHOLDS, ThresholdsFile, thresholds};
 use crate::document::{self, DocumentError, Entry, Scope, Section, Source, Written, joined, section};
-use crate::evaluate::Projectile;
 use crate::layout::Layout;
 use crate::units::Dimension::{Angle, Fraction, Length, Mass, Speed};
 

@@ -44,8 +44,8 @@ pub use workshop::{Made, Workshop, WorkshopError};
 pub use yields::{INTERVAL, Share, quantile};
 
 use crate::contact::LawKind;
+use crate::dem::Projectile;
 use crate::design::Threshold;
-use crate::evaluate::Projectile;
 
 /// How unequal spheres lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

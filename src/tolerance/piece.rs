@@ -2,9 +2,9 @@
 
 use super::Tolerances;
 use super::quantity::{Kind, Quantity};
-use crate::dem::ForcePulse;
+use crate::dem::{ForcePulse, Projectile, Strike};
 use crate::design::Design;
-use crate::evaluate::{ImpactLoad, Imperfection, LoadCase, Projectile, Subject};
+use crate::evaluate::{ImpactLoad, Imperfection, LoadCase, Subject};
 use crate::layout::Layout;
 use crate::material::Material;
 use crate::search::Rng;
@@ -121,16 +121,18 @@ impl Piece {
     /// What strikes it.
     pub fn load(&self, design: &Design, quantities: &[Quantity], factor: f64) -> ImpactLoad {
         let value = |kind| self.value(quantities, kind).unwrap_or(0.0);
-        let ForcePulse { force, duration } = design.impact;
-        let pulse = ForcePulse {
-            force: force * factor * (1.0 + value(Kind::Force)),
-            duration: duration * (1.0 + value(Kind::Duration)),
+        let strength = factor * (1.0 + value(Kind::Force)) * design.impact.strength();
+        let strike = match design.impact.with_strength(strength) {
+            Strike::Pulse(ForcePulse { force, duration }) => {
+                Strike::Pulse(ForcePulse { force, duration: duration * (1.0 + value(Kind::Duration)) })
+            }
+            flat => flat,
         };
         let off = value(Kind::OffCentre);
         let half = design.lattice.half_width();
         let place = (off != 0.0).then(|| [(off - half).max(-half), (off + half).min(half)]);
         ImpactLoad {
-            pulse,
+            strike,
             angle: value(Kind::Angle),
             place,
             law: None,

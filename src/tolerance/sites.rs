@@ -6,7 +6,6 @@
 use serde::Serialize;
 
 use super::workshop::{Made, Workshop, WorkshopError};
-use crate::dem::ForcePulse;
 use crate::design::Design;
 use crate::evaluate::{Forces, ImpactLoad, Imperfection, LoadCase, Subject};
 use crate::report::site_map;
@@ -80,7 +79,7 @@ pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopEr
     let places = places(subject);
     let case = |wrong: &[Wrong], force: f64| LoadCase {
         halves_differ: subject.left.is_some(),
-        load: ImpactLoad::from(ForcePulse { force, ..design.impact }),
+        load: ImpactLoad::from(design.impact.with_strength(force)),
         imperfection: Imperfection { alphabet: alphabet.clone(), wrong: wrong.to_vec(), ..Imperfection::default() },
     };
     let contrast = |made: &Made| if made.stop.is_some() { Some(0.0) } else { made.scores.contrast };
@@ -92,13 +91,13 @@ pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopEr
         }
         Ok(found)
     };
-    let forces = Forces::USUAL.about(design.impact.force);
+    let forces = Forces::USUAL.about(design.impact.strength());
     let over_forces = |wrongs: &[Vec<Wrong>]| -> Result<Vec<f64>, WorkshopError> {
         let cases = wrongs.iter().flat_map(|wrong| forces.iter().map(|&force| case(wrong, force))).collect();
         Ok(run(cases)?.chunks(forces.len()).map(geometric).collect())
     };
 
-    let drawn = run(vec![case(&[], design.impact.force)])?[0];
+    let drawn = run(vec![case(&[], design.impact.strength())])?[0];
     let under_forces = run(forces.iter().map(|&force| case(&[], force)).collect())?;
     let drawn_mean = geometric(&under_forces);
     // The difference of two scores under one force each scatters by √2 of one.
@@ -106,7 +105,7 @@ pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopEr
     let shifts = 1..alphabet.len().max(1) as u8;
     let singles: Vec<Wrong> =
         places.iter().flat_map(|&place| shifts.clone().map(move |shift| (place, shift))).collect();
-    let found = run(singles.iter().map(|&single| case(&[single], design.impact.force)).collect())?;
+    let found = run(singles.iter().map(|&single| case(&[single], design.impact.strength())).collect())?;
     // Of each place the material that costs most.
     let mut worst_of: Vec<(Wrong, f64)> = Vec::with_capacity(places.len());
     for (&single, &contrast) in singles.iter().zip(&found) {
@@ -145,7 +144,7 @@ pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopEr
         .flat_map(|a| (a + 1..order.len()).map(move |b| [a, b]))
         .map(|pair| pair.map(|k| order[k].0).to_vec())
         .collect();
-    let found = run(pairs.iter().map(|pair| case(pair, design.impact.force)).collect())?;
+    let found = run(pairs.iter().map(|pair| case(pair, design.impact.strength())).collect())?;
     let mut best: Vec<usize> = (0..pairs.len()).collect();
     best.sort_by(|&a, &b| found[a].total_cmp(&found[b]));
     let again: Vec<Vec<Wrong>> = best.into_iter().take(PAIRS).map(|k| pairs[k].clone()).collect();

@@ -5,12 +5,13 @@ use rayon::prelude::*;
 use super::piece::Piece;
 use super::quantity::{Quantity, quantities};
 use super::{State, Tolerances};
+use crate::dem::Projectile;
 use crate::dem::Stop;
 use crate::dem::rig::RigStop;
 use crate::design::Design;
 use crate::evaluate::{
-    Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, ImpactLoad, LoadCase, Overrides, Plan, Projectile,
-    Subject, held_energies, held_spheres,
+    Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, ImpactLoad, LoadCase, Overrides, Plan, Subject,
+    held_energies, held_spheres,
 };
 use crate::layout::Layout;
 use crate::material::Material;

@@ -84,6 +84,69 @@ fn design_check_and_compare_agree() {
     assert_eq!(strict.code, 3, "{}", strict.stderr);
 }
 
+/// A flat strikes in place of the pulse: the design says with which force, half of it does the work on the half, verdicts are over speeds.
+#[test]
+fn a_projectile_strikes_a_crystal_in_space() {
+    let desk = Desk::new();
+    let pulse = "kind = \"force-pulse\"\nforce = \"20 kN\"\nduration = \"20 us\"";
+    let with = |impact: &str| SMALL.replace(pulse, impact);
+    desk.write("thrown.toml", with("kind = \"projectile\"\nmass = \"300 g\"\nspeed = \"20 m/s\""));
+    let ran = desk.run(&["design", "thrown.toml", "--out", "lens.csv"]).ok();
+    assert!(ran.stdout.contains("impact: a projectile of 300 g at 20 m/s, about "), "{}", ran.stdout);
+    let lens = desk.run(&["compare", "thrown.toml", "--forces", "2", "--json"]).ok().json();
+    assert_eq!(lens["forces_N"], serde_json::json!([]));
+    let speeds: Vec<f64> = lens["speeds_m_s"].as_array().unwrap().iter().filter_map(|v| v.as_f64()).collect();
+    assert!((speeds[0] - 19.8).abs() < 1e-9 && (speeds[1] - 20.2).abs() < 1e-9, "{speeds:?}");
+    let checked = desk.run(&["check", "lens.csv", "--design", "thrown.toml", "--json", "--forces", "2"]).ok().json();
+    let first = &lens["arrangements"][0]["scores"];
+    for key in ["focal_mean_J", "protected_mean_J", "contrast"] {
+        assert!(first[key].as_f64().is_some_and(|value| value > 0.0), "{key} {first}");
+        assert_eq!(first[key].as_f64(), checked[key].as_f64(), "{key}");
+    }
+    // 1/2 M v² of the half.
+    let work = first["work_in_J"].as_f64().unwrap();
+    assert!((work / 30.0 - 1.0).abs() < 1e-12, "{work}");
+    assert!(first["residual"].as_f64().unwrap().abs() < 1e-3);
+    for (impact, said) in [
+        ("kind = \"projectile\"\nmass = \"300 g\"\nspeed = \"20 m/s\"\nforce = \"1 kN\"", "mass and speed"),
+        ("kind = \"projectile\"\nmass = \"300 g\"", "impact.speed is missing"),
+        ("kind = \"force-pulse\"\nforce = \"20 kN\"\nduration = \"20 us\"\nmass = \"1 g\"", "force and duration"),
+    ] {
+        desk.write("wrong.toml", with(impact));
+        let refused = desk.run(&["design", "wrong.toml"]);
+        assert!(refused.code == 2 && refused.stderr.contains(said), "{}", refused.stderr);
+    }
+}
+
+/// In a sheet too, and as the rig of the same file, whose flat is a body of its own.
+#[test]
+fn a_projectile_strikes_a_sheet_as_it_does_a_rig() {
+    let desk = Desk::new();
+    let text = std::fs::read_to_string(shipped("designs/quickstart.toml")).unwrap();
+    let (before, rest) = text.split_once("[impact]").unwrap();
+    let (_, after) = rest.split_once("[target]").unwrap();
+    let thrown = "[impact]\nkind = \"projectile\"\nmass = \"40 g\"\nspeed = \"20 m/s\"\n";
+    let after = after.replace("window = \"350 us\"", "window = \"150 us\"\nstep = \"125 ns\" # 1200 in it,");
+    desk.write("thrown.toml", format!("{before}{thrown}[target]{after}"));
+    desk.run(&["design", "thrown.toml", "--out", "lens.csv"]).ok();
+    let check = ["check", "lens.csv", "--design", "thrown.toml", "--spheres", "felt.csv", "--integrator", "verlet"];
+    desk.run(&check).ok();
+    desk.run(&["simulate", "thrown.toml", "--out", "rig"]).ok();
+    let column = |file: &str| -> Vec<f64> {
+        let text = desk.read(file);
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let at = lines.next().unwrap().split(',').position(|name| name == "max_kinetic_J").unwrap();
+        lines.map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect()
+    };
+    let (ours, rig) = (column("felt.csv"), column("rig/spheres-final.csv"));
+    assert_eq!(ours.len(), rig.len());
+    let most = ours.iter().copied().fold(0.0, f64::max);
+    for (k, (a, b)) in ours.iter().zip(&rig).enumerate() {
+        // Rounding and its growth.
+        assert!((a - b).abs() < 1e-6 * b + 1e-9 * most, "sphere {k}: {a} {b}");
+    }
+}
+
 /// `run` leaves a folder with page, pictures, tables and layouts; extruded along y and stacked ABCABC too.
 #[test]
 fn run_leaves_a_report() {

@@ -29,6 +29,7 @@ fn struck(spheres: Vec<Sphere<2>>, speed: f64, window: f64) -> Record<2> {
         slope: 0.0,
         struck: vec![0],
         moving: vec![(0, speed)],
+        projectile: None,
         exit: Vec::new(),
         integrator: Integrator::Verlet,
         step,

@@ -53,6 +53,7 @@ pub fn outcome() -> Outcome {
         reference: Some("brass-260".to_owned()),
         is_published: true,
         forces: Vec::new(),
+        speeds: Vec::new(),
         verdict: Vec::new(),
         proposal: Some(proposal()),
         arrangements: all,

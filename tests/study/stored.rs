@@ -225,7 +225,7 @@ fn stored_layouts_have_the_same_scores_one_by_one() {
     for (layout, marks) in layouts.iter().zip(evaluator.scores(&numbers, &never).unwrap()) {
         let sample = layout.sample();
         for (case, marks) in cases.iter().zip(marks) {
-            let design = Design { impact: case.load.pulse, ..study.design.plane().unwrap().clone() };
+            let design = Design { impact: case.load.strike, ..study.design.plane().unwrap().clone() };
             let alone = evaluate(&design, layout, evaluator.plan(), &never).unwrap();
             let said = [alone.scores.focal_mean, alone.scores.protected_mean];
             assert_eq!([marks.scores.focal_mean, marks.scores.protected_mean], said, "{:?}", case.load);

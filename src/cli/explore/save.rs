@@ -60,7 +60,7 @@ pub fn save(asked: Asked, shared: &Shared) -> Result<Value, Failure> {
             let folder = Folder::begin(&place, false)?;
             let comparison = comparison(&design, asked.layout.as_ref())?.over(Forces::USUAL);
             let outcome = compare(&comparison, job.context())?;
-            if outcome.arrangements.len() < comparison.len() || outcome.forces.is_empty() {
+            if outcome.arrangements.len() < comparison.len() || outcome.forces.is_empty() && outcome.speeds.is_empty() {
                 return Err(Failure::Interrupted("the report was not finished, and nothing is written".to_owned()));
             }
             fill(&folder, &outcome, comparison.piece())?;

@@ -57,8 +57,8 @@ pub fn journal(study: &Study, rungs: &[(f64, Rung)]) -> Columns {
         ("step_s", number(&|line| line.step)),
         ("evaluation", whole(&|line| line.evaluation as u64)),
         ("crystal", whole(&|line| line.crystal as u64)),
-        ("force_N", number(&|line| line.case.load.pulse.force)),
-        ("duration_s", number(&|line| line.case.load.pulse.duration)),
+        ("force_N", maybe(&|line| Some(line.case.load.strike.pulse()?.force))),
+        ("duration_s", maybe(&|line| line.case.load.strike.duration())),
         ("angle_rad", number(&|line| line.case.load.angle)),
         ("x_from_m", maybe(&|line| Some(line.case.load.place?[0]))),
         ("x_to_m", maybe(&|line| Some(line.case.load.place?[1]))),
@@ -69,5 +69,7 @@ pub fn journal(study: &Study, rungs: &[(f64, Rung)]) -> Columns {
     table.extend(measures(true));
     table.push(("stop", text(&|line| line.judged.entry.stop.clone())));
     table.push(("layout", text(&|line| Some(line.judged.entry.layout.clone()))));
+    table.push(("projectile_kg", maybe(&|line| Some(line.case.load.strike.projectile()?.mass))));
+    table.push(("speed_m_s", maybe(&|line| Some(line.case.load.strike.projectile()?.speed))));
     Columns(table)
 }

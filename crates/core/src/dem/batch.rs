@@ -13,7 +13,7 @@ use super::contacts::{Laws, Sweep};
 use super::follow::{Group, Terms, follow};
 use super::guard::Stop;
 use super::impact::{Alone, Impact, alone, laid_in_plane};
-use super::load::ForcePulse;
+use super::load::Strike;
 use super::neighbour::OverlapAtRest;
 use super::size::are_alike;
 use super::table::LaneTable;
@@ -131,32 +131,32 @@ pub fn simulate_batch_with_friction(
     Ok(side_by_side(samples, width, &Terms { limit, friction: Some(coefficient), ..terms(impact, context) })?.0)
 }
 
-/// As [`simulate_batch`], with a pulse for each sample in place of the impact's own, with limits where there are any and friction, which is written
+/// As [`simulate_batch`], with a pulse for each sample in place of the impact's own, or a projectile of one mass, with limits where there are any and friction, which is written
 /// for the plane.
 ///
 /// # Errors
 /// As there.
 ///
 /// # Panics
-/// If there are fewer pulses, or limits, than samples; friction out of the plane.
-pub fn simulate_batch_under<const D: usize>(
+/// If there are fewer strikes, or limits, than samples, or pulses and projectiles among each other; friction out of the plane.
+pub fn simulate_batch_under<const D: usize, S: Copy + Into<Strike>>(
     samples: &[Sample<D>],
     impact: &Impact,
-    pulses: &[ForcePulse],
+    strikes: &[S],
     friction: Option<f64>,
     limit: Option<&Limit>,
     width: Width,
     context: &Context,
 ) -> Result<Vec<PeakEnergies>, BatchError> {
-    assert!(pulses.len() >= samples.len(), "a pulse for each of {} samples", samples.len());
+    assert!(strikes.len() >= samples.len(), "a strike for each of {} samples", samples.len());
+    let strikes: Vec<Strike> = strikes.iter().map(|&strike| strike.into()).collect();
     Limit::assert_each(limit, samples.len());
     assert!(friction.is_none() || D == 2, "friction is written for the plane");
-    Ok(dispatch(samples, width, &Terms { pulses, limit, friction, ..terms(impact, context) })?.0)
+    Ok(dispatch(samples, width, &Terms { strikes: &strikes, limit, friction, ..terms(impact, context) })?.0)
 }
 
 fn terms<'a>(impact: &'a Impact, context: &'a Context) -> Terms<'a> {
-    let pulses = std::slice::from_ref(&impact.pulse);
-    Terms { impact, pulses, limit: None, friction: None, context, timed: false, dimension: 2 }
+    Terms { impact, strikes: &[], limit: None, friction: None, context, timed: false, dimension: 2 }
 }
 
 /// Compiled here for each dimension; see `dem::same`.
@@ -197,11 +197,11 @@ fn side_by_side<const D: usize>(
     for (samples, start) in samples.chunks(lanes).zip((0..).step_by(lanes)) {
         // What belongs to some of the samples.
         let limits = |range: std::ops::Range<usize>| terms.limit.map(|limit| limit.of(range));
-        let pulses =
-            |range: std::ops::Range<usize>| if terms.pulses.len() > 1 { &terms.pulses[range] } else { terms.pulses };
+        let strikes =
+            |range: std::ops::Range<usize>| if terms.strikes.len() > 1 { &terms.strikes[range] } else { terms.strikes };
         let range = start..start + samples.len();
         let limit = limits(range.clone());
-        let of_group = Terms { limit: limit.as_ref(), pulses: pulses(range), ..*terms };
+        let of_group = Terms { limit: limit.as_ref(), strikes: strikes(range), ..*terms };
         if let Some((of_group, spent)) = in_lanes(samples, width, &of_group)? {
             peak_energies.extend(of_group);
             phases += spent;
@@ -209,7 +209,7 @@ fn side_by_side<const D: usize>(
         }
         for (k, sample) in (start..).zip(samples) {
             let limit = limits(k..k + 1);
-            let of_sample = Terms { limit: limit.as_ref(), pulses: pulses(k..k + 1), ..*terms };
+            let of_sample = Terms { limit: limit.as_ref(), strikes: strikes(k..k + 1), ..*terms };
             let Alone { peaks, phases: spent, .. } = alone(sample, &of_sample, false)?;
             peak_energies.push(peaks);
             phases += spent;

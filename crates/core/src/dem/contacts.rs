@@ -5,6 +5,7 @@ use super::boundary::Mirror;
 use super::friction::Friction;
 use super::list::List;
 use super::neighbour::{SelfTouch, Touch, Touching, image_gap};
+use super::plate::Plate;
 use super::size::{self, Size, gap_squared};
 use crate::contact::{AnyLaw, History, NormalLaw};
 use crate::real::{Job, Lanes};
@@ -84,6 +85,8 @@ pub(super) struct Contacts<'a, V, const D: usize> {
     sizes: Option<Vec<Size<V>>>,
     /// Friction and rotation, in the plane only.
     pub friction: Option<Friction<V>>,
+    /// What strikes the first layer, where it is a flat: the mirror that moves.
+    pub plate: Option<Plate<V>>,
 }
 
 /// Overlap over the sum of radii from which on a contact counts as closed. At 10⁻¹⁵ it carries some 10⁻¹⁶ N. Without it the
@@ -117,6 +120,7 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
             are_similar,
             sizes: (!size::are_alike(samples)).then(Vec::new),
             friction: None,
+            plate: None,
         };
         contacts.measure(mirrors);
         contacts
@@ -229,6 +233,9 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
         if !PLAIN && let Some(friction) = &mut self.friction {
             friction.begin();
         }
+        if let Some(plate) = &mut self.plate {
+            plate.force = zero;
+        }
         let mut touched = *reached;
         for c in 0..self.list.first_pair[*reached] {
             let Touch { pair: [a, b], offset, gap, reach } = self.list.pairs[c];
@@ -295,8 +302,8 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
             }
         }
         for k in 0..self.list.images.len() {
-            let (contact, SelfTouch { sphere, axis, inward, gap, reach }) =
-                (self.list.pairs.len() + k, self.list.images[k]);
+            let (contact, touch) = (self.list.pairs.len() + k, self.list.images[k]);
+            let SelfTouch { sphere, axis, inward, gap, reach } = touch;
             if sphere >= *reached {
                 break;
             }
@@ -305,7 +312,15 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
             if !PLAIN && let Some(sizes) = &self.sizes {
                 (gap, reach) = (sizes[contact].gap, sizes[contact].reach);
             }
-            let overlap = -(two * inward * displacement[sphere][axis] + gap);
+            let (mut moved, mut speed) = (displacement[sphere][axis], velocity[sphere][axis]);
+            let plate = match &self.plate {
+                Some(plate) if touch.is_in(&plate.mirror) => Some(plate.seen),
+                _ => None,
+            };
+            if let Some([way, velocity]) = plate {
+                (moved, speed) = (moved - way, speed - velocity);
+            }
+            let overlap = -(two * inward * moved + gap);
             let closed = (V::splat(closed::<V>()) * reach).lt(overlap);
             if !V::any(closed) {
                 if !PLAIN {
@@ -314,9 +329,16 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
                 continue;
             }
             let overlap = V::select(closed, overlap, zero);
-            let closing_speed = -(two * inward * velocity[sphere][axis]);
+            let closing_speed = -(two * inward * speed);
             let push = self.push::<PLAIN>(laws, contact, overlap, closing_speed, sweep);
-            force[sphere][axis] = force[sphere][axis] + inward * push;
+            // On the simulated part of the sphere.
+            let push = inward * (push * V::splat(2.0 * self.list.weight[contact]));
+            force[sphere][axis] = force[sphere][axis] + push;
+            if plate.is_some()
+                && let Some(plate) = &mut self.plate
+            {
+                plate.force = plate.force - push;
+            }
         }
         *reached = touched;
     }

@@ -4,13 +4,14 @@
 
 use super::batch::{Limit, PeakEnergies};
 use super::body::Grains;
-use super::boundary::{Mirror, Period};
+use super::boundary::Mirror;
 use super::clock::{Clock, Phase, Phases};
 use super::contacts::{Contacts, Laws, Sweep};
 use super::guard::{Stop, Watch};
 use super::impact::{Impact, steps_in};
-use super::load::ForcePulse;
+use super::load::{Projectile, Strike};
 use super::neighbour::{OverlapAtRest, Touching};
+use super::plate::Plate;
 use super::record::{Fastest, Observer};
 use super::step::{Drive, Stepper};
 use super::strangers::{Lapse, Strangers, VIGILANCE};
@@ -25,8 +26,8 @@ pub(super) const WATCH: u64 = 64;
 #[derive(Clone, Copy)]
 pub(super) struct Terms<'a> {
     pub impact: &'a Impact,
-    /// One for all samples, or one for each.
-    pub pulses: &'a [ForcePulse],
+    /// One for each sample, all of one kind; the impact's own where there are none.
+    pub strikes: &'a [Strike],
     pub limit: Option<&'a Limit>,
     /// Coulomb's coefficient, where there is friction.
     pub friction: Option<f64>,
@@ -43,17 +44,46 @@ pub(super) struct Group<'a, const D: usize> {
     pub terms: &'a Terms<'a>,
     pub touching: Touching<D>,
     strangers: Strangers<D>,
+    /// One for all samples, or one for each.
+    strikes: Vec<Strike>,
+    /// All planes, last the face of what strikes, where that is a flat.
+    mirrors: Vec<Mirror>,
 }
 
 impl<'a, const D: usize> Group<'a, D> {
     /// Finds who touches.
     pub fn new(samples: &'a [&'a Sample<D>], terms: &'a Terms<'a>) -> Result<Self, OverlapAtRest> {
-        let mirrors: &[Mirror] = &terms.impact.mirrors;
-        let periods: &[Period] = &terms.impact.periods;
-        let mut strangers = Strangers::new(samples, mirrors, periods);
-        let touching = Touching::find(samples, (mirrors, periods), &mut |i, j| strangers.tell(i, j))?;
-        Ok(Self { samples, terms, touching, strangers })
+        let impact = terms.impact;
+        let own = [impact.strike()];
+        let strikes = if terms.strikes.is_empty() { &own } else { terms.strikes }.to_vec();
+        let is_flat = strikes[0].projectile().is_some();
+        assert!(
+            strikes.iter().all(|strike| strike.is_like(&strikes[0])),
+            "side by side pulses alone, or projectiles alone"
+        );
+        let mut mirrors = impact.mirrors.clone();
+        if is_flat {
+            mirrors.push(front(samples, &impact.struck));
+        }
+        let mut strangers = Strangers::new(samples, &mirrors, &impact.periods, is_flat);
+        let touching = Touching::find(samples, (&mirrors, &impact.periods), &mut |i, j| strangers.tell(i, j))?;
+        Ok(Self { samples, terms, touching, strangers, strikes, mirrors })
     }
+
+    /// What strikes, where it is a flat.
+    fn plate<V: Lanes>(&self, grains: &Grains<V, D>) -> Option<Plate<V>> {
+        let flats: Vec<Projectile> = self.strikes.iter().filter_map(Strike::projectile).collect();
+        let struck = self.terms.impact.struck.iter().map(|&i| grains.weight[i]).sum();
+        let speeds: Vec<f64> = flats.iter().map(|flat| flat.speed).collect();
+        Some(Plate::new(*self.mirrors.last()?, flats.first()?.mass, &speeds, struck))
+    }
+}
+
+/// The face that touches the first of the struck spheres.
+fn front<const D: usize>(samples: &[&Sample<D>], struck: &[usize]) -> Mirror {
+    let spheres = samples.iter().flat_map(|sample| struck.iter().map(|&i| &sample.spheres[i]));
+    let tops = spheres.filter(|sphere| sphere.radius > 0.0).map(|sphere| sphere.centre[D - 1] - sphere.radius);
+    Mirror { axis: D - 1, position: tops.fold(f64::INFINITY, f64::min), inward: 1.0 }
 }
 
 /// A run that has ended.
@@ -102,7 +132,7 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
     accept: Sweep,
 ) -> Option<Run<'a, V, D, O>> {
     let (samples, impact) = (group.samples, group.terms.impact);
-    let &Terms { pulses, limit, friction, context, timed, dimension, .. } = group.terms;
+    let &Terms { limit, friction, context, timed, dimension, .. } = group.terms;
     let spheres = samples[0].spheres.len();
     let steps = steps_in(impact.window, impact.step);
     let mut clock = Clock::new(timed);
@@ -111,10 +141,10 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
         let vigilance = vigilances.next()?;
         let is_last = V::LANES == 1 && vigilances.len() == 0;
         let mut laws = laws()?;
-        let mut grains = Grains::<V, D>::at_rest(samples, &impact.mirrors);
+        let mut grains = Grains::<V, D>::at_rest(samples, &group.mirrors);
         let (similar, accounts) = (impact.law.is_similar(), accept == Sweep::AcceptAndAccount);
         let touching = group.touching.clone();
-        let mut contacts = Contacts::new(samples, &impact.mirrors, touching, &grains, similar, accounts);
+        let mut contacts = Contacts::new(samples, &group.mirrors, touching, &grains, similar, accounts);
         if let Some(coefficient) = friction {
             contacts.rub(coefficient, &grains, impact.step);
         }
@@ -123,14 +153,17 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
             let weight = grains.weight[i];
             work + 0.5 * (weight * samples[0].mass(i)) * speed * speed
         };
-        let work = impact.moving.iter().fold(0.0, brought);
-        let mut drive = Drive::new(pulses, impact.slope, &impact.struck, work);
+        contacts.plate = group.plate(&grains);
+        let strike = group.strikes[0].projectile();
+        let flat = strike.map_or(0.0, |Projectile { mass, speed }| 0.5 * mass * speed * speed);
+        let work = impact.moving.iter().fold(flat, brought);
+        let mut drive = Drive::new(&group.strikes, impact.slope, &impact.struck, work);
         let mut stepper = Stepper::new(impact.integrator, accept, impact.step, spheres);
         stepper.clock = clock;
         stepper.clock.lap(Phase::Preparing);
         grains.set_moving(&impact.moving);
         let mut strangers = group.strangers.clone();
-        strangers.begin(&grains, vigilance);
+        strangers.begin(&grains, contacts.plate.as_ref(), vigilance);
         let mut fastest = Fastest::new(spheres, strangers.size);
         let mut observer = observer();
         let mut watch = Watch::new(dimension);

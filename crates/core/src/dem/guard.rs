@@ -193,7 +193,11 @@ impl<V: Lanes> Watch<V> {
                 }
             }
             let stiffness = contacts.stiffness(laws, c, lane);
-            let lighter = 1.0 / grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));
+            let mut inverse = grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));
+            if let Some(plate) = contacts.plate.as_ref().filter(|plate| contacts.list.is_image_in(c, &plate.mirror)) {
+                inverse = inverse.max(plate.inverse_share.lane(lane));
+            }
+            let lighter = 1.0 / inverse;
             let mut limit_s = stepper.integrator.stability() * stable(self.dimension, stiffness, lighter);
             if contacts.friction.is_some() {
                 limit_s *= TURNING;

@@ -11,8 +11,9 @@ use super::follow::{Group, Run, Terms, follow};
 use super::guard::{RESIDUAL_LIMIT, Stop};
 use super::ledger::Ledger;
 use super::list::List;
-use super::load::ForcePulse;
+use super::load::{ForcePulse, Projectile, Strike};
 use super::neighbour::OverlapAtRest;
+use super::plate::Plate;
 use super::record::Peaks;
 use super::table::LawTable;
 use super::{Integrator, bulk, same};
@@ -33,6 +34,8 @@ pub struct Impact {
     pub constants: Constants,
     /// The load on each struck sphere.
     pub pulse: ForcePulse,
+    /// What strikes the struck spheres, those of the first layer, in place of the pulse, where it is a flat.
+    pub projectile: Option<Projectile>,
     /// The load's component along the first axis over that along the last, which is the pulse's: the tangent of the angle at
     /// which it strikes. Without effect in one dimension.
     pub slope: f64,
@@ -71,6 +74,8 @@ pub struct Record<const D: usize> {
     pub exit_momentum: f64,
     /// Greatest total contact force on the exit spheres along the last axis (N).
     pub exit_force: f64,
+    /// How far the projectile has moved at the end (m), and its velocity (m/s).
+    pub projectile: Option<[f64; 2]>,
     /// How far each sphere has moved at the end (m).
     pub displacement: Vec<[f64; D]>,
     /// Velocity of each sphere at the end (m/s).
@@ -131,7 +136,11 @@ pub fn simulate<const D: usize>(
         recorded(sample, &terms(impact, context, 2))
     }
     fn in_space(sample: &Sample<3>, impact: &Impact, context: &Context) -> Result<Record<3>, OverlapAtRest> {
-        let by_rows = if sample.spheres.len() < bulk::MANY { None } else { bulk::recorded(sample, impact, context) };
+        let by_rows = if sample.spheres.len() < bulk::MANY || impact.projectile.is_some() {
+            None
+        } else {
+            bulk::recorded(sample, impact, context)
+        };
         by_rows.map_or_else(|| recorded(sample, &terms(impact, context, 3)), Ok)
     }
     let dimension: &dyn Any = sample;
@@ -148,8 +157,7 @@ pub fn simulate<const D: usize>(
 }
 
 fn terms<'a>(impact: &'a Impact, context: &'a Context, dimension: usize) -> Terms<'a> {
-    let pulses = std::slice::from_ref(&impact.pulse);
-    Terms { impact, pulses, limit: None, friction: None, context, timed: false, dimension }
+    Terms { impact, strikes: &[], limit: None, friction: None, context, timed: false, dimension }
 }
 
 /// A line of spheres along the second axis of the plane. Nothing ever acts across it, so that it moves as the line, to the bit, and need
@@ -164,6 +172,20 @@ pub(super) fn laid_in_plane(sample: &Sample<1>) -> Sample<2> {
 }
 
 impl Impact {
+    /// What strikes.
+    pub fn strike(&self) -> Strike {
+        self.projectile.map_or(Strike::Pulse(self.pulse), Strike::Projectile)
+    }
+
+    /// With something else that strikes.
+    #[must_use]
+    pub fn struck_by(self, strike: Strike) -> Self {
+        match strike {
+            Strike::Pulse(pulse) => Self { pulse, projectile: None, ..self },
+            Strike::Projectile(_) => Self { projectile: strike.projectile(), ..self },
+        }
+    }
+
     /// The impact on a line that lies along the second axis of the plane.
     pub(super) fn in_plane(&self) -> Self {
         let mirrors = self.mirrors.iter().map(|mirror| Mirror { axis: mirror.axis + 1, ..*mirror }).collect();
@@ -186,6 +208,7 @@ impl Record<2> {
             ledger: self.ledger,
             exit_momentum: self.exit_momentum,
             exit_force: self.exit_force,
+            projectile: self.projectile,
             displacement: along(self.displacement),
             velocity: along(self.velocity),
             steps: self.steps,
@@ -308,6 +331,7 @@ fn collect<const D: usize>(sample: &Sample<D>, run: &Ended<'_, D>) -> Record<D> 
         ledger: Ledger::default(),
         exit_momentum: peaks.exit_momentum,
         exit_force: peaks.exit_force,
+        projectile: contacts.plate.as_ref().map(Plate::state),
         displacement: grains.displacement.clone(),
         velocity: grains.velocity.clone(),
         steps: stepper.count,

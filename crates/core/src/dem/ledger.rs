@@ -8,13 +8,14 @@ use serde::{Deserialize, Serialize};
 
 use super::body::Grains;
 use super::contacts::{Contacts, Laws};
+use super::plate::Plate;
 
 /// Energies (J) of the simulated half, spheres and contacts on mirrors counting by their part in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Work of the load, and kinetic energy at the start.
     pub work_in: f64,
-    /// Σ ½ m v², and ½ I ω² where spheres turn
+    /// Σ ½ m v², of a projectile too, and ½ I ω² where spheres turn
     pub kinetic: f64,
     /// What the contacts would give back on opening, and what their tangential springs hold.
     pub stored: f64,
@@ -43,6 +44,7 @@ impl Ledger {
             ledger.dissipated += weight * (account.work - stored);
             ledger.estimate += weight * 0.5 * overlap_max * force_max;
         }
+        ledger.kinetic += contacts.plate.as_ref().map_or(0.0, Plate::kinetic);
         if let Some(friction) = &contacts.friction {
             ledger.kinetic += friction.kinetic();
             for (c, work) in friction.work.iter().enumerate() {

@@ -13,7 +13,7 @@ pub(super) struct List<const D: usize> {
     pub pairs: Vec<Touch<D>>,
     pub images: Vec<SelfTouch>,
     periods: Vec<Period>,
-    /// Pairs weigh 1, or 1/2 where they lie in a mirror; images 1/2.
+    /// Pairs weigh 1, or 1/2 where they lie in a mirror; images half as much as the simulated part of their sphere.
     pub weight: Vec<f64>,
     /// For each sphere the number of pairs whose first sphere comes before it.
     pub first_pair: Vec<usize>,
@@ -36,7 +36,8 @@ impl<const D: usize> List<D> {
             let in_plane = (0..D).any(|k| mobility[a][k] == 0.0 && mobility[b][k] == 0.0 && touch.offset[k] == 0.0);
             self.weight.push(if in_plane { 0.5 } else { 1.0 });
         }
-        self.weight.resize(self.len(), 0.5);
+        // A sphere that has an image is free to move towards it, and its mobility there is 1/weight.
+        self.weight.extend(self.images.iter().map(|touch| 0.5 / mobility[touch.sphere][touch.axis]));
         self.first_pair.clear();
         self.first_pair.push(0);
         for i in 0..mobility.len() {
@@ -97,6 +98,11 @@ impl<const D: usize> List<D> {
             Some(touch) => touch.pair,
             None => [self.images[contact - self.pairs.len()].sphere; 2],
         }
+    }
+
+    /// Whether a contact is one with an image in this mirror.
+    pub fn is_image_in(&self, contact: usize, mirror: &Mirror) -> bool {
+        contact.checked_sub(self.pairs.len()).is_some_and(|image| self.images[image].is_in(mirror))
     }
 
     /// The spheres of every contact.

@@ -6,6 +6,7 @@
 //! - `load`, `boundary`: what strikes the crystal and where it ends
 //! - `neighbour`: which spheres touch; `list`: which contacts there are, in order; `strangers`: which others may come to; `size`: contacts of unequal spheres
 //! - `body`, `contacts`, `table`: the state, the forces and the laws, as parallel arrays
+//! - `plate`: a rigid flat that strikes
 //! - `friction`: tangential forces and rotation in the plane
 //! - `step`: velocity Verlet, Adams's multistep scheme and Runge-Kutta
 //! - `record`, `ledger`: what was felt, where the energy went
@@ -34,6 +35,7 @@ mod ledger;
 mod list;
 mod load;
 mod neighbour;
+mod plate;
 mod record;
 pub mod rig;
 mod share;
@@ -53,7 +55,7 @@ pub use clock::Phases;
 pub use guard::{OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
 pub use impact::{ContactRecord, Impact, Record, simulate, simulate_with_friction, steps_in};
 pub use ledger::Ledger;
-pub use load::ForcePulse;
+pub use load::{ForcePulse, Projectile, Strike};
 pub use neighbour::OverlapAtRest;
 
 use std::any::Any;

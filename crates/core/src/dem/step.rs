@@ -7,14 +7,14 @@
 
 mod multistep;
 
-pub(super) use multistep::Coefficients;
 use multistep::Past;
+pub(super) use multistep::{Coefficients, Scheme};
 
 use super::Integrator;
 use super::body::Grains;
 use super::clock::{Clock, Phase};
 use super::contacts::{Contacts, Laws, Pass, Sweep};
-use super::load::ForcePulse;
+use super::load::{ForcePulse, Strike};
 use crate::real::Lanes;
 
 /// The load on the struck spheres, and the work it has done.
@@ -32,9 +32,11 @@ pub(super) struct Drive<V> {
 
 impl<V: Lanes> Drive<V> {
     /// `work` has been put in before the start (J).
-    pub fn new(pulses: &[ForcePulse], slope: f64, struck: &[usize], work: f64) -> Self {
+    pub fn new(strikes: &[Strike], slope: f64, struck: &[usize], work: f64) -> Self {
+        let none = ForcePulse { force: 0.0, duration: 0.0 };
+        let pulses = strikes.iter().map(|strike| strike.pulse().unwrap_or(none)).collect();
         let reach = struck.iter().max().map_or(0, |last| last + 1);
-        Self { pulses: pulses.to_vec(), slope, struck: struck.to_vec(), reach, work: V::splat(work) }
+        Self { pulses, slope, struck: struck.to_vec(), reach, work: V::splat(work) }
     }
 
     /// The mean load (N) during a step, where it acts in any of the designs.
@@ -141,6 +143,11 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         stages.velocity_sum.fill(zero);
         stages.acceleration_sum.fill(zero);
 
+        let mut plate_sums = [V::splat(0.0); 2];
+        if let Some(plate) = &mut contacts.plate {
+            plate.seen = [plate.displacement, plate.velocity];
+        }
+
         // Share of the slope in the mean, and how far the next stage lies from the start.
         for (share, ahead) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
             let share = V::splat(share);
@@ -148,6 +155,9 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
             let (displacement, velocity) = (&stages.displacement[..], &self.predicted[..]);
             let (force, reached) = (&mut self.force[..], &mut grains.reached);
             laws.sweep(Pass { contacts, displacement, velocity, force, reached, sweep: Sweep::Try });
+            if let Some(plate) = &mut contacts.plate {
+                plate.stage(&mut plate_sums, share, ahead);
+            }
             for i in 0..grains.reached {
                 let mut acceleration = grains.acceleration_of(i, &self.force[i]);
                 if let Some(load) = load
@@ -182,6 +192,9 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
                 grains.displacement[i][k] = grains.displacement[i][k] + moved;
                 grains.velocity[i][k] = grains.velocity[i][k] + sixth * stages.acceleration_sum[i][k];
             }
+        }
+        if let Some(plate) = &mut contacts.plate {
+            plate.accept(plate_sums, sixth);
         }
         // Spins follow by the predictor and corrector of Verlet's table; the stages see them, and the springs, as they were.
         let [b, m] = [self.coefficients.velocity, self.coefficients.corrector].map(|row| row.map(V::splat));

@@ -11,6 +11,7 @@ use super::boundary::{Mirror, Period};
 use super::contacts::{Contacts, Laws, NoRoom};
 use super::list::List;
 use super::neighbour::widest;
+use super::plate::Plate;
 use crate::real::Lanes;
 use crate::sample::Sample;
 
@@ -60,16 +61,27 @@ pub(super) struct Strangers<const D: usize> {
     meet: Vec<f64>,
     /// The same for twice a block's way and its images: block times mirrors, and mirror.
     meet_image: Vec<f64>,
+    /// The same ways and speed of the last mirror, where it moves.
+    moving: Option<Moving>,
     /// (m)
     allowance: f64,
+}
+
+/// A mirror that moves: how far it has come at most (m), may be at the next look, and its speed at the last (m/s).
+#[derive(Clone, Copy, Default)]
+struct Moving {
+    way: f64,
+    ahead: f64,
+    speed: f64,
 }
 
 /// A quarter is added to what speeds at the accepted steps say of the way between them.
 const BETWEEN: f64 = 1.25;
 
 impl<const D: usize> Strangers<D> {
-    /// For packings with the same centres. Strangers within two diameters are told by [`tell`](Self::tell); their contacts know the rest.
-    pub fn new(samples: &[&Sample<D>], mirrors: &[Mirror], periods: &[Period]) -> Self {
+    /// For packings with the same centres. Strangers within two diameters are told by [`tell`](Self::tell); their contacts know the rest. The last
+    /// mirror may move.
+    pub fn new(samples: &[&Sample<D>], mirrors: &[Mirror], periods: &[Period], last_moves: bool) -> Self {
         let count = samples[0].spheres.len();
         let size = count.isqrt().max(16);
         let blocks = count.div_ceil(size);
@@ -109,6 +121,7 @@ impl<const D: usize> Strangers<D> {
             speed: vec![0.0; blocks],
             meet,
             meet_image,
+            moving: last_moves.then(Moving::default),
             allowance: 0.01 * widest,
         }
     }
@@ -127,9 +140,13 @@ impl<const D: usize> Strangers<D> {
     }
 
     /// Before a run: the speeds with which it starts.
-    pub fn begin<V: Lanes>(&mut self, grains: &Grains<V, D>, vigilance: Vigilance) {
+    pub fn begin<V: Lanes>(&mut self, grains: &Grains<V, D>, plate: Option<&Plate<V>>, vigilance: Vigilance) {
         self.allowance *= vigilance.allowance / VIGILANCE[0].allowance;
         self.ahead.fill(self.allowance);
+        if let (Some(moving), Some(plate)) = (&mut self.moving, plate) {
+            moving.ahead = self.allowance;
+            moving.speed = (0..V::LANES).map(|lane| plate.velocity.lane(lane).abs()).fold(0.0, f64::max);
+        }
         for i in 0..grains.reached {
             let block = i / self.size;
             for lane in 0..V::LANES {
@@ -188,16 +205,24 @@ impl<const D: usize> Strangers<D> {
                 self.meet[place] = self.way[a] + self.way[b] + clear;
             }
         }
+        if let (Some(moving), Some(plate)) = (&mut self.moving, &contacts.plate) {
+            let speed = lanes().map(|lane| plate.velocity.lane(lane).abs()).fold(0.0, f64::max);
+            let way = BETWEEN * time * speed.max(moving.speed);
+            *moving = Moving { way: moving.way + way, ahead: moving.way + 3.0 * way + self.allowance, speed };
+        }
         let mirrors = self.mirrors.len();
         for place in 0..self.meet_image.len() {
             let (block, mirror) = (place / mirrors, &self.mirrors[place % mirrors]);
-            if self.meet_image[place] > 2.0 * self.ahead[block] {
+            let moving = self.moving.filter(|_| place % mirrors == mirrors - 1).unwrap_or_default();
+            let (way, ahead) = (self.way[block] + moving.way, self.ahead[block] + moving.ahead);
+            if self.meet_image[place] > 2.0 * ahead {
                 continue;
             }
-            if self.meet_image[place] <= 2.0 * self.way[block] {
+            if self.meet_image[place] <= 2.0 * way {
                 return Err(Lapse::TooFast);
             }
-            let near = 6.0 * (self.ahead[block] - self.way[block]);
+            let near = 6.0 * (ahead - way);
+            let plate = contacts.plate.as_ref().filter(|plate| plate.mirror == *mirror);
             let mut clear = f64::INFINITY;
             for i in self.block(block) {
                 let centre = &self.centres[i];
@@ -207,7 +232,8 @@ impl<const D: usize> Strangers<D> {
                 {
                     continue;
                 }
-                let moved = |lane| mirror.inward * grains.displacement[i][mirror.axis].lane(lane);
+                let come = |lane| plate.map_or(0.0, |plate| plate.displacement.lane(lane));
+                let moved = |lane| mirror.inward * (grains.displacement[i][mirror.axis].lane(lane) - come(lane));
                 let gap = |lane| 2.0 * (mirror.distance(centre) - self.radius[i] + moved(lane));
                 let gap = lanes().map(gap).fold(f64::INFINITY, f64::min);
                 if gap < near {
@@ -216,7 +242,7 @@ impl<const D: usize> Strangers<D> {
                     clear = clear.min(gap);
                 }
             }
-            self.meet_image[place] = 2.0 * self.way[block] + clear;
+            self.meet_image[place] = 2.0 * way + clear;
         }
         if pairs.is_empty() && images.is_empty() {
             return Ok(());

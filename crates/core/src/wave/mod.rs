@@ -76,6 +76,15 @@ impl Dimension {
         }
     }
 
+    /// Distance of layers across the wave over the diameter: of a chain, the hexagonal sheet, a close packing.
+    pub fn layer_spacing(self) -> f64 {
+        match self {
+            Self::One => 1.0,
+            Self::Two => 0.75_f64.sqrt(),
+            Self::Three => (2.0_f64 / 3.0).sqrt(),
+        }
+    }
+
     /// A of Burgoyne 2016, eq. 5.3: speed over that of the chain of the same spheres.
     pub fn factor(self) -> f64 {
         match self {
@@ -118,6 +127,19 @@ pub fn bound(dimension: Dimension, materials: [&Material; 2], diameter: f64, con
 /// The contacts lie 30 degrees off the wave's direction and share the force: 2 N cos 30° = F, N = F/√3.
 pub fn contact_force(force_per_sphere: f64) -> f64 {
     Dimension::Two.contact_force(force_per_sphere)
+}
+
+/// The force (N) with which a rigid flat of a speed (m/s) drives a wave into a crystal, on each sphere of its first layer: layer after layer of mass m a
+/// sphere is brought to that speed in the time h/V that the wave takes from one to the next, so F = m v V/h. Holds while the flat is not slowed down.
+pub fn driving_force(
+    dimension: Dimension,
+    speed: f64,
+    material: &Material,
+    diameter: f64,
+    constants: Constants,
+) -> f64 {
+    let wave = bound(dimension, [material; 2], diameter, constants).speed;
+    material.sphere_mass(diameter) * speed * wave / (dimension.layer_spacing() * diameter)
 }
 
 /// How fast the wave of an impact is to be expected.

@@ -25,6 +25,7 @@ fn push(force: f64, window: f64) -> Impact {
         slope: 0.0,
         struck: vec![0],
         moving: Vec::new(),
+        projectile: None,
         exit: vec![49],
         integrator: Integrator::Rk4,
         step: 5e-8,

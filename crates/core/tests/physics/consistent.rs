@@ -120,6 +120,7 @@ fn chain(names: [&str; 2], law: LawKind, step: f64) -> Record<1> {
         slope: 0.0,
         struck: vec![0],
         moving: Vec::new(),
+        projectile: None,
         exit: vec![49],
         integrator: Integrator::Verlet,
         step,

@@ -13,6 +13,7 @@ mod energy;
 mod laws;
 mod lens;
 mod problem;
+mod projectile;
 mod reference;
 mod rubbing;
 mod space;

@@ -44,6 +44,7 @@ pub fn impact(lattice: &HexagonalSheet) -> Impact {
         slope: 0.0,
         struck: row(1),
         moving: Vec::new(),
+        projectile: None,
         exit: row(lattice.rows()),
         integrator: Integrator::Verlet,
         step: 1e-7,

@@ -20,6 +20,7 @@ fn impact(moving: Vec<(usize, f64)>, window: f64) -> Impact {
         slope: 0.0,
         struck: Vec::new(),
         moving,
+        projectile: None,
         exit: Vec::new(),
         integrator: Integrator::Adams,
         step: 2e-8,

@@ -27,6 +27,7 @@ fn impact(struck: Vec<usize>, mirrors: Vec<Mirror>, periods: Vec<Period>) -> Imp
         exit: Vec::new(),
         struck,
         moving: Vec::new(),
+        projectile: None,
         integrator: Integrator::Rk4,
         step: 5e-8,
         window: 200e-6,
@@ -272,5 +273,67 @@ fn a_round_crystal_moves_alike_in_three_directions() {
             compared += 1;
         }
         assert!(compared > 300, "{compared}");
+    }
+}
+
+/// Between walls along y the half x >= 0 moves as the whole, spheres in the plane x = 0 that touch a wall among them, of which only a part is simulated;
+/// followed contact by contact and by its rows.
+#[test]
+fn half_of_a_walled_crystal_moves_as_the_whole() {
+    let block =
+        Block::new(Cell::<3>::named("hcp").unwrap(), DIAMETER, 6, [8, 4], 3, [BlockSide::Free, BlockSide::Wall]);
+    let block = block.unwrap();
+    let half: Vec<Sphere<3>> = block.sites().iter().map(|site| sphere(site, 0)).collect();
+    let (mut whole, mut images) = (Vec::new(), Vec::new());
+    for layer in 1..=6 {
+        for i in block.layer(layer) {
+            let [x, y, z] = half[i].centre;
+            for x in [x, -x].into_iter().take(usize::from(block.copies()[i])) {
+                whole.push(Sphere { centre: [x, y, z], ..half[i] });
+                images.push(i);
+            }
+        }
+    }
+    let edge = |fold: fn(f64, f64) -> f64, from| half.iter().map(|sphere| sphere.centre[1]).fold(from, fold);
+    let (low, high) = (edge(f64::min, f64::INFINITY), edge(f64::max, f64::NEG_INFINITY));
+    assert!(half.iter().any(|sphere| sphere.centre[0] == 0.0 && sphere.centre[1] == high));
+    let walls = vec![
+        Mirror { axis: 1, position: low - 0.5 * DIAMETER, inward: 1.0 },
+        Mirror { axis: 1, position: high + 0.5 * DIAMETER, inward: -1.0 },
+    ];
+    let struck = |images: &[usize]| (0..images.len()).filter(|&k| block.layer(1).contains(&images[k])).collect();
+    let blow = |struck, mirrors| {
+        let pulse = ForcePulse { force: 8e3, duration: 20e-6 };
+        Impact {
+            pulse,
+            integrator: Integrator::Adams,
+            step: 1e-7,
+            window: 60e-6,
+            ..impact(struck, mirrors, Vec::new())
+        }
+    };
+    let material = vec![material("440c")];
+    let of_half = Sample { materials: material.clone(), spheres: half };
+    let of_whole = Sample { materials: material, spheres: whole };
+    let mirrors = [vec![Mirror { axis: 0, position: 0.0, inward: 1.0 }], walls.clone()].concat();
+    let on_half = blow(block.layer(1).collect(), mirrors);
+    let alone = run(&of_half, &on_half);
+    let both = run(&of_whole, &blow(struck(&images), walls));
+    let mut bulk =
+        Bulk::new(&of_half, &on_half, Recording { energies: true, ..Recording::default() }, Lanes::widest()).unwrap();
+    bulk.advance(600, &Context::default()).unwrap();
+    let by_rows = bulk.record(None);
+    let most = both.max_kinetic.iter().copied().fold(0.0, f64::max);
+    for (k, &i) in images.iter().enumerate() {
+        for (found, way) in [(alone.max_kinetic[i], "by contacts"), (by_rows.max_kinetic[i], "by rows")] {
+            // Rounding and its growth.
+            let off = difference(found, both.max_kinetic[k], 1e-9 * most);
+            assert!(off < 1e-7, "{way} sphere {k} {:?}: {off:e}", of_whole.spheres[k].centre);
+        }
+    }
+    for ledger in [alone.ledger, by_rows.ledger] {
+        for (ours, theirs) in [(ledger.work_in, both.ledger.work_in), (ledger.dissipated, both.ledger.dissipated)] {
+            assert!(difference(2.0 * ours, theirs, 0.0) < 1e-8, "{ours} {theirs}");
+        }
     }
 }

@@ -46,6 +46,7 @@ fn crystal(seed: u64, law: LawKind) -> (Sample<2>, Impact) {
         slope: 0.0,
         struck: (0..COLUMNS).collect(),
         moving: Vec::new(),
+        projectile: None,
         exit: Vec::new(),
         integrator: Integrator::Verlet,
         step: 1e-7,

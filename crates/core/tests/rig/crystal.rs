@@ -37,6 +37,7 @@ fn a_crystal_moves_as_in_the_fixed_list_simulator() {
             slope: 0.0,
             struck: (0..6).collect(),
             moving: Vec::new(),
+            projectile: None,
             exit: (66..72).collect(),
             integrator,
             step: 1e-7,

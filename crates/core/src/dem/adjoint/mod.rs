@@ -76,6 +76,9 @@ pub enum GradientError {
     /// Runge-Kutta's scheme has no transposed step here.
     #[error("derivatives are those of the integrators adams and verlet, not of rk4")]
     RungeKutta,
+    /// A projectile strikes, whose motion has no transposed step here.
+    #[error("derivatives are those under a force pulse, not under a projectile")]
+    Projectile,
 }
 
 /// Derivatives of sums of greatest kinetic energies over an impact's window: each sum is given by its spheres and their weights.
@@ -92,6 +95,9 @@ pub fn gradient(
 ) -> Result<Gradients, GradientError> {
     if impact.integrator == Integrator::Rk4 {
         return Err(GradientError::RungeKutta);
+    }
+    if impact.projectile.is_some() {
+        return Err(GradientError::Projectile);
     }
     let (list, grains, stop) = contacts_found(sample, impact, context)?;
     if let Some(stop) = stop {

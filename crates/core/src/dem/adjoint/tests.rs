@@ -42,6 +42,7 @@ fn impact(law: LawKind, integrator: Integrator) -> Impact {
         slope: 0.0,
         struck: (0..sites.len()).filter(|&i| sites[i].row == 1).collect(),
         moving: Vec::new(),
+        projectile: None,
         exit: Vec::new(),
         integrator,
         step: 1.3e-7,

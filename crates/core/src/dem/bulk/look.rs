@@ -72,7 +72,8 @@ impl Bulk {
                     all(bundle.count, bundle.slot, from, weight(bundle), &section.store);
                 }
                 for image in &section.images[row.images[0] as usize..row.images[1] as usize] {
-                    all(image.count, image.slot, [row.sphere_at(image.place); 2], IMAGE_WEIGHT, &section.store);
+                    let weight = IMAGE_WEIGHT * image.part;
+                    all(image.count, image.slot, [row.sphere_at(image.place); 2], weight, &section.store);
                 }
             }
             return;
@@ -315,6 +316,7 @@ impl Bulk {
             ledger,
             exit_momentum: self.exit[0],
             exit_force: self.exit[1],
+            projectile: None,
             displacement: (0..spheres).map(|i| self.displacement(i)).collect(),
             velocity: self.velocities(),
             steps: self.steps,

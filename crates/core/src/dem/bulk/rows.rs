@@ -56,6 +56,8 @@ pub struct ImageStrand {
     pub inward: f64,
     /// From surface to surface at rest (m).
     pub gap: f64,
+    /// The part of each sphere that belongs to the simulated half.
+    pub part: f64,
 }
 
 /// A sphere on mirrors.
@@ -134,6 +136,7 @@ impl Neighbours {
     fn find_images(&mut self, sample: &Sample<3>, mirrors: &[Mirror]) -> Result<(), OverlapAtRest> {
         let radius = 0.5 * self.diameter;
         for (row, &Row { first, count, .. }) in self.rows.iter().enumerate() {
+            let carried = self.on_mirrors.len();
             for at in 0..count {
                 let centre = &sample.spheres[first + at].centre;
                 let (mut weight, mut mobility) = (1.0, [1.0; 3]);
@@ -157,15 +160,16 @@ impl Neighbours {
                         return Err(OverlapAtRest { pair: [sphere; 2], overlap: -gap });
                     }
                     let Mirror { axis, inward, .. } = *mirror;
+                    let part = self.on_mirrors[carried..].iter().find(|on| on.at == at).map_or(1.0, |on| on.weight);
                     match self.images.last_mut() {
                         Some(last)
                             if last.row == row
                                 && last.from + last.count == at
-                                && (last.axis, last.inward, last.gap) == (axis, inward, gap) =>
+                                && (last.axis, last.inward, last.gap, last.part) == (axis, inward, gap, part) =>
                         {
                             last.count += 1;
                         }
-                        _ => self.images.push(ImageStrand { row, from: at, count: 1, axis, inward, gap }),
+                        _ => self.images.push(ImageStrand { row, from: at, count: 1, axis, inward, gap, part }),
                     }
                 }
             }

@@ -46,6 +46,8 @@ pub struct ImageBundle {
     pub axis: u32,
     pub inward: f64,
     pub gap: f64,
+    /// The part of each sphere that belongs to the simulated half.
+    pub part: f64,
 }
 
 /// What contacts remember, eight by eight: greatest overlap and force, what the law keeps besides, and where energies are accounted for,
@@ -325,6 +327,7 @@ impl Section {
             axis: strand.axis as u32,
             inward: strand.inward,
             gap: strand.gap,
+            part: strand.part,
         });
         *slots += strand.count.div_ceil(BLOCK) as u32;
         placed.images[1] = self.images.len() as u32;
@@ -400,7 +403,7 @@ impl Seam {
     }
 }
 
-/// Weight of a contact with an image.
+/// Weight of a contact of a whole sphere with its image.
 pub const IMAGE_WEIGHT: f64 = 0.5;
 
 /// Offsets are read by their place.

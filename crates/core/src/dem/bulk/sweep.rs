@@ -322,7 +322,7 @@ impl Section {
 /// Contacts of spheres with their own images.
 #[inline(always)]
 fn with_images<V: Lanes, L: LaneLaw>(terms: &Terms, section: &mut Section, k: usize) {
-    let ImageBundle { place, count, slot, axis, inward, gap } = section.images[k];
+    let ImageBundle { place, count, slot, axis, inward, gap, part } = section.images[k];
     let (axis, place) = (axis as usize, place as usize);
     let (zero, twice) = (V::splat(0.0), V::splat(2.0 * inward));
     let least = V::splat(CLOSED * terms.diameter);
@@ -342,7 +342,7 @@ fn with_images<V: Lanes, L: LaneLaw>(terms: &Terms, section: &mut Section, k: us
         let overlap = V::select(closed, overlap, zero);
         let closing_speed = -(twice * V::load(&section.predicted[axis].get()[place + k..]));
         let force = respond::<V, L>(terms, &mut section.store, (slot, k), overlap, closing_speed);
-        let force = V::splat(inward) * V::select(closed, force, zero);
+        let force = V::splat(inward * part) * V::select(closed, force, zero);
         let sum = &mut section.force[axis].get_mut()[place + k..];
         (V::load(sum) + force).store(sum);
     }

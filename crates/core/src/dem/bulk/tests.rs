@@ -36,6 +36,7 @@ fn impact(block: &Block, law: LawKind, integrator: Integrator) -> Impact {
         slope: 0.0,
         struck: block.layer(1).collect(),
         moving: Vec::new(),
+        projectile: None,
         exit: block.layer(block.layers()).collect(),
         integrator,
         step: 1e-7,

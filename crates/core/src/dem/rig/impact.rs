@@ -1,9 +1,33 @@
 //! An impact on a crystal as a rig: where friction acts, or where spheres meet that did not touch at rest.
 
-use super::{Arrival, Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation};
+use super::{
+    Arrival, Body, Curve, Flat, FlatContact, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation,
+};
 use crate::Context;
-use crate::dem::{Impact, Integrator, Ledger, Record, Stop, steps_in};
+use crate::dem::{ForcePulse, Impact, Integrator, Ledger, Projectile, Record, Stop, Strike, steps_in};
 use crate::sample::Sample;
+
+impl<const D: usize> Rig<D> {
+    /// What strikes: a load on the struck bodies along the last axis, or a smooth flat whose face touches them at `top` (m) on that axis. As of all flats
+    /// the mass is the whole one, whatever mirrors leave of it.
+    pub fn strike(&mut self, strike: Strike, struck: Vec<Body>, top: f64) {
+        let along = std::array::from_fn(|axis| if axis + 1 == D { 1.0 } else { 0.0 });
+        match strike {
+            Strike::Pulse(ForcePulse { force, duration }) => {
+                let curve = Curve::Square { peak: force, start: 0.0, duration };
+                self.loads.push(Load { bodies: struck, direction: along, kind: LoadKind::Force, curve });
+            }
+            Strike::Projectile(Projectile { mass, speed }) => {
+                let held = std::array::from_fn(|axis| axis + 1 < D);
+                let (point, velocity) = (along.map(|along| top * along), along.map(|along| speed * along));
+                // Where spheres rub each other it is smooth all the same.
+                let rubs = matches!(self.laws, LawBook::Materials { friction: Some(_), .. });
+                let contact = FlatContact { friction: rubs.then(|| Friction::mindlin(0.0)), ..FlatContact::default() };
+                self.flats.push(Flat { mass, velocity, held, contact, ..Flat::wall("projectile", point, along) });
+            }
+        }
+    }
+}
 
 /// Follows an impact as [`simulate`](crate::dem::simulate) does, with friction if asked for, and with contacts that come and
 /// go. By the impact's scheme and step; where that is Runge-Kutta's, by velocity Verlet. Losses by friction count as dissipated; the springs of friction as stored.
@@ -33,6 +57,12 @@ pub fn simulate_as_rig<const D: usize>(
         kind: LoadKind::Force,
         curve: Curve::Square { peak: pulse.force * length, start: 0.0, duration: pulse.duration },
     }];
+    if let Some(flat) = impact.projectile {
+        rig.loads.clear();
+        let top = impact.struck.iter().map(|&i| &sample.spheres[i]).map(|s| s.centre[D - 1] - s.radius);
+        let mass = flat.mass * 2.0_f64.powi(rig.mirrors.len() as i32);
+        rig.strike(Projectile { mass, ..flat }.into(), Vec::new(), top.fold(f64::INFINITY, f64::min));
+    }
     for &(i, speed) in &impact.moving {
         rig.velocity[i][D - 1] = speed;
     }
@@ -78,6 +108,10 @@ pub fn simulate_as_rig<const D: usize>(
         },
         exit_momentum,
         exit_force,
+        projectile: impact
+            .projectile
+            .map(|_| view.flat(0))
+            .map(|flat| [flat.moved, flat.velocity].map(|along| along[D - 1])),
         displacement: (0..spheres).map(|i| view.displacement(i)).collect(),
         velocity: (0..spheres).map(|i| view.velocity(i)).collect(),
         steps: simulation.steps(),

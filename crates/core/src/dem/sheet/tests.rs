@@ -68,6 +68,7 @@ fn a_sheet_between_mirrors_moves_as_the_simulator_with_lists_says() {
             slope: 0.0,
             struck: struck.clone(),
             moving: Vec::new(),
+            projectile: None,
             exit: Vec::new(),
             integrator: Integrator::Verlet,
             step: 1e-7,

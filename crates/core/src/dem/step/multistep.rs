@@ -52,6 +52,49 @@ impl Coefficients {
     }
 }
 
+/// A table in registers: what comes of accelerations of now, one and two steps ago.
+pub(in crate::dem) struct Scheme<V> {
+    /// h (s)
+    pub step: V,
+    half: V,
+    displacement: [V; 2],
+    velocity: [V; 2],
+    corrector: [V; 2],
+}
+
+impl<V: Lanes> Scheme<V> {
+    #[inline(always)]
+    fn new(table: &Coefficients, step: f64) -> Self {
+        Self {
+            step: V::splat(step),
+            half: V::splat(0.5 * step),
+            displacement: table.displacement.map(V::splat),
+            velocity: table.velocity.map(V::splat),
+            corrector: table.corrector.map(V::splat),
+        }
+    }
+
+    /// What a step adds to the velocity in its mean, and in the force.
+    #[inline(always)]
+    pub fn predict(&self, now: V, [one, two]: [V; 2]) -> [V; 2] {
+        let ([s1, s2], [b1, b2]) = (self.displacement, self.velocity);
+        let first = now - one;
+        let second = first - (one - two);
+        let mean = self.half * now + (s1 * first + s2 * second);
+        [mean, self.step * now + (b1 * first + b2 * second)]
+    }
+
+    /// What it adds to the velocity in truth, once the new acceleration is known.
+    #[inline(always)]
+    pub fn correct(&self, new: V, now: V, [one, two]: [V; 2]) -> V {
+        let [m2, m3] = self.corrector;
+        let (first, before, earlier) = (new - now, now - one, one - two);
+        let second = first - before;
+        let third = second - (before - earlier);
+        self.half * (now + new) - (m2 * second + m3 * third)
+    }
+}
+
 /// Accelerations of all spheres one and two steps ago.
 pub(super) struct Past<V, const D: usize> {
     one: Vec<[V; D]>,
@@ -75,9 +118,8 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         drive: &mut Drive<V>,
     ) {
         let past = &self.past;
-        let (h, half) = (V::splat(self.step), V::splat(0.5 * self.step));
-        let [s1, s2] = self.coefficients.displacement.map(V::splat);
-        let [b1, b2] = self.coefficients.velocity.map(V::splat);
+        let scheme = Scheme::new(&self.coefficients, self.step);
+        let (h, half) = (scheme.step, scheme.half);
         let load = drive.during(self.count, self.step);
 
         // The load's work is found from where the spheres were before.
@@ -92,12 +134,10 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         }
         for i in 0..grains.reached {
             for k in 0..D {
-                let (velocity, now, one) = (grains.velocity[i][k], grains.acceleration[i][k], past.one[i][k]);
-                let first = now - one;
-                let second = first - (one - past.two[i][k]);
-                let mean = half * now + (s1 * first + s2 * second);
+                let velocity = grains.velocity[i][k];
+                let [mean, change] = scheme.predict(grains.acceleration[i][k], [past.one[i][k], past.two[i][k]]);
                 grains.displacement[i][k] = grains.displacement[i][k] + h * (velocity + mean);
-                self.predicted[i][k] = velocity + (h * now + (b1 * first + b2 * second));
+                self.predicted[i][k] = velocity + change;
             }
         }
         if let Some(load) = load {
@@ -116,24 +156,25 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
             }
         }
         if let Some(friction) = &mut contacts.friction {
-            friction.predict(grains.reached, [b1, b2]);
+            friction.predict(grains.reached, scheme.velocity);
+        }
+        if let Some(plate) = &mut contacts.plate {
+            plate.predict(&scheme);
         }
         self.clock.lap(Phase::Motion);
         self.sweep(grains, contacts, laws);
         let past = &mut self.past;
         self.clock.lap(Phase::Contacts);
-        let [m2, m3] = self.coefficients.corrector.map(V::splat);
         if let Some(friction) = &mut contacts.friction {
-            friction.correct(grains.reached, [m2, m3]);
+            friction.correct(grains.reached, scheme.corrector);
+        }
+        if let Some(plate) = &mut contacts.plate {
+            plate.correct(&scheme);
         }
         for i in 0..grains.reached {
             let new = grains.acceleration_of(i, &self.force[i]);
             for k in 0..D {
-                let (now, one, two) = (grains.acceleration[i][k], past.one[i][k], past.two[i][k]);
-                let (first, before, earlier) = (new[k] - now, now - one, one - two);
-                let second = first - before;
-                let third = second - (before - earlier);
-                let mean = half * (now + new[k]) - (m2 * second + m3 * third);
+                let mean = scheme.correct(new[k], grains.acceleration[i][k], [past.one[i][k], past.two[i][k]]);
                 grains.velocity[i][k] = grains.velocity[i][k] + mean;
             }
             past.two[i] = past.one[i];
