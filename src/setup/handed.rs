@@ -42,7 +42,7 @@ fn ahead<const D: usize>(rig: &Rig<D>, i: usize, direction: &[f64; D]) -> Vec<[f
         for centre in std::iter::once(other.centre).chain(images) {
             let between: [f64; D] = std::array::from_fn(|k| {
                 let apart = centre[k] - own.centre[k];
-                rig.periods[k].map_or(apart, |period| apart - period * (apart / period).round())
+                rig.periods[k].map_or(apart, |period| nearest_image(apart, period))
             });
             let distance = dot(&between, &between).sqrt();
             if distance > TOUCH * reach && distance <= reach * (1.0 + TOUCH) && (j != i || distance > 0.5 * reach) {
@@ -56,6 +56,12 @@ fn ahead<const D: usize>(rig: &Rig<D>, i: usize, direction: &[f64; D]) -> Vec<[f
         }
     }
     normals
+}
+
+/// The least of the distances along an axis to a body and to its images (m).
+pub(super) fn nearest_image(apart: f64, period: f64) -> f64 {
+    // Most are near enough as they are, and rounding takes long.
+    if apart.abs() < 0.5 * period { apart } else { apart - period * (apart / period).round() }
 }
 
 /// The greatest force of contacts along these normals that together hold 1 along a direction; none where they cannot, or one would have

@@ -17,7 +17,7 @@ use crate::evaluate::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 use crate::material::Material;
 use crate::units::Dimension::{Speed, Stiffness, Time};
 
-use super::handed::handed_on;
+use super::handed::{handed_on, nearest_image};
 
 /// Greatest ω h of a blow. Verlet's peak force then errs by −0.083 (ω h)² to +0.042 (ω h)² under Hertz's law (the peak lies up to half
 /// a step beside a state; the rest is the scheme's), its duration by less.
@@ -356,7 +356,8 @@ fn driven<const D: usize>(rig: &Rig<D>, load: &Load<D>, window: f64) -> f64 {
     }
     let peak = load.curve.peak();
     let lasts = load.curve.end().min(window);
-    let struck: std::collections::HashSet<usize> = load.bodies.iter().filter_map(|body| sphere_of(*body)).collect();
+    let mut struck = vec![false; rig.sample.spheres.len()];
+    load.bodies.iter().filter_map(|body| sphere_of(*body)).for_each(|i| struck[i] = true);
     let speed = |body: &Body| {
         let (mass, gap) = match *body {
             Body::Sphere(i) => (rig.mass[i], gap_ahead(rig, i, &load.direction, &struck)),
@@ -382,22 +383,17 @@ fn sphere_of(body: Body) -> Option<usize> {
 }
 
 /// How far (m) a sphere may be driven along a direction before it touches another that is not driven with it, or a plane.
-fn gap_ahead<const D: usize>(
-    rig: &Rig<D>,
-    i: usize,
-    direction: &[f64; D],
-    struck: &std::collections::HashSet<usize>,
-) -> f64 {
+fn gap_ahead<const D: usize>(rig: &Rig<D>, i: usize, direction: &[f64; D], struck: &[bool]) -> f64 {
     let own = &rig.sample.spheres[i];
     let mut least = f64::INFINITY;
     for (j, other) in rig.sample.spheres.iter().enumerate() {
-        if j == i || struck.contains(&j) {
+        if j == i || struck[j] {
             continue;
         }
         let between: [f64; D] = std::array::from_fn(|k| {
             let apart = other.centre[k] - own.centre[k];
             // Over periodic sides the nearest image is met.
-            rig.periods[k].map_or(apart, |period| apart - period * (apart / period).round())
+            rig.periods[k].map_or(apart, |period| nearest_image(apart, period))
         });
         let (ahead, reach) = (along(&between, direction), own.radius + other.radius);
         let beside = along(&between, &between) - ahead * ahead;
