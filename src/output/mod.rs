@@ -215,11 +215,32 @@ pub fn keep(path: &Path, contents: &[u8]) -> Result<(), OutputError> {
     put(path, contents, None).map_err(|error| OutputError::io(path, error))
 }
 
+/// As [`keep`], of contents that `write` gives piece by piece, so that they are never in memory as a whole.
+///
+/// # Errors
+/// What the system refuses, or `write` gives up for.
+pub fn keep_by(path: &Path, write: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<(), OutputError> {
+    let gradually = |file: &mut fs::File| {
+        let mut buffer = io::BufWriter::new(file);
+        write(&mut buffer)?;
+        buffer.flush()
+    };
+    put_by(path, gradually, None).map_err(|error| OutputError::io(path, error))
+}
+
 fn put(path: &Path, contents: &[u8], permissions: Option<fs::Permissions>) -> io::Result<()> {
+    put_by(path, |file| file.write_all(contents), permissions)
+}
+
+fn put_by(
+    path: &Path,
+    write: impl FnOnce(&mut fs::File) -> io::Result<()>,
+    permissions: Option<fs::Permissions>,
+) -> io::Result<()> {
     let parent = parent_of(path);
     fs::create_dir_all(&parent)?;
     let mut temporary = tempfile::NamedTempFile::new_in(&parent)?;
-    temporary.write_all(contents)?;
+    write(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
     match permissions {
         Some(permissions) => fs::set_permissions(temporary.path(), permissions)?,

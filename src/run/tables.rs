@@ -1,11 +1,13 @@
 //! What each sphere and contact felt, written when the run is over.
 
 use std::fmt::Write as _;
+use std::io;
 use std::path::Path;
 
 use super::streams::{append, axes, contact_header, contact_row};
 use super::{RunError, write};
 use crate::dem::rig::{Arrival, Body, Simulation};
+use crate::output::keep_by;
 use crate::setup::{Labels, PreparedRig};
 
 /// What each sphere felt at most, and when it was reached.
@@ -39,14 +41,19 @@ pub(super) fn write_all<const D: usize>(
 ) -> Result<(), RunError> {
     let peaks = Peaks::of(simulation, prepared.record.arrivals.len());
     write_peaks(folder, prepared, &peaks, &|i| simulation.view().simulated_fraction(i))?;
-    let mut contacts = contact_header::<D>() + "\n";
+    // Contacts are many: their tables are never in memory as a whole.
     let labels = prepared.labels();
-    for touching in simulation.view().contacts() {
-        contact_row(&mut contacts, &labels, &touching);
-        contacts.push('\n');
-    }
-    write(&folder.join("contacts-final.csv"), contacts.as_bytes())?;
-    write(&folder.join("contacts-ever.csv"), contacts_ever(&labels, simulation).as_bytes())
+    keep_by(&folder.join("contacts-final.csv"), |file| {
+        writeln!(file, "{}", contact_header::<D>())?;
+        let mut row = String::new();
+        for touching in simulation.view().contacts() {
+            row.clear();
+            contact_row(&mut row, &labels, &touching);
+            writeln!(file, "{row}")?;
+        }
+        Ok(())
+    })?;
+    Ok(keep_by(&folder.join("contacts-ever.csv"), |file| contacts_ever(&labels, simulation, file))?)
 }
 
 /// Writes the tables of spheres and layers, and that of regions where there are any; `part` tells how much of a sphere is simulated.
@@ -65,16 +72,22 @@ pub(super) fn write_peaks<const D: usize>(
 }
 
 /// One line per contact of spheres that ever closed: its greatest overlap and force, and what it took.
-fn contacts_ever<const D: usize>(labels: &Labels, simulation: &Simulation<D>) -> String {
-    let mut text = "sphere_a,sphere_b,max_overlap_m,max_force_N,work_J,stored_J,dissipated_J\n".to_owned();
+fn contacts_ever<const D: usize>(
+    labels: &Labels,
+    simulation: &Simulation<D>,
+    file: &mut dyn io::Write,
+) -> io::Result<()> {
+    writeln!(file, "sphere_a,sphere_b,max_overlap_m,max_force_N,work_J,stored_J,dissipated_J")?;
+    let mut row = String::new();
     for contact in simulation.contacts_ever() {
+        row.clear();
         let [a, b] = contact.spheres.map(|i| labels.of(Body::Sphere(i)));
-        let _ = write!(text, "{a},{b}");
+        let _ = write!(row, "{a},{b}");
         let [work, stored] = [contact.work, contact.stored].map(|energy| contact.weight * energy);
-        append(&mut text, [contact.overlap_max, contact.force_max, work, stored, work - stored]);
-        text.push('\n');
+        append(&mut row, [contact.overlap_max, contact.force_max, work, stored, work - stored]);
+        writeln!(file, "{row}")?;
     }
-    text
+    Ok(())
 }
 
 /// One line per sphere: where it lay, what it is, what it felt at most, when the wave came. Empty where it did not.
