@@ -287,6 +287,50 @@ mod x86 {
             }
         }
         #[inline(always)]
+        fn columns(rows: &[&[f64; 4]]) -> [Self; 4] {
+            let rows = &rows[..4];
+            unsafe {
+                let (a, b) = (_mm256_loadu_pd(rows[0].as_ptr()), _mm256_loadu_pd(rows[1].as_ptr()));
+                let (c, d) = (_mm256_loadu_pd(rows[2].as_ptr()), _mm256_loadu_pd(rows[3].as_ptr()));
+                let (even, odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+                let (even_too, odd_too) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+                [
+                    Self(_mm256_permute2f128_pd::<0x20>(even, even_too)),
+                    Self(_mm256_permute2f128_pd::<0x20>(odd, odd_too)),
+                    Self(_mm256_permute2f128_pd::<0x31>(even, even_too)),
+                    Self(_mm256_permute2f128_pd::<0x31>(odd, odd_too)),
+                ]
+            }
+        }
+        #[inline(always)]
+        fn load_threes(from: &[f64]) -> [Self; 3] {
+            let from = &from[..12];
+            unsafe {
+                let (a, b) = (_mm256_loadu_pd(from.as_ptr()), _mm256_loadu_pd(from.as_ptr().add(4)));
+                let c = _mm256_loadu_pd(from.as_ptr().add(8));
+                // x₀ y₀ x₂ y₂, z₀ x₁ z₂ x₃ and y₁ z₁ y₃ z₃.
+                let xy = _mm256_permute2f128_pd::<0x30>(a, b);
+                let zx = _mm256_permute2f128_pd::<0x21>(a, c);
+                let yz = _mm256_permute2f128_pd::<0x30>(b, c);
+                [
+                    Self(_mm256_shuffle_pd::<0b1010>(xy, zx)),
+                    Self(_mm256_shuffle_pd::<0b0101>(xy, yz)),
+                    Self(_mm256_shuffle_pd::<0b1010>(zx, yz)),
+                ]
+            }
+        }
+        #[inline(always)]
+        fn store_threes(&[x, y, z]: &[Self; 3], to: &mut [f64]) {
+            let to = &mut to[..12];
+            unsafe {
+                let (xy, yz) = (_mm256_unpacklo_pd(x.0, y.0), _mm256_unpackhi_pd(y.0, z.0));
+                let zx = _mm256_shuffle_pd::<0b1010>(z.0, x.0);
+                _mm256_storeu_pd(to.as_mut_ptr(), _mm256_permute2f128_pd::<0x20>(xy, zx));
+                _mm256_storeu_pd(to.as_mut_ptr().add(4), _mm256_permute2f128_pd::<0x30>(yz, xy));
+                _mm256_storeu_pd(to.as_mut_ptr().add(8), _mm256_permute2f128_pd::<0x31>(zx, yz));
+            }
+        }
+        #[inline(always)]
         fn index(places: &[u8]) -> __m128i {
             let bytes: [u8; 4] = [places[0] & 15, places[1] & 15, places[2] & 15, places[3] & 15];
             unsafe { _mm_cvtepu8_epi32(_mm_cvtsi32_si128(i32::from_le_bytes(bytes))) }
@@ -401,6 +445,61 @@ mod x86 {
             }
         }
         #[inline(always)]
+        fn columns(rows: &[&[f64; 4]]) -> [Self; 4] {
+            let rows = &rows[..8];
+            unsafe {
+                // Row i and row i + 4 in one register: halves are then turned alike.
+                let mut both = [_mm512_setzero_pd(); 4];
+                for i in 0..4 {
+                    let low = _mm512_castpd256_pd512(_mm256_loadu_pd(rows[i].as_ptr()));
+                    both[i] = _mm512_insertf64x4::<1>(low, _mm256_loadu_pd(rows[i + 4].as_ptr()));
+                }
+                let [a, b, c, d] = both;
+                let (even, odd) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+                let (even_too, odd_too) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
+                let (low, high) =
+                    (_mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15));
+                [
+                    Self(_mm512_permutex2var_pd(even, low, even_too)),
+                    Self(_mm512_permutex2var_pd(odd, low, odd_too)),
+                    Self(_mm512_permutex2var_pd(even, high, even_too)),
+                    Self(_mm512_permutex2var_pd(odd, high, odd_too)),
+                ]
+            }
+        }
+        #[inline(always)]
+        fn load_threes(from: &[f64]) -> [Self; 3] {
+            let from = &from[..24];
+            unsafe {
+                let (a, b) = (_mm512_loadu_pd(from.as_ptr()), _mm512_loadu_pd(from.as_ptr().add(8)));
+                let c = _mm512_loadu_pd(from.as_ptr().add(16));
+                // Each column has numbers of the first two registers, then of the third; places that are taken afterwards stand as 0.
+                let x = _mm512_permutex2var_pd(a, _mm512_setr_epi64(0, 3, 6, 9, 12, 15, 0, 0), b);
+                let y = _mm512_permutex2var_pd(a, _mm512_setr_epi64(1, 4, 7, 10, 13, 0, 0, 0), b);
+                let z = _mm512_permutex2var_pd(a, _mm512_setr_epi64(2, 5, 8, 11, 14, 0, 0, 0), b);
+                [
+                    Self(_mm512_permutex2var_pd(x, _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 10, 13), c)),
+                    Self(_mm512_permutex2var_pd(y, _mm512_setr_epi64(0, 1, 2, 3, 4, 8, 11, 14), c)),
+                    Self(_mm512_permutex2var_pd(z, _mm512_setr_epi64(0, 1, 2, 3, 4, 9, 12, 15), c)),
+                ]
+            }
+        }
+        #[inline(always)]
+        fn store_threes(&[x, y, z]: &[Self; 3], to: &mut [f64]) {
+            let to = &mut to[..24];
+            unsafe {
+                let a = _mm512_permutex2var_pd(x.0, _mm512_setr_epi64(0, 8, 0, 1, 9, 0, 2, 10), y.0);
+                let b = _mm512_permutex2var_pd(x.0, _mm512_setr_epi64(0, 3, 11, 0, 4, 12, 0, 5), y.0);
+                let c = _mm512_permutex2var_pd(x.0, _mm512_setr_epi64(13, 0, 6, 14, 0, 7, 15, 0), y.0);
+                let a = _mm512_permutex2var_pd(a, _mm512_setr_epi64(0, 1, 8, 3, 4, 9, 6, 7), z.0);
+                let b = _mm512_permutex2var_pd(b, _mm512_setr_epi64(10, 1, 2, 11, 4, 5, 12, 7), z.0);
+                let c = _mm512_permutex2var_pd(c, _mm512_setr_epi64(0, 13, 2, 3, 14, 5, 6, 15), z.0);
+                _mm512_storeu_pd(to.as_mut_ptr(), a);
+                _mm512_storeu_pd(to.as_mut_ptr().add(8), b);
+                _mm512_storeu_pd(to.as_mut_ptr().add(16), c);
+            }
+        }
+        #[inline(always)]
         fn index(places: &[u8]) -> __m512i {
             let mut bytes = [0; 8];
             bytes.copy_from_slice(&places[..8]);
@@ -464,7 +563,25 @@ mod tests {
                 }
                 let half = x.lt(V::splat(1.0));
                 let parts = x.exponent_mantissa();
+                let rows: [[f64; 4]; 8] = std::array::from_fn(|lane| {
+                    let value = group.get(lane).copied().unwrap_or(0.0);
+                    [value, 2.0 * value, value - 1.0, 1.0]
+                });
+                let columns = V::columns(&rows.each_ref());
+                let mut threes = [0.0; 24];
+                V::store_threes(&[columns[0], columns[1], columns[2]], &mut threes);
+                for (k, number) in threes[..3 * V::LANES].iter().enumerate() {
+                    assert_eq!(number.to_bits(), rows[k / 3][k % 3].to_bits());
+                }
+                let threes = V::load_threes(&threes);
                 let results = [
+                    columns[0],
+                    columns[1],
+                    columns[2],
+                    columns[3],
+                    threes[0],
+                    threes[1],
+                    threes[2],
                     x.ln(),
                     (x.min(V::splat(700.0)) * V::splat(-1.0)).exp(),
                     x.min(V::splat(12.0)).exp(),

@@ -103,6 +103,32 @@ pub trait Lanes: Number {
     fn store(self, to: &mut [f64]);
     /// The numbers moved one place on; into the first place comes the last one of `before`.
     fn after(self, before: Self) -> Self;
+    /// Rows of four, at least one per lane, as columns: number k of each row stands in column k.
+    fn columns(rows: &[&[f64; 4]]) -> [Self; 4];
+    /// The first rows of three of a slice, one per lane, as columns; it must hold as many numbers.
+    #[inline(always)]
+    fn load_threes(from: &[f64]) -> [Self; 3] {
+        let mut columns = [[0.0; 16]; 3];
+        for lane in 0..Self::LANES {
+            for k in 0..3 {
+                columns[k][lane] = from[3 * lane + k];
+            }
+        }
+        [Self::load(&columns[0]), Self::load(&columns[1]), Self::load(&columns[2])]
+    }
+    /// Writes columns as rows of three to the start of a slice.
+    #[inline(always)]
+    fn store_threes(columns: &[Self; 3], to: &mut [f64]) {
+        let mut stored = [[0.0; 16]; 3];
+        for k in 0..3 {
+            columns[k].store(&mut stored[k]);
+        }
+        for lane in 0..Self::LANES {
+            for k in 0..3 {
+                to[3 * lane + k] = stored[k][lane];
+            }
+        }
+    }
     /// Places from bytes below 16, one per number.
     fn index(places: &[u8]) -> Self::Index;
     /// The entries at given places.
@@ -211,6 +237,18 @@ impl Lanes for f64 {
     #[inline(always)]
     fn after(self, before: Self) -> Self {
         before
+    }
+    #[inline(always)]
+    fn columns(rows: &[&[f64; 4]]) -> [Self; 4] {
+        *rows[0]
+    }
+    #[inline(always)]
+    fn load_threes(from: &[f64]) -> [Self; 3] {
+        [from[0], from[1], from[2]]
+    }
+    #[inline(always)]
+    fn store_threes(columns: &[Self; 3], to: &mut [f64]) {
+        to[..3].copy_from_slice(columns);
     }
     #[inline(always)]
     fn index(places: &[u8]) -> usize {

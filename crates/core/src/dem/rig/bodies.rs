@@ -129,6 +129,26 @@ pub(super) fn cross<V: Lanes, const D: usize>(n: &[V; D], f: &[V; D]) -> [V; 3] 
     }
 }
 
+/// A vector times a number. In a loop: closures are not compiled for the caller's registers.
+#[inline(always)]
+pub(super) fn times<V: Lanes, const D: usize>(a: &[V; D], factor: V) -> [V; D] {
+    let mut product = *a;
+    for k in 0..D {
+        product[k] = a[k] * factor;
+    }
+    product
+}
+
+/// A vector where the mask holds, elsewhere zero.
+#[inline(always)]
+pub(super) fn only<V: Lanes, const D: usize>(mask: V::Mask, a: &[V; D]) -> [V; D] {
+    let mut only = *a;
+    for k in 0..D {
+        only[k] = V::select(mask, a[k], V::splat(0.0));
+    }
+    only
+}
+
 #[inline(always)]
 pub(super) fn dot<V: Lanes, const D: usize>(a: &[V; D], b: &[V; D]) -> V {
     let mut sum = a[0] * b[0];

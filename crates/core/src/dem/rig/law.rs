@@ -257,48 +257,70 @@ pub(super) enum SolidLaw {
     SpringDashpot(SpringDashpot),
 }
 
+/// δ_max, F_max and what a law remembers besides, as [`History`] has them, in a row that registers take at once.
+pub(super) type Remembered = [f64; 3];
+
+fn history(&[overlap_max, force_max, own]: &Remembered) -> History {
+    History { overlap_max, force_max, own }
+}
+
+fn remembered(History { overlap_max, force_max, own }: History) -> Remembered {
+    [overlap_max, force_max, own]
+}
+
 impl ContactLaw for SolidLaw {
-    type Memory = History;
+    type Memory = Remembered;
     const NUMBERS: usize = 3;
     const GRIPS: bool = false;
 
-    fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &History) -> (f64, History) {
-        match self {
+    fn respond(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &Remembered) -> (f64, Remembered) {
+        let memory = &history(memory);
+        let (force, after) = match self {
             Self::SpringDashpot(law) => law.of(reduced).respond(overlap, closing_speed, memory),
             Self::Named(law) => law.respond(overlap, closing_speed, memory),
             Self::Tabulated(law) => law.respond(overlap, closing_speed, memory),
-        }
+        };
+        (force, remembered(after))
     }
-    fn begin(&self, overlap: f64, closing_speed: f64, reduced: f64, memory: &History, step: f64) -> Begun<History> {
+    fn begin(
+        &self,
+        overlap: f64,
+        closing_speed: f64,
+        reduced: f64,
+        memory: &Remembered,
+        step: f64,
+    ) -> Begun<Remembered> {
         if let Self::SpringDashpot(law) = self {
             let (acts, force, onset) = law.begin(overlap, closing_speed, reduced, step);
-            return Begun { acts, force, onset, memory: memory.advanced(overlap, force.max(onset)) };
+            let memory = remembered(history(memory).advanced(overlap, force.max(onset)));
+            return Begun { acts, force, onset, memory };
         }
         let (force, memory) = self.respond(overlap, closing_speed, reduced, memory);
         Begun { acts: force, force, onset: 0.0, memory }
     }
-    fn end(&self, before: [f64; 2], gap: f64, closing_speed: f64, reduced: f64, _: &History) -> Ended {
+    fn end(&self, before: [f64; 2], gap: f64, closing_speed: f64, reduced: f64, _: &Remembered) -> Ended {
         if let Self::SpringDashpot(law) = self {
             return law.end(before, gap, closing_speed, reduced);
         }
         // Laws of metals end as they do in crystals (`dem::contacts`), so that a lens moves alike as a rig.
         Ended::default()
     }
-    fn stored(&self, overlap: f64, memory: &History) -> f64 {
+    fn stored(&self, overlap: f64, memory: &Remembered) -> f64 {
+        let memory = &history(memory);
         match self {
             Self::SpringDashpot(law) => law.of(0.0).stored(overlap, memory),
             Self::Named(law) => law.stored(overlap, memory),
             Self::Tabulated(law) => law.stored(overlap, memory),
         }
     }
-    fn yields(&self, overlap: f64, closing_speed: f64, memory: &History) -> bool {
+    fn yields(&self, overlap: f64, closing_speed: f64, memory: &Remembered) -> bool {
         match self {
-            Self::Named(law) => law.yields(overlap, closing_speed, memory),
+            Self::Named(law) => law.yields(overlap, closing_speed, &history(memory)),
             Self::Tabulated(_) | Self::SpringDashpot(_) => false,
         }
     }
-    fn greatest(memory: &History) -> Option<[f64; 2]> {
-        Some([memory.overlap_max, memory.force_max])
+    fn greatest(&[overlap_max, force_max, _]: &Remembered) -> Option<[f64; 2]> {
+        Some([overlap_max, force_max])
     }
     fn stiffness_max(&self, force_max: f64) -> f64 {
         match self {
@@ -319,11 +341,11 @@ impl ContactLaw for SolidLaw {
             Self::Tabulated(_) | Self::SpringDashpot(_) => OVERLAP_LIMIT,
         }
     }
-    fn numbers(memory: &History) -> Vec<f64> {
-        vec![memory.overlap_max, memory.force_max, memory.own]
+    fn numbers(memory: &Remembered) -> Vec<f64> {
+        memory.to_vec()
     }
-    fn from_numbers(numbers: &[f64]) -> History {
-        History { overlap_max: numbers[0], force_max: numbers[1], own: numbers[2] }
+    fn from_numbers(numbers: &[f64]) -> Remembered {
+        [numbers[0], numbers[1], numbers[2]]
     }
 }
 

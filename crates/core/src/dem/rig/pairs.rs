@@ -12,15 +12,22 @@ pub(super) struct Near<const D: usize> {
     pub ends: [u32; 2],
     /// Periods by which the second sphere is shifted.
     pub image: [i8; D],
-    /// From the centre of the first to that of the second (its image) where they lay at the start (m).
-    pub offset: [f64; D],
-    /// |offset|² − (r₁ + r₂)² (m²); exactly zero where the spheres just touched.
-    pub gap: f64,
+    /// From the centre of the first to that of the second (its image) where they lay at the start (m), in as many numbers as there are axes; last |offset|²
+    /// − (r₁ + r₂)² (m²), exactly zero where the spheres just touched. In one row, which registers take at once.
+    pub rest: [f64; 4],
     /// r₁ + r₂ (m)
     pub reach: f64,
 }
 
 impl<const D: usize> Near<D> {
+    /// Offset (m) and gap (m²); see `rest`.
+    #[inline(always)]
+    pub fn lies(&self) -> ([f64; D], f64) {
+        let mut offset = [0.0; D];
+        offset.copy_from_slice(&self.rest[..D]);
+        (offset, self.rest[3])
+    }
+
     /// What tells a pair from all others; lists are in this order.
     pub fn key(&self) -> ([u32; 2], [i8; D]) {
         (self.ends, self.image)
@@ -331,8 +338,9 @@ pub(super) fn pair<const D: usize>(rig: &Rig<D>, [i, j]: [usize; 2], image: [i8;
     let reach = a.radius + b.radius;
     let squared: f64 = offset.iter().map(|x| x * x).sum();
     let touching = (squared.sqrt() - reach).abs() <= TOUCHING * reach;
-    let gap = if touching { 0.0 } else { squared - reach * reach };
-    Near { ends: [i as u32, j as u32], image, offset, gap, reach }
+    let mut rest = [0.0, 0.0, 0.0, if touching { 0.0 } else { squared - reach * reach }];
+    rest[..D].copy_from_slice(&offset);
+    Near { ends: [i as u32, j as u32], image, rest, reach }
 }
 
 #[cfg(test)]

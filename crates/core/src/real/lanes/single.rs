@@ -153,6 +153,16 @@ impl Lanes for F32x16 {
         }
     }
     #[inline(always)]
+    fn columns(rows: &[&[f64; 4]]) -> [Self; 4] {
+        let mut columns = [[0.0; 16]; 4];
+        for lane in 0..16 {
+            for k in 0..4 {
+                columns[k][lane] = rows[lane][k];
+            }
+        }
+        [Self::load(&columns[0]), Self::load(&columns[1]), Self::load(&columns[2]), Self::load(&columns[3])]
+    }
+    #[inline(always)]
     fn index(places: &[u8]) -> __m512i {
         let places = &places[..16];
         unsafe { _mm512_cvtepu8_epi32(_mm_loadu_si128(places.as_ptr().cast())) }

@@ -4,7 +4,7 @@
 //! al. have it, for any [`Lanes`]. [`coulomb`], of all other rigs: a spring whose stiffness may follow the overlap, and which never gives back more than
 //! was put in; it resists rolling too. [`spread`]: many springs side by side, of which those at the rim slip first.
 
-use crate::dem::rig::bodies::dot;
+use crate::dem::rig::bodies::{dot, times};
 use crate::dem::rig::law::Slip;
 use crate::dem::rig::{Rig, Spring};
 use crate::real::Lanes;
@@ -66,62 +66,83 @@ impl<V: Lanes> Grip<V> {
     }
 }
 
+/// What [`coulomb`] knows of a contact, one or several side by side.
+#[derive(Clone, Copy)]
+pub struct Coulomb<V> {
+    /// μ
+    pub coefficient: V,
+    /// k_t (N/m), constant part
+    pub stiffness: V,
+    /// k_t over √δ (N/m^1.5), Mindlin's part
+    pub mindlin: V,
+}
+
 impl Slip {
+    /// What [`coulomb`] asks for.
+    #[inline(always)]
+    pub fn sliding(&self) -> Coulomb<f64> {
+        Coulomb { coefficient: self.coefficient, stiffness: self.stiffness, mindlin: self.mindlin }
+    }
+
     /// That of rolling: the same spring under another cap.
     #[inline(always)]
-    pub fn of_rolling(&self) -> Self {
-        Self { coefficient: self.rolling, ..*self }
+    pub fn of_rolling(&self) -> Coulomb<f64> {
+        Coulomb { coefficient: self.rolling, ..self.sliding() }
     }
 
     /// k_t at an overlap.
     #[inline(always)]
     pub fn stiffness_at(&self, overlap: f64) -> f64 {
-        if self.mindlin > 0.0 { self.stiffness + self.mindlin * overlap.sqrt() } else { self.stiffness }
+        self.sliding().stiffness_at(overlap.sqrt())
+    }
+}
+
+impl<V: Lanes> Coulomb<V> {
+    /// k_t at an overlap of this root.
+    #[inline(always)]
+    fn stiffness_at(&self, root: V) -> V {
+        self.stiffness + self.mindlin * root
     }
 
-    /// The mean of k_t while the overlap changes from one value to another at a constant rate. ∫√δ dδ between a and b is
+    /// The mean of k_t while the overlap changes between two, whose roots these are, at a constant rate. ∫√δ dδ between a and b is
     /// (2/3)(b^{3/2} − a^{3/2}).
     #[inline(always)]
-    fn mean_stiffness(&self, [from, to]: [f64; 2]) -> f64 {
-        if self.mindlin == 0.0 {
-            return self.stiffness;
-        }
-        let (a, b) = (from.sqrt(), to.sqrt());
-        let sum = a + b;
-        let mean = if sum > 0.0 { (a * a + a * b + b * b) / (1.5 * sum) } else { 0.0 };
-        self.stiffness + self.mindlin * mean
+    fn mean_stiffness(&self, [a, b]: [V; 2]) -> V {
+        let (zero, sum) = (V::splat(0.0), a + b);
+        let mean = (a * a + a * b + b * b) / (V::splat(1.5) * sum);
+        self.stiffness + self.mindlin * V::select(zero.lt(sum), mean, zero)
     }
 }
 
 /// Friction after one step, by [`coulomb`] or [`spread`].
-pub struct Rubbed<const D: usize> {
+#[derive(Clone, Copy)]
+pub struct Rubbed<V, const D: usize> {
     /// The force that holds the first end back, and drags the second along.
-    pub drag: [f64; D],
+    pub drag: [V; D],
     /// ξ (m)
-    pub stretch: [f64; D],
+    pub stretch: [V; D],
     /// Work done against it during the step (J).
-    pub work: f64,
+    pub work: V,
     /// What its dashpot takes (W).
-    pub power: f64,
+    pub power: V,
 }
 
-impl<const D: usize> Rubbed<D> {
+impl<V: Lanes, const D: usize> Rubbed<V, D> {
     /// A dashpot beside the spring, c (kg/s) times the sliding (m/s), their sum under the same cap (N): its share lies between T and T + c u,
     /// or, in three dimensions, is the projection on the circle of radius μ |F_n|, and opposes the sliding in both.
     #[inline(always)]
-    pub fn damp(&mut self, cap: f64, damping: f64, sliding: &[f64; D], (power_before, step): (f64, f64)) {
+    pub fn damp(&mut self, cap: V, damping: V, sliding: &[V; D], (power_before, step): (V, f64)) {
         let spring = self.drag;
         for k in 0..D {
-            self.drag[k] += damping * sliding[k];
+            self.drag[k] = self.drag[k] + damping * sliding[k];
         }
         let size = dot(&self.drag, &self.drag).sqrt();
-        if size > cap {
-            self.drag = self.drag.map(|force| force * (cap / size));
-        }
+        let cut = V::select(cap.lt(size), cap / size, V::splat(1.0));
         for k in 0..D {
-            self.power += (self.drag[k] - spring[k]) * sliding[k];
+            self.drag[k] = self.drag[k] * cut;
+            self.power = self.power + (self.drag[k] - spring[k]) * sliding[k];
         }
-        self.work += 0.5 * step * (power_before + self.power);
+        self.work = self.work + V::splat(0.5 * step) * (power_before + self.power);
     }
 }
 
@@ -136,45 +157,45 @@ impl<const D: usize> Rubbed<D> {
 /// `way` is how far the first end has slid during the step (m), `before` the account of the step before, `stretch` its ξ = T/k_t. Work is counted so that what friction takes is a sum of
 /// terms of which none is negative: what a spring loses at constant ξ or T, and slip times cap.
 #[inline(always)]
-pub fn coulomb<const D: usize>(
-    slip: &Slip,
-    (overlap, normal): (f64, &[f64; D]),
-    (push, way): (f64, &[f64; D]),
-    (before, stretch): (&Account, &[f64; D]),
-) -> Rubbed<D> {
-    let cap = slip.coefficient * push.abs();
-    let [was, now] = [before.overlap, overlap].map(|overlap| slip.stiffness_at(overlap));
-    let (mut drag, mut stretch, mut work) = ([0.0; D], *stretch, 0.0);
-    if now > 0.0 {
-        turn_into_plane(&mut stretch, normal);
-        let during = slip.mean_stiffness([before.overlap, overlap]);
-        // T and ξ, as if nothing slid; and the stiffness by which what exceeds the cap is slip.
-        let yielding = if now >= was {
-            for k in 0..D {
-                drag[k] = was * stretch[k] + during * way[k];
-            }
-            during
-        } else {
-            for k in 0..D {
-                drag[k] = now * (stretch[k] + way[k]);
-            }
-            now
-        };
-        let held = dot(&stretch, &stretch);
-        let size = dot(&drag, &drag).sqrt();
-        if size > cap {
-            drag = drag.map(|force| force * (cap / size));
-            let slid = (size - cap) / yielding;
-            work += 0.5 * slip.coefficient * (before.force.abs() + push.abs()) * slid;
-        }
-        stretch = drag.map(|force| force / now);
-        work += if now >= was {
-            (dot(&drag, &drag) - was * was * held) / (2.0 * during)
-        } else {
-            0.5 * during * (dot(&stretch, &stretch) - held)
-        };
+pub fn coulomb<V: Lanes, const D: usize>(
+    slip: &Coulomb<V>,
+    (overlap, normal): (V, &[V; D]),
+    (push, way): (V, &[V; D]),
+    ([overlap_before, force_before], stretch): ([V; 2], &[V; D]),
+) -> Rubbed<V, D> {
+    let (zero, one, half) = (V::splat(0.0), V::splat(1.0), V::splat(0.5));
+    let (force_before, force) = (force_before.max(-force_before), push.max(-push));
+    let cap = slip.coefficient * force;
+    let roots = [overlap_before.sqrt(), overlap.sqrt()];
+    let (was, now) = (slip.stiffness_at(roots[0]), slip.stiffness_at(roots[1]));
+    let during = slip.mean_stiffness(roots);
+    let turned = turned_into_plane(stretch, normal);
+    // T and ξ, as if nothing slid; and the stiffness by which what exceeds the cap is slip.
+    let (springs, softens) = (zero.lt(now), now.lt(was));
+    let yielding = V::select(softens, now, during);
+    let mut drag = [zero; D];
+    for k in 0..D {
+        let stretched = V::select(softens, now * (turned[k] + way[k]), was * turned[k] + during * way[k]);
+        drag[k] = V::select(springs, stretched, zero);
     }
-    Rubbed { drag, stretch, work, power: 0.0 }
+    let held = dot(&turned, &turned);
+    let size = dot(&drag, &drag).sqrt();
+    let (slips, mut work) = (cap.lt(size), zero);
+    if V::any(slips) {
+        let cut = V::select(slips, cap / size, one);
+        drag = times(&drag, cut);
+        let slid = (size - cap) / yielding;
+        work = V::select(slips, half * slip.coefficient * (force_before + force) * slid, zero);
+    }
+    let softness = one / now;
+    let mut now_stretch = *stretch;
+    for k in 0..D {
+        now_stretch[k] = V::select(springs, drag[k] * softness, stretch[k]);
+    }
+    let grown = (dot(&drag, &drag) - was * was * held) / (V::splat(2.0) * during);
+    let fallen = half * during * (dot(&now_stretch, &now_stretch) - held);
+    work = V::select(springs, work + V::select(softens, fallen, grown), zero);
+    Rubbed { drag, stretch: now_stretch, work, power: zero }
 }
 
 /// Springs of a row, at most. Half of them are in contact at least; the tangential restitution of oblique blows is then that of very many
@@ -223,7 +244,7 @@ pub fn spread<const D: usize>(
     (push, way): (f64, &[f64; D]),
     before: &Account,
     springs: &mut [f64],
-) -> Rubbed<D> {
+) -> Rubbed<f64, D> {
     let edge = overlap.sqrt();
     let (width, stretch) = springs.split_first_mut().expect("a row has a width");
     let held = 0.5 * slip.mindlin * *width * stretch.iter().map(|part| part * part).sum::<f64>();
@@ -257,8 +278,7 @@ pub fn spread<const D: usize>(
     let (cap_before, cap) = (shares(before.overlap, before.force), shares(overlap, push));
     let (mut drag, mut work) = ([0.0; D], 0.0);
     for (i, one) in stretch.chunks_exact_mut(D).enumerate() {
-        let mut own: [f64; D] = std::array::from_fn(|k| one[k]);
-        turn_into_plane(&mut own, normal);
+        let own = turned_into_plane(&std::array::from_fn(|k| one[k]), normal);
         let mut force: [f64; D] = std::array::from_fn(|k| stiffness * (own[k] + way[k]));
         let (size, cap) = (dot(&force, &force).sqrt(), cap(i));
         if size > cap {
@@ -328,20 +348,17 @@ impl Held<'_> {
     }
 }
 
-/// Turns a vector into the plane across the normal, without changing its length.
+/// A vector turned into the plane across the normal, without changing its length.
 #[inline(always)]
-fn turn_into_plane<const D: usize>(vector: &mut [f64; D], normal: &[f64; D]) {
+fn turned_into_plane<V: Lanes, const D: usize>(vector: &[V; D], normal: &[V; D]) -> [V; D] {
     let length = dot(vector, vector);
     let along = dot(vector, normal);
-    if along == 0.0 {
-        return;
-    }
+    let mut turned = *vector;
     for k in 0..D {
-        vector[k] -= along * normal[k];
+        turned[k] = turned[k] - along * normal[k];
     }
-    let left = dot(vector, vector);
-    if left > 0.0 {
-        let factor = (length / left).sqrt();
-        vector.iter_mut().for_each(|part| *part *= factor);
-    }
+    let left = dot(&turned, &turned);
+    let zero = V::splat(0.0);
+    let factor = V::select(zero.lt(left), (length / left).sqrt(), V::splat(1.0));
+    times(&turned, factor)
 }

@@ -28,8 +28,8 @@ impl Lines {
     pub fn of(near: &[Near<2>]) -> Self {
         Self {
             ends: rows(near.len(), |c| near[c].ends),
-            offset: [0, 1].map(|k| rows(near.len(), |c| near[c].offset[k])),
-            gap: rows(near.len(), |c| near[c].gap),
+            offset: [0, 1].map(|k| rows(near.len(), |c| near[c].rest[k])),
+            gap: rows(near.len(), |c| near[c].rest[3]),
             reach: rows(near.len(), |c| near[c].reach),
         }
     }

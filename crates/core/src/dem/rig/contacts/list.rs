@@ -7,11 +7,12 @@ use super::account::Account;
 use super::faces::{Facing, NearFace, near_faces};
 use super::lanes::Lines;
 use super::sections::Sections;
+use super::solids::Looked;
 use super::{FaceKey, Kept};
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::{ContactLaw, End, LawMaker, reduced_mass};
+use crate::dem::rig::law::{ContactLaw, End, LawMaker, PairLaw, SolidLaw, reduced_mass};
 use crate::dem::rig::pairs::{Finder, Near};
 use crate::dem::share::{parts, rows};
 
@@ -160,6 +161,8 @@ impl<const D: usize, L: ContactLaw> Contacts<D, L> {
             last = Some((key, place));
             self.pair_law.push(place);
         }
+        let of_materials = (&self.pair_laws as &dyn Any).downcast_ref::<Vec<PairLaw<SolidLaw>>>();
+        self.looked = of_materials.and_then(|laws| Looked::of(laws, &self.pair_law[..self.near.len()]));
     }
 }
 

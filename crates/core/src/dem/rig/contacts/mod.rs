@@ -5,7 +5,7 @@
 //! section, which threads share out: the same sums for any number of threads.
 //!
 //! - `react`: what contacts do; `friction`: its tangential part; `faces`: contacts with flats and mirrors
-//! - `sweep`: forces on all bodies; `lanes`: the same for disks with springs and dashpots, several contacts side by side
+//! - `sweep`: forces on all bodies; several contacts side by side: `lanes` for disks with springs and dashpots, `solids` for spheres under laws of materials
 //! - `list`: how the list changes
 //! - `sections`: parts of the list of pairs that threads share out
 //! - `account`: what contacts have carried and lost
@@ -17,6 +17,7 @@ mod lanes;
 mod list;
 mod react;
 mod sections;
+mod solids;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -116,6 +117,8 @@ pub(super) struct Contacts<const D: usize, L: ContactLaw> {
     radius: Vec<f64>,
     /// For disks in lanes: the pairs as parallel arrays.
     lines: Lines,
+    /// For spheres in lanes: the numbers of their laws, if all pairs have one law.
+    looked: Option<solids::Looked>,
     width: Width,
 }
 
@@ -177,6 +180,7 @@ impl<const D: usize, L: ContactLaw> Contacts<D, L> {
             overlap_limit: rig.overlap_limit,
             sections: Sections::of(&[], count),
             lines: Lines::default(),
+            looked: None,
             width: Width::widest(),
         }
     }
@@ -310,7 +314,8 @@ impl<const D: usize, L: ContactLaw> Contacts<D, L> {
         if let Some(f) = c.checked_sub(self.near.len()) {
             return self.faces[f].standing(rig, bodies).map(|standing| standing.normal);
         }
-        let Near { ends: [a, b], offset, .. } = self.near[c];
+        let (near, (offset, _)) = (&self.near[c], self.near[c].lies());
+        let [a, b] = near.ends;
         let (from, to) = (bodies.displacement[a as usize], bodies.displacement[b as usize]);
         let between: [f64; D] = std::array::from_fn(|k| offset[k] + to[k] - from[k]);
         let distance = dot(&between, &between).sqrt();

@@ -4,7 +4,7 @@
 //! ([`react_pair`]) and for faces (`faces`) alike. Its geometry is written for any [`Lanes`]: one contact at a time, or in lanes
 //! (`lanes`).
 
-use crate::dem::rig::bodies::{Bodies, cross, dot, spin_cross};
+use crate::dem::rig::bodies::{Bodies, cross, dot, spin_cross, times};
 use crate::dem::rig::dashpot::Ended;
 use crate::dem::rig::law::{Begun, ContactLaw, PairLaw, Slip};
 use crate::dem::rig::pairs::Near;
@@ -77,6 +77,26 @@ pub fn sliding<V: Lanes, const D: usize>(approach: &[V; D], turn: &[V; 3], norma
         sliding[k] = sliding[k] - along * normal[k] + turn[k];
     }
     sliding
+}
+
+/// How far (m) the first end's surface slides over the second's in a step: from the centres' distance at its end, and the mean velocities and
+/// turns over it, which hold half a step before.
+#[inline(always)]
+pub fn slid<V: Lanes, const D: usize>(between: &[V; D], approach: &[V; D], turn: &[V; 3], step: f64) -> [V; D] {
+    let mut middle = *between;
+    for k in 0..D {
+        middle[k] = between[k] + V::splat(0.5 * step) * approach[k];
+    }
+    let inverse = V::splat(1.0) / dot(&middle, &middle).sqrt();
+    times(&sliding(approach, turn, &times(&middle, inverse)), V::splat(step))
+}
+
+/// The part of a step in which a contact has been closed that closed within it: it has slid for that part only.
+#[inline(always)]
+pub fn since<V: Lanes>(overlap_before: V, overlap: V, closing_speed: V, step: f64) -> V {
+    let (zero, way) = (V::splat(0.0), closing_speed * V::splat(step));
+    let whole = V::or(zero.lt(overlap_before), V::lt(way, overlap));
+    V::select(whole, V::splat(1.0), overlap / way)
 }
 
 /// Overlap over the radii's sum from which on a contact counts as closed; as in `dem::contacts`.
@@ -182,7 +202,8 @@ pub fn react_pair<const D: usize, L: ContactLaw, const TURNING: bool>(
     mut held: Held<'_>,
 ) -> Option<(Reaction<D>, Past<L::Memory, D>)> {
     let Predicted { velocity, turn, step, .. } = motion.predicted;
-    let Near { ends: [a, b], offset, gap, reach, .. } = *near;
+    let Near { ends: [a, b], reach, .. } = *near;
+    let (offset, gap) = near.lies();
     let (a, b) = (a as usize, b as usize);
     let (from, to) = (&motion.bodies.displacement[a], &motion.bodies.displacement[b]);
     let mut shift = [0.0; D];
@@ -212,16 +233,12 @@ pub fn react_pair<const D: usize, L: ContactLaw, const TURNING: bool>(
         if !by_grip::<D, L>() && step > 0.0 {
             let (first, second) = (motion.mean_velocity(a), motion.mean_velocity(b));
             let approach: [f64; D] = std::array::from_fn(|k| first[k] - second[k]);
-            // Half a step ago, where the mean velocities hold.
-            let middle: [f64; D] = std::array::from_fn(|k| between[k] + 0.5 * step * approach[k]);
-            let distance = dot(&middle, &middle).sqrt();
             let turned = [motion.mean_turn(a), motion.mean_turn(b)];
             if pair_law.slip.rolling > 0.0 {
                 let turned = std::array::from_fn(|k| (turned[0][k] - turned[1][k]) * step);
                 rolls = Rolls { radius: pair_law.slip.rolling_radius, turned };
             }
-            let turn = together(turned[0], turned[1]);
-            way = sliding(&approach, &turn, &middle.map(|x| x / distance)).map(|u| u * step);
+            way = slid(&between, &approach, &together(turned[0], turned[1]), step);
         }
     }
     let (reaction, past) =
@@ -284,11 +301,7 @@ pub fn react<const D: usize, L: ContactLaw, const TURNING: bool>(
             twist[2] = rub.twist;
             account.rub(rub.power, step);
         } else {
-            // A contact that closed within the step has slid for the part of it since.
-            let since = match past.account.overlap == 0.0 && *closing_speed * step > *overlap {
-                true => *overlap / (*closing_speed * step),
-                false => 1.0,
-            };
+            let since = since(past.account.overlap, *overlap, *closing_speed, step);
             let slipped = (push, &way.map(|x| since * x));
             let rubbed = sprung(slip, damping, meeting, slipped, (&stretch, &account), (&mut *held, step));
             for k in 0..D {
@@ -302,7 +315,8 @@ pub fn react<const D: usize, L: ContactLaw, const TURNING: bool>(
                 let about = dot(&rolls.turned, &upright);
                 // The part about the normal is no rolling.
                 let way = std::array::from_fn(|k| since * rolls.radius * (rolls.turned[k] - about * upright[k]));
-                let resists = coulomb(&slip.of_rolling(), (*overlap, &upright), (push, &way), (&account, rolled));
+                let before = ([account.overlap, account.force], &*rolled);
+                let resists = coulomb(&slip.of_rolling(), (*overlap, &upright), (push, &way), before);
                 *rolled = resists.stretch;
                 roll = resists.drag.map(|force| rolls.radius * force);
                 account.friction_work += resists.work;
@@ -362,11 +376,11 @@ fn sprung<const D: usize>(
     (push, way): (f64, &[f64; D]),
     (stretch, account): (&[f64; D], &Account),
     (held, step): (&mut Held<'_>, f64),
-) -> Rubbed<D> {
+) -> Rubbed<f64, D> {
     let place = (meeting.overlap, &meeting.normal);
     let mut rubbed = match held.springs(slip) {
         Some(springs) => spread(slip, place, (push, way), account, springs),
-        None => coulomb(slip, place, (push, way), (account, stretch)),
+        None => coulomb(&slip.sliding(), place, (push, way), ([account.overlap, account.force], stretch)),
     };
     if damping > 0.0 {
         rubbed.damp(slip.coefficient * push.abs(), damping, &meeting.sliding(), (account.power, step));

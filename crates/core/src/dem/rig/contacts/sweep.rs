@@ -8,9 +8,10 @@ use super::friction::Held;
 use super::lanes::{Disks, Sweep};
 use super::react::{Arms, Meeting, Motion, Past, Predicted, Reaction, Rolls, react, react_pair, release, sliding};
 use super::sections::{Piece, Spill};
+use super::solids;
 use crate::dem::rig::bodies::{Bodies, dot};
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::ContactLaw;
+use crate::dem::rig::law::{ContactLaw, SolidLaw};
 use crate::dem::rig::spins::{self, Spins};
 use crate::dem::rig::{Body, Rig};
 
@@ -65,6 +66,12 @@ impl<const D: usize, L: ContactLaw> Contacts<D, L> {
 
     fn sweep_pairs<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
         sums.flat.fill([0.0; D]);
+        if let Some(solids) = (self as &mut dyn Any).downcast_mut::<Contacts<D, SolidLaw>>()
+            && solids.looked.is_some()
+            && !solids.radius.is_empty()
+        {
+            return solids.sweep_solids::<TURNING>(bodies, predicted, sums);
+        }
         let in_lanes = self.share.is_empty() && self.radius.is_empty();
         let (disks, flat_sums) = (self as &mut dyn Any, sums as &mut dyn Any);
         match (disks.downcast_mut::<Contacts<2, SpringDashpot>>(), flat_sums.downcast_mut::<Sums<2>>()) {
@@ -305,6 +312,33 @@ fn spring_at<const D: usize, const TURNING: bool>(stretch: [&[f64]; D], c: usize
 /// Pairs of numbers of the plane, known to be so only where the law is.
 fn plane<const D: usize>(rows: &[[f64; D]]) -> &[[f64; 2]] {
     rows.as_flattened().as_chunks().0
+}
+
+impl<const D: usize> Contacts<D, SolidLaw> {
+    /// As `sweep_any`, in the lanes of vector registers.
+    fn sweep_solids<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
+        if TURNING {
+            self.sweep_groups::<TURNING, { solids::TURNING }>(bodies, predicted, sums);
+        } else {
+            self.sweep_groups::<TURNING, { solids::STRAIGHT }>(bodies, predicted, sums);
+        }
+    }
+
+    fn sweep_groups<const TURNING: bool, const GROUPS: usize>(
+        &mut self,
+        bodies: &Bodies<D>,
+        predicted: Predicted<D>,
+        sums: &mut Sums<D>,
+    ) {
+        let Some(looked) = self.looked.as_ref() else { return };
+        let rows = solids::rows_of::<D, GROUPS>(bodies, &self.radius, predicted);
+        let Self { near, share, lever, pair_law, reduced, memory, stretch, account, sections, width, .. } = self;
+        let (near, share, pair_law, reduced) = (&near[..], &share[..], &pair_law[..], &reduced[..]);
+        let (rows, step) = (&rows[..], predicted.step);
+        sections.run::<_, TURNING>(memory, account.rows(), (stretch, &mut []), lever, sums, |piece| {
+            width.run(solids::Sweep::<D, GROUPS> { near, rows, looked, pair_law, reduced, share, piece, step });
+        });
+    }
 }
 
 impl Contacts<2, SpringDashpot> {

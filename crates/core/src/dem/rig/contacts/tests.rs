@@ -1,10 +1,11 @@
 use super::sections::Sections;
 use super::{Contacts, Predicted, Sums};
+use crate::contact::{Constants, LawKind};
 use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::ByDashpot;
+use crate::dem::rig::law::{ByDashpot, ByMaterial, ContactLaw as _, SolidLaw};
 use crate::dem::rig::pairs::Finder;
-use crate::dem::rig::{Arm, Friction, LawBook, Loss, Rig, Spring};
+use crate::dem::rig::{Arm, Friction, Law, LawBook, Loss, Rig, Spring};
 use crate::real::Width;
 use crate::sample::{Sample, Sphere};
 
@@ -107,6 +108,95 @@ fn sections_give_the_same_sums() {
                 apart < 8.0 * f64::EPSILON * greatest && felt.len() == felt_in_sections.len(),
                 "{sections}: {apart:e}"
             );
+        }
+    }
+}
+
+/// What a few sweeps over jostling spheres of two metals in a box come to: all forces and torques, and what contacts remember. `kinds` of radii;
+/// one contact at a time where there is no width.
+fn jostled_solids<const D: usize>(
+    width: Option<Width>,
+    (law, friction): (LawKind, Option<Friction>),
+    (kinds, sections): (usize, usize),
+) -> [Vec<f64>; 2] {
+    let mut state = 11_u64;
+    let mut draw = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (side, size) = (if D == 2 { 16_usize } else { 6 }, 6e-3);
+    let count = side.pow(D as u32);
+    let spheres: Vec<Sphere<D>> = (0..count)
+        .map(|i| Sphere {
+            centre: std::array::from_fn(|k| size * ((i / side.pow(k as u32) % side) as f64 + 0.01 * draw())),
+            radius: 0.5 * size * (1.0 + 0.01 * ((i * 7) % kinds) as f64 / kinds as f64),
+            material: usize::from(i % 5 == 3),
+        })
+        .collect();
+    let materials: Vec<_> = ["440c", "brass-260"].map(|name| crate::material::find(name, &[]).unwrap()).into();
+    let book = |friction| LawBook::Materials {
+        law: Law::Named(law),
+        constants: Constants::default(),
+        pairs: Vec::new(),
+        friction,
+    };
+    let mut rig = Rig::new(Sample { materials: materials.clone(), spheres }, book(friction));
+    rig.periods[0] = Some(size * side as f64);
+    let binder =
+        ByMaterial { law: Law::Named(law), constants: Constants::default(), pairs: Vec::new(), friction, materials };
+    let (finder, mut bodies) = (Finder::new(&rig), Bodies::new(&rig));
+    let mut contacts = Contacts::<D, SolidLaw>::new(&rig, 2.0);
+    contacts.renew(&rig, &finder, &bodies, &binder);
+    contacts.sections = Sections::so_many(&contacts.near, count, sections);
+    contacts.width = width.unwrap_or(Width::Scalar);
+    assert!(contacts.looked.is_some());
+    if width.is_none() {
+        contacts.looked = None;
+    }
+    let (mut sums, mut felt, step) = (Sums::new(count, 0), Vec::new(), 1e-6);
+    for _ in 0..12 {
+        let before = bodies.velocity.clone();
+        for i in 0..count {
+            bodies.velocity[i] = std::array::from_fn(|_| 40.0 * (draw() - 0.5));
+            bodies.spin.set(i, &[0, 1, 2].map(|_| 3e3 * (draw() - 0.5)));
+            for k in 0..D {
+                bodies.displacement[i][k] += step * bodies.velocity[i][k];
+            }
+        }
+        let velocity = std::mem::replace(&mut bodies.velocity, before);
+        let turn = bodies.spin.times(&contacts.lever);
+        let predicted = Predicted { velocity: &velocity, turn: &turn, flat_velocity: &[], step };
+        contacts.sweep(&rig, &bodies, predicted, &mut sums);
+        felt.extend(sums.force.iter().flatten().chain(sums.torque.numbers()));
+    }
+    let closed = contacts.account.overlap.iter().filter(|&&overlap| overlap > 0.0).count();
+    assert!(closed > 100 && closed < contacts.len() - 100, "{closed} of {}", contacts.len());
+    let accounts = (0..contacts.len()).flat_map(|c| contacts.account.at(c).numbers());
+    let memories = contacts.memory.iter().flat_map(SolidLaw::numbers);
+    let remembered = accounts.chain(memories).chain((0..contacts.len()).map(|c| contacts.tangential_stored(c)));
+    [felt, remembered.collect()]
+}
+
+/// Spheres of metals side by side do what they do one at a time, to the bit: under every kind of friction that registers take, with few kinds of
+/// pairs and with many, in the plane and in space.
+#[test]
+fn every_width_gives_the_same_forces_on_spheres() {
+    let friction = |spring, damping| Some(Friction { coefficient: 0.2, spring, damping, rolling: 0.0 });
+    let frictions =
+        [None, friction(Spring::Mindlin, 0.0), friction(Spring::Constant(1e7), 3e4), friction(Spring::None, 3e5)];
+    for law in [LawKind::Thesis, LawKind::Hertz, LawKind::Consistent] {
+        for friction in frictions {
+            for kinds in [2, 9] {
+                let case = (law, friction);
+                let plane = jostled_solids::<2>(None, case, (kinds, 1)).map(|numbers| bits(&numbers));
+                let space = jostled_solids::<3>(None, case, (kinds, 3)).map(|numbers| bits(&numbers));
+                for width in Width::available() {
+                    let of = jostled_solids::<2>(Some(width), case, (kinds, 1)).map(|numbers| bits(&numbers));
+                    assert!(of == plane, "{width:?} {case:?} {kinds} in the plane");
+                    let of = jostled_solids::<3>(Some(width), case, (kinds, 3)).map(|numbers| bits(&numbers));
+                    assert!(of == space, "{width:?} {case:?} {kinds} in space");
+                }
+            }
         }
     }
 }
