@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let design = Design::read("designs/quickstart.toml")?;
     let palette = vec![design.host.clone(), find("brass-260", &[])?];
     let hole = 3.0 * design.lattice.diameter();
-    let layout = Layout::new(design.lattice, palette, |site| {
+    let layout = Layout::new(design.lattice.clone(), palette, |site| {
         let in_strip = (5..=16).contains(&site.row) && site.x > hole;
         u8::from(in_strip)
     });

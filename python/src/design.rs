@@ -178,14 +178,14 @@ impl Design {
         if let Ok(array) = materials.extract::<PyReadonlyArray1<'_, u8>>() {
             let materials = array.as_array().to_vec();
             check(&self.inner, &palette, &materials, 0)?;
-            let inner = layout::Layout { lattice: self.inner.lattice, palette, materials };
+            let inner = layout::Layout { lattice: self.inner.lattice.clone(), palette, materials };
             return Ok(Layout { inner, design: self.inner.clone() });
         }
         let path: PathBuf = materials.extract().map_err(|_| {
             Failure::input("a layout is a path, or an array of uint8 with a number for each site".to_owned())
         })?;
         let inner =
-            layout::read(&path, self.inner.lattice, &palette, &self.inner.own_materials).map_err(Failure::from)?;
+            layout::read(&path, &self.inner.lattice, &palette, &self.inner.own_materials).map_err(Failure::from)?;
         Ok(Layout { inner, design: self.inner.clone() })
     }
 

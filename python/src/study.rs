@@ -101,7 +101,7 @@ impl Study {
             )));
         }
         let (palette, materials) = (study.palette.clone(), study.materials(&letters));
-        let inner = granulens::layout::Layout { lattice: self.sheet.lattice, palette, materials };
+        let inner = granulens::layout::Layout { lattice: self.sheet.lattice.clone(), palette, materials };
         Ok(Layout { inner, design: self.sheet.clone() })
     }
 

@@ -32,6 +32,27 @@ pub fn inspection(piece: &Piece, max_kinetic: &[f64], sites: usize) -> Vec<Inspe
     list
 }
 
+/// The same of the layers of a crystal in space: with each sphere the index of its layer among the pieces.
+pub fn inspection_of_layers(layers: &[Piece], max_kinetic: &[f64]) -> Vec<(usize, Inspected)> {
+    let of = |(k, piece)| inspection(piece, max_kinetic, max_kinetic.len()).into_iter().map(move |one| (k, one));
+    let mut list: Vec<(usize, Inspected)> = layers.iter().enumerate().flat_map(of).collect();
+    list.sort_by(|a, b| a.1.energy.total_cmp(&b.1.energy));
+    list
+}
+
+/// The same as a table.
+pub fn layers_inspection_csv(layers: &[Piece], list: &[(usize, Inspected)]) -> String {
+    let mut text = "rank,layer,row,column,letter,material,max_kinetic_J\n".to_owned();
+    for (rank, (layer, Inspected { sphere, energy })) in (1..).zip(list) {
+        let piece = &layers[*layer];
+        let sphere = &piece.spheres[*sphere];
+        let (mark, number) = (piece.mark(sphere), piece.number());
+        let (row, column) = (sphere.row, sphere.column);
+        let _ = writeln!(text, "{rank},{number},{row},{column},{},{},{energy:.6e}", mark.letter, mark.material);
+    }
+    text
+}
+
 /// As a table.
 pub fn inspection_csv(piece: &Piece, list: &[Inspected]) -> String {
     let mut text = "rank,row,column,letter,material,max_kinetic_J\n".to_owned();

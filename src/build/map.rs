@@ -71,9 +71,12 @@ pub fn map(piece: &Piece) -> (Drawing, [f64; 4]) {
             (format!("LAYER {number} of {of}, from the struck side"), format!("axis at the dashed strokes{dots}"))
         }
     };
+    // Letters are some 0.56 of their size wide; small pieces are narrower than what is said of them.
+    let reach = (0.56 * 2.8 * head.len() as f64).max(0.56 * 2.4 * foot.len() as f64);
     drawing.text([3.0, top - 2.5], 2.8, Anchor::Start, head);
     drawing.text([3.0, bottom + 4.6], 2.4, Anchor::Start, foot);
-    (drawing, [left - MARGIN[0], top - MARGIN[1], right + MARGIN[0], bottom + MARGIN[1]])
+    let right = (right + MARGIN[0]).max(5.0 + reach);
+    (drawing, [left - MARGIN[0], top - MARGIN[1], right, bottom + MARGIN[1]])
 }
 
 /// What each letter means, from a corner on, in lines of this width (mm); gives the height that it takes.

@@ -9,7 +9,7 @@
 //! - `map`: the assembly map at 1:1; `pages`: the map cut into sheets of paper
 //! - `dxf`: the map for CAD
 //! - `parts`: how many of what, `spares`: and how many besides; `placement`: row by row, to tick
-//! - `frame`: the walls that stand for the mirror lines, as a solid, `three_mf`: as slicers take it; `walls`: what they change
+//! - `frame`: the walls that stand for the mirror lines, as a solid, `tray`: those of a crystal in space, `three_mf`: as slicers take it; `walls`: what they change
 //! - `inspection`: which spheres to measure first; `sorted`: which sphere of a measured batch goes where
 //! - `diff`: what differs between two layouts
 
@@ -29,18 +29,22 @@ mod sorted;
 mod spares;
 mod svg;
 mod three_mf;
+mod tray;
 mod walls;
 
 pub use crate::page::Hatch;
 pub use diff::{Change, changes};
 pub use dxf::dxf;
 pub use frame::{Frame, Solid};
-pub use inspection::{Inspected, inspection, inspection_csv};
+pub use inspection::{Inspected, inspection, inspection_csv, inspection_of_layers, layers_inspection_csv};
 pub use map::map_svg;
 pub use pages::{Paper, map_pdf, maps_pdf};
 pub use parts::{Part, parts, parts_csv, parts_in_space, total_cost};
 pub use piece::{Kind, Mark, Piece};
 pub use placement::{layers_csv, placement_csv, placement_pdf, placements_pdf};
-pub use sorted::{Ball, BatchError, Placing, placings, placings_csv, read_batch};
+pub use sorted::{
+    Ball, BatchError, Placing, layers_placings_csv, placings, placings_csv, placings_of_layers, read_batch,
+};
 pub use spares::{Spares, Yield};
+pub use tray::Tray;
 pub use walls::{WallEffect, in_walls};

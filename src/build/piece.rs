@@ -117,6 +117,14 @@ impl Piece {
         ((1..=of).rev().map(piece).collect(), whole)
     }
 
+    /// Number of the layer that it is, from the struck one on; of a sheet 1.
+    pub fn number(&self) -> u32 {
+        match self.kind {
+            Kind::Sheet => 1,
+            Kind::Layer { number, .. } => number,
+        }
+    }
+
     /// The materials that occur.
     pub fn used(&self) -> impl Iterator<Item = (usize, &Mark)> {
         used(&self.marks)

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::inspection::Inspected;
-use super::piece::Piece;
+use super::piece::{Mark, Piece};
 use crate::material::{self, Material};
 
 /// A sphere that was measured.
@@ -133,6 +133,45 @@ pub fn placings(piece: &Piece, list: &[Inspected], balls: &[Ball], path: &Path) 
     left.extend(strangers);
     left.sort_unstable();
     Ok(Placing { balls: placed.into_iter().flatten().collect(), left })
+}
+
+/// The same of the layers of a crystal in space, whose materials are drawn as `marks`: one list of balls for all of them, layer after layer.
+///
+/// # Errors
+/// As [`placings`].
+pub fn placings_of_layers(
+    (layers, marks): (&[Piece], &[Mark]),
+    list: &[(usize, Inspected)],
+    balls: &[Ball],
+    path: &Path,
+) -> Result<Placing, BatchError> {
+    let Some(first) = layers.first() else { return Ok(Placing { balls: Vec::new(), left: Vec::new() }) };
+    let mut begins = vec![0];
+    for layer in layers {
+        begins.push(begins[begins.len() - 1] + layer.spheres.len());
+    }
+    let spheres = layers.iter().flat_map(|layer| layer.spheres.iter().copied()).collect();
+    let whole = Piece { spheres, marks: marks.to_vec(), ..first.clone() };
+    let of = |(layer, one): &(usize, Inspected)| Inspected { sphere: begins[*layer] + one.sphere, ..*one };
+    placings(&whole, &list.iter().map(of).collect::<Vec<_>>(), balls, path)
+}
+
+/// The same as a table, layer after layer as they are laid; then what is left over.
+pub fn layers_placings_csv(layers: &[Piece], balls: &[Ball], placing: &Placing) -> String {
+    let mut text = "layer,row,column,letter,material,id,diameter_mm,deviation_um\n".to_owned();
+    let nominal = layers.first().map_or(0.0, |layer| layer.diameter);
+    let off = |ball: &Ball| 1e3 * (ball.diameter - nominal);
+    let spheres = layers.iter().flat_map(|layer| layer.spheres.iter().map(move |sphere| (layer, sphere)));
+    for ((layer, sphere), ball) in spheres.zip(&placing.balls) {
+        let (mark, ball, number) = (layer.mark(sphere), &balls[*ball], layer.number());
+        let (row, column, Ball { id, diameter, .. }) = (sphere.row, sphere.column, ball);
+        let (letter, material) = (&mark.letter, &mark.material);
+        let _ = writeln!(text, "{number},{row},{column},{letter},{material},{id},{diameter},{:.2}", off(ball));
+    }
+    for ball in placing.left.iter().map(|k| &balls[*k]) {
+        let _ = writeln!(text, "left,,,,{},{},{},{:.2}", ball.material, ball.id, ball.diameter, off(ball));
+    }
+    text
 }
 
 /// Every sphere of the piece with its ball, row by row; then what is left over.

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use granulens::build::{
     self, BatchError, Frame, Inspected, Kind, Paper, Part, Piece, Spares, WallEffect, Yield, inspection, read_batch,
 };
-use granulens::dem::Integrator;
 use granulens::dem::rig::RigStop;
+use granulens::dem::{Integrator, Stop};
 use granulens::design::{AnyDesign, Design, SpaceDesign};
-use granulens::evaluate::{HeldError, Overrides, Plan, Subject, impact, method};
+use granulens::evaluate::{HeldError, Overrides, Plan, Subject, evaluate_in_space, impact, impact_in_space, method};
 use granulens::input;
+use granulens::lattice::Layered;
 use granulens::layout::{Layout, write_piece, write_whole_in_space};
 use granulens::outcome::{Begun, FORMAT};
 use granulens::output::Folder;
@@ -28,7 +29,7 @@ use super::{Common, Motion, command_line, cost};
 ///
 /// The folder, builds/NAME unless --out names another, holds the assembly map at 1:1 (PDF for A4, A3 and Letter, SVG, DXF), the
 /// placement list, the parts list, the frame as STL and 3MF, and which spheres to measure first. Of a crystal in space it holds the map of each
-/// layer, the placement list layer by layer, in the order of laying, and the parts list.
+/// layer, the placement list layer by layer, in the order of laying, the parts list, the tray as STL and 3MF, and which spheres to measure first.
 #[derive(clap::Args)]
 pub struct Build {
     /// Layout, CSV with the header row,column,x,z,diameter,material or, in space, layer,column,x,y,z,diameter,material
@@ -78,6 +79,7 @@ impl Build {
             AnyDesign::Plane(design) => *design,
             AnyDesign::Space(design) => return self.in_space(common, &design),
         };
+        super::asks_equal_spheres(&design, "build")?;
         let read = read_piece(common, &design, &self.layout)?;
         let (layout, subject) = (&read.layout, Subject::from(&read));
         let overrides = self.motion.overrides(common);
@@ -110,10 +112,7 @@ impl Build {
         let begun = Begun::now();
         let evaluation = subject.evaluate(&design, &plan, context())?;
         if let Some(stop) = &evaluation.record.stop {
-            return Err(match stop {
-                granulens::dem::Stop::Interrupted { .. } => Failure::Interrupted("nothing is written".to_owned()),
-                stop => Failure::Guard(vec![format!("the layout cannot be ranked: {stop}")]),
-            });
+            return Err(unranked(stop));
         }
         let felt = subject.on_places(&evaluation.record.max_kinetic);
         let list = inspection(&piece, &felt, layout.materials.len());
@@ -148,27 +147,43 @@ impl Build {
         hand_over(common, (&place, folder), &files, &told, &(words(&piece, &parts, &frame, &walls) + &spares.words()))
     }
 
-    /// Maps and lists of the layers of a crystal in space; nothing is simulated.
+    /// Maps and lists of the layers of a crystal in space, and its frame; the layout alone is simulated, for the inspection list.
     fn in_space(self, common: &Common, design: &SpaceDesign) -> Result<(), Failure> {
-        let given = [
-            ("--sorted", self.sorted.is_some()),
-            ("--yield", self.from_yield.is_some()),
-            ("--clearance", self.clearance != 0.0),
-            ("--dry-run", common.dry_run),
-        ];
-        if let Some((what, _)) = given.into_iter().find(|(_, given)| *given) {
+        if self.from_yield.is_some() {
             return Err(Failure::input_with_help(
-                format!("{what} is for sheets; this design is a crystal in space"),
-                "Leave it out. In space there are maps and lists of the layers, and --spares.",
+                "--yield is for sheets; this design is a crystal in space, of which tolerance makes no pieces",
+                "Leave it out, and say with --spares how many spheres to order besides.",
             ));
         }
         let begun = Begun::now();
         let layout = super::space::read(design, &self.layout)?;
-        let plan = Plan::in_space(design, Overrides::default(), &layout.palette)
-            .map_err(|error| Failure::of_plan(design, &Overrides::default(), &error))?;
+        let overrides = self.motion.overrides(common);
+        let plan = Plan::in_space(design, overrides, &layout.palette)
+            .map_err(|error| Failure::of_plan(design, &overrides, &error))?;
+        note(common, &format!("inspection list: {}", method(design, &plan).words()));
+        if common.dry_run {
+            let alone = arrangement(&layout.sample_in_space(), &impact_in_space(design, &plan))?;
+            return tell(common, &[cost::Part::new("the layout, for the inspection list", 1, Some(alone))]);
+        }
         let place = common.out.clone().unwrap_or_else(|| Path::new("builds").join(&design.name));
         let folder = begin(common, &place)?;
         let (layers, marks) = Piece::layers(&design.name, &layout);
+        let batch = match &self.sorted {
+            Some(path) => Some((path, read_batch(path, &design.own_materials, layers[0].diameter)?)),
+            None => None,
+        };
+        let record = evaluate_in_space(design, &layout, &plan, context())?.record;
+        if let Some(stop) = &record.stop {
+            return Err(unranked(stop));
+        }
+        let list = build::inspection_of_layers(&layers, &record.max_kinetic);
+        let mm = |length: f64| 1e3 * length;
+        let block = &layout.lattice;
+        let depth = mm(f64::from(block.layers() - 1) * block.layer_spacing());
+        let thick = [mm(self.wall), mm(self.floor)];
+        let tray = build::Tray::new((&layers, block.outline()), depth, mm(self.clearance), thick);
+        let solid = tray.solid();
+        let three_mf = solid.three_mf(&design.name).map_err(|error| Failure::input(format!("frame.3mf: {error}")))?;
         let spares = Spares::part(self.spares);
         let parts = build::parts_in_space(&marks, &layout, |material| design.price(material), &spares);
         let mut files: Vec<(String, Vec<u8>)> = Paper::ALL
@@ -189,6 +204,8 @@ impl Build {
             "parts": parts,
             "cost": build::total_cost(&parts),
             "spares": spares,
+            "frame_mm": { "width": tray.width, "height": tray.height, "wall": thick[0], "floor": tray.floor },
+            "inspection": RANKED,
         });
         let seeds = [plan.first_seed, 0];
         let mut manifest = begun.manifest(design.file(), method(design, &plan), design.impact_in_words(), seeds);
@@ -197,13 +214,26 @@ impl Build {
             ("placement.csv".to_owned(), build::layers_csv(&layers).into_bytes()),
             ("placement.pdf".to_owned(), build::placements_pdf(&design.name, &layers, &marks)),
             ("parts.csv".to_owned(), build::parts_csv(&parts).into_bytes()),
+            ("frame.stl".to_owned(), solid.stl(&design.name)),
+            ("frame.3mf".to_owned(), three_mf),
+            ("inspection.csv".to_owned(), build::layers_inspection_csv(&layers, &list).into_bytes()),
             ("layout-full.csv".to_owned(), write_whole_in_space(&layout).into_bytes()),
             ("build.json".to_owned(), pretty(&told).into_bytes()),
             ("manifest.json".to_owned(), pretty(&manifest).into_bytes()),
         ]);
+        if let Some((path, balls)) = &batch {
+            let placing = build::placings_of_layers((&layers, &marks), &list, balls, path)?;
+            files.push(("sorted.csv".to_owned(), build::layers_placings_csv(&layers, balls, &placing).into_bytes()));
+        }
         let diameter = layers.first().map_or(0.0, |layer| layer.diameter);
         let head = format!("{}: {spheres} spheres of {diameter} mm in {} layers", design.name, layers.len());
-        hand_over(common, (&place, folder), &files, &told, &(listed(&head, &parts) + &spares.words()))
+        let [across, along] = tray.width;
+        let frame = format!(
+            "\nframe: {across:.2} mm along x and {along:.2} mm along y inside, walls {:.2} mm high\n\
+             \nmeasure first: the spheres of inspection.csv, {RANKED}",
+            tray.height
+        );
+        hand_over(common, (&place, folder), &files, &told, &(listed(&head, &parts) + &frame + &spares.words()))
     }
 
     /// What is ordered besides.
@@ -224,6 +254,14 @@ impl Build {
         Spares::of_yield(self.spares, from).map_err(|message| {
             Failure::input_with_help(message, "Take a finer grade: granulens tolerance --for \"95 %\" says which.")
         })
+    }
+}
+
+/// What a layout comes to of which a guard stops the run.
+fn unranked(stop: &Stop) -> Failure {
+    match stop {
+        Stop::Interrupted { .. } => Failure::Interrupted("nothing is written".to_owned()),
+        stop => Failure::Guard(vec![format!("the layout cannot be ranked: {stop}")]),
     }
 }
 

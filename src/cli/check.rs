@@ -98,6 +98,9 @@ impl Check {
             AnyDesign::Plane(design) => *design,
             AnyDesign::Space(design) => return self.in_space(common, &design),
         };
+        if self.gate || self.strict {
+            super::asks_equal_spheres(&design, "the gate of check")?;
+        }
         let read = read_piece(common, &design, &self.layout)?;
         let (layout, subject) = (&read.layout, Subject::from(&read));
         let overrides = self.motion.overrides(common);

@@ -126,7 +126,7 @@ pub fn cost(common: &Common, design: &Design, comparison: &Comparison, looks_ins
 
 /// Reads a layout, or a piece whose halves differ, on the design's lattice; what the design names keeps the first places of the palette.
 pub fn read_piece(common: &Common, design: &Design, path: &std::path::Path) -> Result<ReadLayout, Failure> {
-    let read = layout::read_piece(path, design.lattice, &design.palette(), &design.own_materials)?;
+    let read = layout::read_piece(path, &design.lattice, &design.palette(), &design.own_materials)?;
     read.notes.iter().for_each(|text| note(common, &format!("note: {text}")));
     if read.left.is_some() {
         note(common, "note: the halves of the piece differ: it is simulated whole, between walls at both far sides");
@@ -136,7 +136,7 @@ pub fn read_piece(common: &Common, design: &Design, path: &std::path::Path) -> R
 
 /// Reads a layout that stands for both halves on the design's lattice; what the design names keeps the first places of the palette.
 pub fn read_layout(common: &Common, design: &Design, path: &std::path::Path) -> Result<Layout, Failure> {
-    let read = layout::read_noted(path, design.lattice, &design.palette(), &design.own_materials)?;
+    let read = layout::read_noted(path, &design.lattice, &design.palette(), &design.own_materials)?;
     read.notes.iter().for_each(|text| note(common, &format!("note: {text}")));
     Ok(read.layout)
 }

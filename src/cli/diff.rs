@@ -42,13 +42,13 @@ impl Diff {
         let design = self.design.as_ref().map(Design::read).transpose()?;
         let read = |path: &Path| match &design {
             Some(design) => read_piece(common, design, path),
-            None => Ok(layout::read_piece(path, layout::lattice_of(path)?, &[], &[])?),
+            None => Ok(layout::read_piece(path, &layout::lattice_of(path)?, &[], &[])?),
         };
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let (a, b) = (Subject::from(&a), Subject::from(&b));
         let changes = changes(a, b).ok_or_else(|| {
             let size = |piece: Subject<'_>| {
-                let lattice = piece.layout.lattice;
+                let lattice = &piece.layout.lattice;
                 format!(
                     "{} rows, {} m half wide, spheres of {} m",
                     lattice.rows(),

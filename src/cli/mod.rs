@@ -337,3 +337,16 @@ fn length(text: &str) -> Result<f64, String> {
 fn propose(design: &Design) -> Result<granulens::lens::Lens, Failure> {
     Ok(design.propose()?)
 }
+
+/// Refuses a sheet whose rows have spheres of several sizes, where all are taken for equal.
+fn asks_equal_spheres(design: &granulens::design::Design, what: &str) -> Result<(), failure::Failure> {
+    if design.lattice.is_equal() {
+        return Ok(());
+    }
+    Err(failure::Failure::input_with_help(
+        format!(
+            "{what} takes sheets of equal spheres alone, and this one has rows of several sizes (crystal.diameters)"
+        ),
+        "check, compare, study, simulate and export take it.",
+    ))
+}

@@ -70,6 +70,7 @@ const TOLD: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Prot
 impl Tolerance {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
         let mut design = Design::read(&self.design)?;
+        super::asks_equal_spheres(&design, "tolerance")?;
         let read = read_piece(common, &design, &self.layout)?;
         let (layout, subject) = (&read.layout, Subject::from(&read));
         // As in check and compare: what Q refers to where the design does not say it.

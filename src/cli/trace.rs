@@ -50,6 +50,15 @@ impl Trace {
             ));
         }
         let design = Design::read(&self.design)?;
+        if !design.lattice.is_close_packed() {
+            return Err(Failure::input_with_help(
+                format!(
+                    "{}: rays and first arrivals are those of a hexagonal sheet of equal spheres",
+                    self.design.display()
+                ),
+                "Simulate it: granulens check LAYOUT.csv --design DESIGN.toml --spheres FILE.csv says when the wave came to each sphere.",
+            ));
+        }
         probe_all(common, &[common.out.as_ref(), self.spots.as_ref()])?;
         let mut how = None;
         let mut traced = match &self.layout {

@@ -9,7 +9,7 @@ use super::{Accuracy, Design, DesignError, lens, prices, region, space, threshol
 use crate::contact::{Constants, LawKind};
 use crate::dem::{ForcePulse, Integrator, Projectile, Strike};
 use crate::document::{self, Scope, Source, Written, is_plain_name};
-use crate::lattice::HexagonalSheet;
+use crate::lattice::{HexagonalSheet, SheetPacking};
 use crate::lens::LensRequest;
 use crate::material::Material;
 use crate::target::Target;
@@ -187,10 +187,13 @@ fn sheet(scope: &Scope, file: &CrystalFile) -> Result<HexagonalSheet, DesignErro
     {
         return Err(packing.fail(
             "is a crystal in space, which this command does not take",
-            "granulens design, run, check and compare take it; a rig of it is simulated by granulens simulate.",
+            "granulens design, run, check, compare, study and build take it, and a rig of it granulens simulate; explore and Python take sheets.",
         ));
     }
-    packing.choice("packing", &[("hexagonal-2d", ()), ("hcp", ()), ("fcc-111", ())])?;
+    // What is in space has been told apart; it is named for those who slip.
+    let [hexagonal, square] = SheetPacking::ALL.map(|packing| (packing.name(), packing));
+    let spatial = space::PACKINGS.map(|name| (name, SheetPacking::Hexagonal));
+    let chosen = packing.choice("packing", &[&[hexagonal, square], &spatial[..]].concat())?;
     scope.forbid(
         &[
             ("layers", &file.layers),
@@ -204,7 +207,7 @@ fn sheet(scope: &Scope, file: &CrystalFile) -> Result<HexagonalSheet, DesignErro
     let diameter = scope.required("diameter", &file.diameter)?.positive(Dimension::Length)?;
     let rows = scope.required("rows", &file.rows)?.whole(2..=100_000)?;
     let width = scope.required("half_width", &file.half_width)?;
-    let lattice = HexagonalSheet::new(diameter, rows, width.number()?).map_err(|_| {
+    let lattice = HexagonalSheet::packed(chosen, diameter, rows, width.number()?).map_err(|_| {
         width.fail(
             "must be a multiple of 0.5, from 1 to 50000 (diameters)",
             "The mirror line passes through the centres of spheres or midway between them. Write it like half_width = 16.5.",
@@ -219,6 +222,20 @@ fn sheet(scope: &Scope, file: &CrystalFile) -> Result<HexagonalSheet, DesignErro
     crate::memory::suffices(lattice.len() as f64, crate::memory::DESIGN_SITE).map_err(|rule| {
         scope.fail(&rule, "Choose fewer rows or a smaller half_width, or run it where there is more.")
     })?;
+    let lattice = match scope.optional("diameters", &file.diameters) {
+        None => lattice,
+        Some(entry) => {
+            let items = entry.items()?;
+            let sizes = items.iter().map(|item| item.length(diameter)).collect::<Result<Vec<f64>, _>>()?;
+            lattice.with_diameters(&sizes).map_err(|error| {
+                entry.fail(
+                    &format!("cannot be laid: {error}"),
+                    "Write a diameter for each row, from row 1 on, or a few that come again and again; none is greater than crystal.diameter, \
+                     the distance of columns.",
+                )
+            })?
+        }
+    };
     let sides = scope.required("sides", &file.sides)?;
     let known = [("mirror", true), ("period", false), ("wall", false), ("free", false)];
     if !sides.choice("kind of sides", &known)? {

@@ -177,7 +177,7 @@ impl<'a> DesignRef<'a> {
     /// The layout of the design with these materials, one for each of its sites.
     pub fn layout(self, palette: Vec<Material>, materials: Vec<u8>) -> AnyLayout {
         match self {
-            Self::Plane(design) => AnyLayout::Plane(Layout { lattice: design.lattice, palette, materials }),
+            Self::Plane(design) => AnyLayout::Plane(Layout { lattice: design.lattice.clone(), palette, materials }),
             Self::Space(design) => AnyLayout::Space(Layout { lattice: design.lattice.clone(), palette, materials }),
         }
     }
@@ -189,7 +189,7 @@ impl<'a> DesignRef<'a> {
     pub fn read_layout(self, path: &Path, palette: &[Material]) -> Result<AnyLayout, LayoutFileError> {
         match self {
             Self::Plane(design) => {
-                layout::read(path, design.lattice, palette, &design.own_materials).map(AnyLayout::Plane)
+                layout::read(path, &design.lattice, palette, &design.own_materials).map(AnyLayout::Plane)
             }
             Self::Space(design) => {
                 layout::read_in_space(path, &design.lattice, palette, &design.own_materials).map(AnyLayout::Space)

@@ -29,7 +29,7 @@ pub(super) struct DesignFile {
 }
 
 section!(CrystalFile: Written {
-    packing, diameter, rows, half_width, layers, cells, axis_layer, outline, sides, host, law, constants, friction,
+    packing, diameter, diameters, rows, half_width, layers, cells, axis_layer, outline, sides, host, law, constants, friction,
     hardness, unlike_hardness, spring_back, spring_back_growth, restitution, hardening
 });
 section!(ImpactFile: Written { kind, force, duration, mass, speed });
@@ -61,6 +61,7 @@ const OWN: &[&str] = &[
     "name = \"thesis-lens\"",
     "crystal.packing = \"hexagonal-2d\"",
     "crystal.diameter = \"6.35 mm\"",
+    "crystal.diameters = [\"6.35 mm\", \"5.5 mm\"]",
     "crystal.rows = 50",
     "crystal.half_width = 16.5",
     "crystal.layers = 24",

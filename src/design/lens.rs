@@ -4,7 +4,7 @@ use super::file::LensFile;
 use super::{DesignError, any, region};
 use crate::contact::Constants;
 use crate::document::{self, Entry, Scope, Written};
-use crate::lattice::HexagonalSheet;
+use crate::lattice::{HexagonalSheet, SheetPacking};
 use crate::lens::{Family, LensRequest, Raster, Stack, Symmetry};
 use crate::material::{Material, library};
 use crate::target::Target;
@@ -39,6 +39,18 @@ pub(super) fn read(
         "a sheet",
         "It has rows: rows, apex_row, back_row.",
     )?;
+    if !lattice.is_close_packed() {
+        let why = match lattice.packing() {
+            SheetPacking::Square => {
+                "waves run along the rows and columns of a square packing as in chains, and are not bent"
+            }
+            SheetPacking::Hexagonal => "rays know the waves of equal spheres alone",
+        };
+        return Err(scope.fail(
+            &format!("asks for a lens by rays, which this crystal has none of: {why}"),
+            "Leave out [lens] and name compare.material; check, compare, study and simulate take layouts of your own.",
+        ));
+    }
     let ground = Lying {
         stack: lattice.into(),
         row: "row",

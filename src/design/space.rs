@@ -36,6 +36,7 @@ fn block(scope: &Scope, file: &CrystalFile) -> Result<Block, DesignError> {
         "Its size is layers and cells.",
     )?;
     scope.forbid(&[("friction", &file.friction)], "a design in space", "Leave it out; rigs in space know friction.")?;
+    scope.forbid(&[("diameters", &file.diameters)], "a crystal in space", "Its spheres are equal.")?;
     let diameter = scope.required("diameter", &file.diameter)?.positive(Dimension::Length)?;
     let layers = scope.required("layers", &file.layers)?.whole(2..=100_000)?;
     let cells = scope.required("cells", &file.cells)?;

@@ -75,8 +75,6 @@ impl From<EvaluateError> for EvaluatorError {
 /// impact.
 pub struct Evaluator {
     plan: Plan,
-    /// Of all spheres (m)
-    diameter: f64,
     /// Of the half
     sites: usize,
     /// Those of the target's regions.
@@ -220,7 +218,6 @@ impl Evaluator {
         let kin = loads.iter().filter_map(alike).collect();
         Ok(Self {
             plan,
-            diameter: design.diameter(),
             sites: design.sites(),
             within: match design {
                 DesignRef::Plane(design) => design.target.on(&design.lattice),
@@ -376,9 +373,8 @@ impl Evaluator {
         context: &Context,
         recorded: impl Fn(&Sample<D>) -> Result<Record<D>, OverlapAtRest>,
     ) -> Result<Vec<Evaluated>, EvaluatorError> {
-        let sample = |&(case, layout): &(usize, usize)| {
-            field.sample(&self.palette, self.diameter, &layouts[layout], &self.cases[case].1)
-        };
+        let sample =
+            |&(case, layout): &(usize, usize)| field.sample(&self.palette, &layouts[layout], &self.cases[case].1);
         let samples: Vec<_> = group.iter().map(sample).collect();
         if self.detail == Detail::Everything {
             return samples.iter().map(|sample| Ok(self.scores_of(field, sample, &recorded(sample)?))).collect();

@@ -34,12 +34,12 @@ pub fn calibrate(
 ) -> Result<Vec<Option<Decay>>, EvaluateError> {
     let lattice = &design.lattice;
     // A narrower crystal of as many rows is one if the design's is.
-    let Ok(strip) = HexagonalSheet::new(lattice.diameter(), lattice.rows(), HALF_WIDTH) else { return Ok(Vec::new()) };
-    let design = Design { lattice: strip, ..design.clone() };
+    let Ok(strip) = lattice.with_half_width(HALF_WIDTH) else { return Ok(Vec::new()) };
+    let design = Design { lattice: strip.clone(), ..design.clone() };
     palette
         .iter()
         .map(|material| {
-            let layout = Layout::new(strip, vec![material.clone()], |_| 0);
+            let layout = Layout::new(strip.clone(), vec![material.clone()], |_| 0);
             let speed = bound(Dimension::Two, [material, material], strip.diameter(), design.constants).speed;
             let window =
                 CROSSINGS * strip.depth(f64::from(strip.rows())) / speed + design.impact.duration().unwrap_or(0.0);

@@ -67,10 +67,10 @@ pub enum HeldError {
 /// The spheres of a piece on their sites, of nominal diameter.
 pub fn held_spheres<'a>(of: impl Into<Subject<'a>>) -> Vec<HeldSphere> {
     let subject: Subject<'_> = of.into();
-    let diameter = subject.layout.lattice.diameter();
+    let lattice = &subject.layout.lattice;
     let of = |s: crate::layout::PieceSphere| HeldSphere {
         centre: [s.x, s.z],
-        diameter,
+        diameter: lattice.row_diameter(s.row),
         material: usize::from(s.material),
         row: s.row,
         site: s.site,
@@ -226,7 +226,7 @@ mod tests {
     fn quickstart() -> (Design, Layout) {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
         let design = Design::read(root.join("designs/quickstart.toml")).unwrap();
-        let layout = Layout::new(design.lattice, design.palette(), |_| 0);
+        let layout = Layout::new(design.lattice.clone(), design.palette(), |_| 0);
         (design, layout)
     }
 

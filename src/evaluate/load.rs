@@ -112,6 +112,8 @@ pub(super) struct Field<const D: usize = 2> {
     pub friction: Option<f64>,
     /// Centre of each sphere (m), and its place: its site in the half, or, on the other side of the axis, as many more as there are sites.
     spheres: Vec<([f64; D], usize)>,
+    /// Radius of the sphere of each site as drawn (m).
+    radii: Vec<f64>,
     /// The one or two spheres that stand on each site of the half and on its image.
     images: Vec<[usize; 2]>,
 }
@@ -121,6 +123,7 @@ impl Field {
     pub fn new(design: &Design, plan: &Plan, load: &ImpactLoad, whole: bool) -> Self {
         let lattice = &design.lattice;
         let sites = lattice.sites();
+        let radii = sites.iter().map(|site| 0.5 * lattice.row_diameter(site.row)).collect();
         let friction = load.friction.or(design.friction).filter(|&mu| mu > 0.0);
         let mut impact = impact(design, plan);
         impact.law = load.law.unwrap_or(design.law);
@@ -132,7 +135,7 @@ impl Field {
             impact = impact.struck_by(along.of_part(0.5));
             let spheres = sites.iter().enumerate().map(|(i, site)| ([site.x, site.z], i)).collect();
             let images = (0..sites.len()).map(|i| [i, i]).collect();
-            return Self { impact, friction, spheres, images };
+            return Self { impact, friction, spheres, radii, images };
         }
         impact = impact.struck_by(along);
         impact.slope = load.angle.tan();
@@ -161,7 +164,7 @@ impl Field {
         impact.exit = on(lattice.rows());
         impact.mirrors =
             [-1.0, 1.0].map(|side| Mirror { axis: 0, position: side * lattice.half_width(), inward: -side }).to_vec();
-        Self { impact, friction, spheres, images }
+        Self { impact, friction, spheres, radii, images }
     }
 }
 
@@ -173,7 +176,8 @@ impl Field<3> {
         impact = impact.struck_by(load.strike.of_part(0.5));
         let sites = design.lattice.sites();
         let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();
-        Self { impact, friction: None, spheres, images: (0..sites.len()).map(|i| [i, i]).collect() }
+        let radii = vec![0.5 * design.lattice.diameter(); sites.len()];
+        Self { impact, friction: None, spheres, radii, images: (0..sites.len()).map(|i| [i, i]).collect() }
     }
 }
 
@@ -184,7 +188,7 @@ impl<const D: usize> Field<D> {
     }
 
     /// The spheres to simulate where a layout is built with its imperfection.
-    pub fn sample(&self, palette: &[Material], diameter: f64, layout: &[u8], imperfection: &Imperfection) -> Sample<D> {
+    pub fn sample(&self, palette: &[Material], layout: &[u8], imperfection: &Imperfection) -> Sample<D> {
         let (built, sites) = (imperfection.built(layout), self.images.len());
         // Where the halves are alike a place on the other side is as its site.
         let of = |place: usize, places: usize| if place < places { place } else { place % sites };
@@ -193,7 +197,8 @@ impl<const D: usize> Field<D> {
             .iter()
             .map(|&(centre, place)| Sphere {
                 centre,
-                radius: 0.5 * diameter * imperfection.radii.get(of(place, imperfection.radii.len())).unwrap_or(&1.0),
+                radius: self.radii[place % sites]
+                    * imperfection.radii.get(of(place, imperfection.radii.len())).unwrap_or(&1.0),
                 material: usize::from(built[of(place, built.len())]),
             })
             .collect();

@@ -69,6 +69,7 @@ use crate::dem::{
     simulate, simulate_with_friction,
 };
 use crate::design::Design;
+use crate::lattice::{HexagonalSheet, SheetPacking};
 use crate::layout::Layout;
 use crate::material::Material;
 use crate::outcome::{COMMIT, Method, VERSION};
@@ -188,10 +189,19 @@ pub fn struck_force<L, R>(design: &Design<L, R>, dimension: Dimension, material:
     }
 }
 
+/// As what waves see a sheet: a square packing is chains beside each other, for waves along its rows and columns.
+pub fn dimension_of(lattice: &HexagonalSheet) -> Dimension {
+    match lattice.packing() {
+        SheetPacking::Hexagonal => Dimension::Two,
+        SheetPacking::Square => Dimension::One,
+    }
+}
+
 /// How strong the impact is for each material: contact force over F_p, and what that means for the wave-speed bound.
 pub fn validity(design: &Design, material: &Material) -> Validity {
-    let force = struck_force(design, Dimension::Two, material, design.lattice.diameter());
-    Validity::new(force, material, design.lattice.diameter(), design.constants)
+    let dimension = dimension_of(&design.lattice);
+    let force = struck_force(design, dimension, material, design.lattice.diameter());
+    Validity::new(dimension, force, material, design.lattice.diameter(), design.constants)
 }
 
 /// What limits the trust in one run's numbers, as measured on it.
@@ -229,7 +239,8 @@ impl Doubts {
         let overlap = record.contacts.iter().map(|contact| contact.overlap_max).fold(0.0, f64::max);
         let depth = |contact: &ContactRecord| {
             let materials = contact.spheres.map(|i| &sample.materials[sample.spheres[i].material]);
-            let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants);
+            let radii = contact.spheres.map(|i| sample.spheres[i].radius);
+            let pair = Pair::new(materials, radii, design.constants);
             contact.overlap_max / pair.regions(1.0).plastic_overlap
         };
         let depth = if design.law.is_plastic() { record.contacts.iter().map(depth).fold(0.0, f64::max) } else { 0.0 };

@@ -1,7 +1,7 @@
 //! How a design is simulated: step and window, one for all of its arrangements, each with its reason.
 
 use super::stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
-use super::struck_force;
+use super::{dimension_of, struck_force};
 use crate::contact::{AnyLaw, NormalLaw, Pair};
 use crate::dem::{Integrator, Strike};
 use crate::design::{Design, SpaceDesign};
@@ -45,8 +45,9 @@ pub struct Plan {
 /// What a plan has to know of a crystal.
 struct Ground {
     dimension: Dimension,
-    /// Of its spheres (m)
+    /// Of its spheres (m), and those that occur where rows differ.
     diameter: f64,
+    diameters: Vec<f64>,
     /// What its layers are called.
     row: &'static str,
     /// That the wave has to pass (m)
@@ -109,8 +110,9 @@ impl Plan {
         let lattice = &design.lattice;
         let far = design.target.focal_rows()[1].max(design.target.protect.rows[1]);
         let ground = Ground {
-            dimension: Dimension::Two,
+            dimension: dimension_of(lattice),
             diameter: lattice.diameter(),
+            diameters: lattice.diameters(),
             row: "rows",
             depth: lattice.depth(f64::from(far + MARGIN)),
         };
@@ -128,6 +130,7 @@ impl Plan {
         let ground = Ground {
             dimension: Dimension::Three,
             diameter: block.diameter(),
+            diameters: vec![block.diameter()],
             row: "layers",
             depth: f64::from(last - 1 + MARGIN) * block.layer_spacing(),
         };
@@ -145,7 +148,7 @@ impl Plan {
             Some(_) => Integrator::Verlet,
             None => overrides.integrator.unwrap_or(design.integrator),
         };
-        let Ground { dimension, diameter, row, depth } = ground;
+        let Ground { dimension, diameter, diameters, row, depth } = ground;
         let force = overshoot(design.law)
             * match design.impact {
                 Strike::Pulse(pulse) => dimension.contact_force(pulse.force),
@@ -155,13 +158,18 @@ impl Plan {
                     driving.fold(0.0, f64::max)
                 }
             };
+        // Each material in each size.
+        let kinds: Vec<(Material, f64)> =
+            diameters.iter().flat_map(|&d| materials.iter().map(move |material| (material.clone(), d))).collect();
+        let (made_of, wide): (Vec<Material>, Vec<f64>) = kinds.into_iter().unzip();
         let stiffness = |a: usize, b: usize| {
-            let pair = Pair::new([&materials[a], &materials[b]], [0.5 * diameter; 2], design.constants);
+            let radii = [0.5 * wide[a], 0.5 * wide[b]];
+            let pair = Pair::new([&made_of[a], &made_of[b]], radii, design.constants);
             AnyLaw::new(design.law, &pair).stiffness_max(force)
         };
         let stiffest = match dimension {
-            Dimension::Three => Stiffest::find::<3>(materials, |_| diameter, force, stiffness),
-            _ => Stiffest::find::<2>(materials, |_| diameter, force, stiffness),
+            Dimension::Three => Stiffest::find::<3>(&made_of, |k| wide[k], force, stiffness),
+            _ => Stiffest::find::<2>(&made_of, |k| wide[k], force, stiffness),
         };
         let divisor = divisor(design.accuracy, integrator);
         let accurate = stiffest.limit / divisor;

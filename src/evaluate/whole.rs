@@ -129,7 +129,7 @@ impl Subject<'_> {
         let field = Field::new(design, plan, &ImpactLoad::from(design.impact), true);
         let lattice = &self.layout.lattice;
         // The places of the other side stand behind those of the half.
-        let sample = field.sample(&self.layout.palette, lattice.diameter(), &self.drawn(), &Imperfection::default());
+        let sample = field.sample(&self.layout.palette, &self.drawn(), &Imperfection::default());
         let record = match field.friction {
             Some(coefficient) => simulate_with_friction(&sample, &field.impact, coefficient, context)?,
             None => simulate(&sample, &field.impact, context)?,

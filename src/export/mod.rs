@@ -33,24 +33,25 @@ use crate::sample::{Sample, Sphere};
 ///
 /// Spheres stand in the order of the layout's sites, each with its mirror image, if it has one, right behind it.
 pub fn whole_crystal(layout: &Layout, strike: impl Into<Strike>, law: LawKind, constants: Constants) -> Rig<2> {
-    let sheet = layout.lattice;
-    let (radius, half_width) = (0.5 * sheet.diameter(), sheet.half_width());
+    let sheet = &layout.lattice;
+    let half_width = sheet.half_width();
     let sites = sheet.sites();
     let mut spheres = Vec::new();
     let mut struck = Vec::new();
-    for (site, is_image) in whole_places(&sheet) {
+    for (site, is_image) in whole_places(sheet) {
         let (material, site) = (layout.materials[site], &sites[site]);
         if site.row == 1 {
             struck.push(Body::Sphere(spheres.len()));
         }
         let x = if is_image { -site.x } else { site.x };
+        let radius = 0.5 * sheet.row_diameter(site.row);
         spheres.push(Sphere { centre: [x, site.z], radius, material: usize::from(material) });
     }
     let sample = Sample { materials: layout.palette.clone(), spheres };
     let laws = LawBook::Materials { law: Law::Named(law), constants, pairs: Vec::new(), friction: None };
     let mut rig = Rig::new(sample, laws);
     rig.periods[0] = Some(2.0 * half_width);
-    rig.strike(strike.into(), struck, -radius);
+    rig.strike(strike.into(), struck, -0.5 * sheet.row_diameter(1));
     rig
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::LayoutFileError;
 use super::read::HEADER;
-use crate::lattice::HexagonalSheet;
+use crate::lattice::{HexagonalSheet, SheetPacking};
 
 /// The smallest lattice that holds every line of a layout file of the simulated half; [`read`](super::read) then checks the file
 /// against it, line by line.
@@ -24,6 +24,8 @@ pub fn lattice_of(path: &Path) -> Result<HexagonalSheet, LayoutFileError> {
         .from_path(path)
         .map_err(|error| fail(format!("cannot be read: {error}.")))?;
     let (mut rows, mut far, mut diameter) = (0_u32, 0.0_f64, None);
+    // In square packing the second row begins on the axis too.
+    let mut packing = SheetPacking::Hexagonal;
     for record in reader.records().skip(1) {
         let record = record.map_err(|error| fail(format!("cannot be read: {error}.")))?;
         let number = |k: usize| record.get(k).and_then(|cell| cell.parse::<f64>().ok()).filter(|x| x.is_finite());
@@ -32,13 +34,18 @@ pub fn lattice_of(path: &Path) -> Result<HexagonalSheet, LayoutFileError> {
             let wanted = HEADER.join(",");
             return Err(fail(format!("line {line} is not {wanted} in numbers and metres.")));
         };
+        if *diameter.get_or_insert(d) != d {
+            return Err(fail("has rows of several diameters, which only a design can lay.".to_owned()));
+        }
+        if row == 2.0 && x.abs() < 0.25 * d {
+            packing = SheetPacking::Square;
+        }
         rows = rows.max(row as u32);
         far = far.max(x);
-        diameter.get_or_insert(d);
     }
     let diameter = diameter.ok_or_else(|| fail("holds no spheres.".to_owned()))?;
     // Mirror lines lie at whole or half diameters, and the outermost sphere of one of two rows on the far one.
     let half_width = (2.0 * far / diameter).round() / 2.0;
-    HexagonalSheet::new(diameter, rows, half_width)
-        .map_err(|error| fail(format!("its lines are those of no hexagonal sheet: {error}.")))
+    HexagonalSheet::packed(packing, diameter, rows, half_width)
+        .map_err(|error| fail(format!("its lines are those of no sheet: {error}.")))
 }

@@ -55,7 +55,7 @@ mod tests {
     fn the_axis_is_one_sphere_and_the_rim_two() {
         for (half_width, expected) in [(2.5, [5, 6]), (2.0, [5, 4])] {
             let lattice = HexagonalSheet::new(1e-2, 4, half_width).unwrap();
-            let layout = Layout::new(lattice, vec![material::find("440c", &[]).unwrap()], |_| 0);
+            let layout = Layout::new(lattice.clone(), vec![material::find("440c", &[]).unwrap()], |_| 0);
             let spheres = whole(&layout);
             for row in 1..=4 {
                 let xs: Vec<f64> = spheres.iter().filter(|s| s.row == row).map(|s| s.x / 1e-2).collect();

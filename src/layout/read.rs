@@ -50,7 +50,7 @@ struct Line {
 /// thousandth of the diameter, other diameters, unknown materials, halves that differ.
 pub fn read(
     path: &Path,
-    lattice: HexagonalSheet,
+    lattice: &HexagonalSheet,
     palette: &[Material],
     own: &[Material],
 ) -> Result<Layout, LayoutFileError> {
@@ -63,7 +63,7 @@ pub fn read(
 /// As [`read`].
 pub fn read_noted(
     path: &Path,
-    lattice: HexagonalSheet,
+    lattice: &HexagonalSheet,
     palette: &[Material],
     own: &[Material],
 ) -> Result<ReadLayout, LayoutFileError> {
@@ -79,7 +79,7 @@ pub fn read_noted(
 /// As [`read`], but for halves that differ.
 pub fn read_piece(
     path: &Path,
-    lattice: HexagonalSheet,
+    lattice: &HexagonalSheet,
     palette: &[Material],
     own: &[Material],
 ) -> Result<ReadLayout, LayoutFileError> {
@@ -89,7 +89,7 @@ pub fn read_piece(
 /// A layout, and what is to be said where only symmetric ones are taken and this one is not.
 fn find(
     path: &Path,
-    lattice: HexagonalSheet,
+    lattice: &HexagonalSheet,
     palette: &[Material],
     own: &[Material],
 ) -> Result<(ReadLayout, Option<LayoutFileError>), LayoutFileError> {
@@ -134,7 +134,7 @@ fn of_json(text: &str) -> Result<String, String> {
 fn parse(
     path: &Path,
     text: &str,
-    lattice: HexagonalSheet,
+    lattice: &HexagonalSheet,
     palette: &[Material],
     own: &[Material],
 ) -> Result<(ReadLayout, Option<LayoutFileError>), LayoutFileError> {
@@ -213,14 +213,16 @@ fn parse(
         if whole {
             let x = if side == 1 { -x } else { x };
             let message = format!("row {row}, the sphere at x = {x} m is missing{others}.");
-            let help =
-                format!("Add {row},COLUMN,{x},{z},{},MATERIAL, or check the simulated half.", lattice.diameter());
+            let help = format!(
+                "Add {row},COLUMN,{x},{z},{},MATERIAL, or check the simulated half.",
+                lattice.row_diameter(row)
+            );
             return Err(source.error(header, None, message).trying(help));
         }
         let before = given[..first].iter().rev().find_map(|halves| halves[0]);
         let at = before.map_or(header, |(_, at)| at);
         let message = format!("row {row}, column {column} is missing{others}; it belongs behind this line.");
-        let help = format!("Add {row},{column},{x},{z},{},MATERIAL.", lattice.diameter());
+        let help = format!("Add {row},{column},{x},{z},{},MATERIAL.", lattice.row_diameter(row));
         return Err(source.error(at, None, message).trying(help));
     }
     // A sphere on the axis is its own image.
@@ -253,14 +255,14 @@ fn parse(
             farthest / lattice.diameter(),
         ));
     }
-    Ok((ReadLayout { layout: Layout { lattice, palette, materials }, left, notes }, uneven))
+    Ok((ReadLayout { layout: Layout { lattice: lattice.clone(), palette, materials }, left, notes }, uneven))
 }
 
 /// How to come by a layout to begin with.
 pub(super) const START: &str = "Begin with a proposed layout: granulens design DESIGN.toml --out LAYOUT.csv.";
 
 /// Where in the simulated half the sphere of a row and column of the whole piece is, and whether it is left of the axis there.
-fn folded(lattice: HexagonalSheet, sites: &[Site], row: u32, column: u32) -> Option<(usize, bool)> {
+fn folded(lattice: &HexagonalSheet, sites: &[Site], row: u32, column: u32) -> Option<(usize, bool)> {
     let first = lattice.index(row, 1)?;
     let half = lattice.columns(row);
     let on_axis = sites[first].x == 0.0;
@@ -274,7 +276,7 @@ fn folded(lattice: HexagonalSheet, sites: &[Site], row: u32, column: u32) -> Opt
 fn line(
     record: &csv::StringRecord,
     at: usize,
-    lattice: HexagonalSheet,
+    lattice: &HexagonalSheet,
     sites: &[Site],
     is_whole: bool,
     own: &[Material],
@@ -326,14 +328,14 @@ fn line(
     }
     site.column = column;
     let mut off: f64 = 0.0;
-    for (k, (value, expected)) in (2..).zip(lengths.into_iter().zip([site.x, site.z, lattice.diameter()])) {
+    for (k, (value, expected)) in (2..).zip(lengths.into_iter().zip([site.x, site.z, lattice.row_diameter(row)])) {
         let allowed = if k == 4 { EXACT } else { ROUNDED };
         if (value - expected).abs() > allowed * lattice.diameter() {
             let what = if k == 4 { "spheres of" } else { "this site at" };
             let message = format!("{} = {value} m, but the design has {what} {expected} m.", HEADER[k]);
             let help = match k {
                 2 if value < 0.0 => extent_help,
-                4 => "One crystal has one diameter, crystal.diameter of the design file, to 1e-6 of it.",
+                4 => "Diameters are those of the design file, crystal.diameter or crystal.diameters, to 1e-6.",
                 _ => "Positions follow from row and column, in metres, to 1e-3 D; only the materials are free.",
             };
             return Err(fail(Some(k), message).trying(help));

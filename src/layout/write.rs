@@ -38,12 +38,14 @@ pub fn write_piece(layout: &Layout, spheres: &[PieceSphere]) -> String {
 }
 
 fn preamble(layout: &Layout, extent: &str) -> String {
-    let lattice = layout.lattice;
+    let lattice = &layout.lattice;
     let mut text = format!("# granulens layout, format {FORMAT}; {extent}; lengths in metres\n");
     let _ = writeln!(
         text,
-        "# hexagonal-2d, diameter {} m, {} rows, half width {} m; row 1 is struck, x = 0 is the crystal's axis",
+        "# {}, diameter {} m{}, {} rows, half width {} m; row 1 is struck, x = 0 is the crystal's axis",
+        lattice.packing().name(),
         lattice.diameter(),
+        if lattice.is_equal() { "" } else { " between columns, rows of their own" },
         lattice.rows(),
         lattice.half_width()
     );
@@ -54,20 +56,20 @@ fn preamble(layout: &Layout, extent: &str) -> String {
 
 fn line(text: &mut String, [row, column]: [u32; 2], x: f64, z: f64, layout: &Layout, material: u8) {
     let name = &layout.palette[usize::from(material)].name;
-    let _ = writeln!(text, "{row},{column},{x},{z},{},{name}", layout.lattice.diameter());
+    let _ = writeln!(text, "{row},{column},{x},{z},{},{name}", layout.lattice.row_diameter(row));
 }
 
 /// The simulated half as JSON text: the same columns as the CSV.
 pub fn write_json(layout: &Layout) -> String {
-    let lattice = layout.lattice;
+    let lattice = &layout.lattice;
     let spheres = lattice.sites().into_iter().zip(&layout.materials).map(|(site, &material)| {
         json!({
             "row": site.row, "column": site.column, "x": site.x, "z": site.z,
-            "diameter": lattice.diameter(), "material": layout.palette[usize::from(material)].name,
+            "diameter": lattice.row_diameter(site.row), "material": layout.palette[usize::from(material)].name,
         })
     });
     let layout = json!({
-        "format": FORMAT, "packing": "hexagonal-2d", "diameter_m": lattice.diameter(), "rows": lattice.rows(),
+        "format": FORMAT, "packing": lattice.packing().name(), "diameter_m": lattice.diameter(), "rows": lattice.rows(),
         "half_width_m": lattice.half_width(), "spheres": spheres.collect::<Vec<_>>(),
     });
     format!("{layout:#}\n")

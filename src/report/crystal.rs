@@ -102,6 +102,24 @@ impl<'a> Crystal<'a> {
         self.ground.sites.iter().map(|site| site.z).fold(0.0, f64::max)
     }
 
+    /// Where rows are not those of a hexagonal sheet of equal spheres: how far (m) the cells of each row reach up and down, half way to the rows beside
+    /// it, and whether rows stand straight below each other.
+    fn uneven(&self) -> Option<(Vec<[f64; 2]>, bool)> {
+        let (sites, diameter) = (self.ground.sites, self.ground.diameter);
+        let first: Vec<&Site> = sites.iter().filter(|site| site.column == 1).collect();
+        let spacing = 0.75_f64.sqrt() * diameter;
+        let is_even = |two: &[&Site]| (two[1].z - two[0].z - spacing).abs() < 1e-6 * diameter && two[0].x != two[1].x;
+        if first.windows(2).all(is_even) {
+            return None;
+        }
+        let half = |from: usize| first.get(from..from + 2).map(|two| 0.5 * (two[1].z - two[0].z));
+        let ends = |row: usize| {
+            let (up, down) = (row.checked_sub(1).and_then(half), half(row));
+            [up.or(down), down.or(up)].map(|way| way.unwrap_or(0.5 * diameter))
+        };
+        Some(((0..first.len()).map(ends).collect(), first.windows(2).all(|two| two[0].x == two[1].x)))
+    }
+
     /// The signs with which x is drawn: the half, or the half and its mirror image.
     fn sides(&self) -> &'static [f64] {
         if self.extent == Extent::Half { &[1.0] } else { &[1.0, -1.0] }
@@ -130,9 +148,17 @@ impl<'a> Crystal<'a> {
         let tenths = |point: [f64; 2]| point.map(|c| (c * 10.0).round() / 10.0);
         let steps = [[half, quarter], [0.0, 2.0 * quarter], [-half, quarter], [-half, -quarter], [0.0, -2.0 * quarter]];
         let steps = steps.map(tenths);
+        let uneven = self.uneven();
         for index in 0..length.max(self.ground.sites.len()) {
             let chosen = value(index).map_or(LEVELS, |v| scale.level(v));
             for [x, y] in self.places(index, length) {
+                if let Some((rows, _)) = &uneven {
+                    let row = self.ground.sites[index % self.ground.sites.len()].row as usize - 1;
+                    let [up, down] = rows[row].map(|way| way * self.scale);
+                    let steps = [[2.0 * half, 0.0], [0.0, up + down], [-2.0 * half, 0.0]].map(tenths);
+                    levels[chosen].closed(tenths([x - half, y - up]), &steps);
+                    continue;
+                }
                 levels[chosen].closed(tenths([x, y - 2.0 * quarter]), &steps);
             }
         }
@@ -155,6 +181,7 @@ impl<'a> Crystal<'a> {
             (0..shown).map(|k| ((sites[k % sites.len()].row, position(x(k))), layout[k])).collect();
         let [half, quarter] = CORNER.map(|c| c * self.diameter());
         let mut lines = Shapes::default();
+        let uneven = self.uneven();
         for k in 0..shown {
             let (site, own, p) = (&sites[k % sites.len()], layout[k], position(x(k)));
             if k >= sites.len() && p == 0 {
@@ -167,6 +194,19 @@ impl<'a> Crystal<'a> {
                 (differs(site.row + 1, p - 1), [-half, quarter], [0.0, 2.0 * quarter]),
                 (differs(site.row + 1, p + 1), [half, quarter], [0.0, 2.0 * quarter]),
             ];
+            let edges = match &uneven {
+                None => edges,
+                Some((rows, is_square)) => {
+                    let [up, down] = rows[site.row as usize - 1].map(|way| way * self.scale);
+                    let middle = if *is_square { half } else { 0.0 };
+                    let below = if *is_square { [0, 0] } else { [-1, 1] };
+                    [
+                        (differs(site.row, p + 2), [half, -up], [half, down]),
+                        (differs(site.row + 1, p + below[0]), [-half, down], [middle, down]),
+                        (!is_square && differs(site.row + 1, p + below[1]), [middle, down], [half, down]),
+                    ]
+                }
+            };
             let sides = if halves_differ { &[1.0][..] } else { self.sides() };
             for &side in sides {
                 let [x, y] = self.place([side * x(k), site.z]);
@@ -193,7 +233,14 @@ impl<'a> Crystal<'a> {
         };
         let spacing = 0.75_f64.sqrt() * self.ground.diameter;
         let depth = |row: f64| (row - 1.0) * spacing;
-        let [top, bottom] = [depth(f64::from(region.rows[0]) - 0.5), depth(f64::from(region.rows[1]) + 0.5)];
+        let [top, bottom] = match self.uneven() {
+            None => [depth(f64::from(region.rows[0]) - 0.5), depth(f64::from(region.rows[1]) + 0.5)],
+            Some((rows, _)) => {
+                let at = |row: u32| self.ground.sites.iter().find(|site| site.row == row).map_or(0.0, |site| site.z);
+                let [first, last] = region.rows;
+                [at(first) - rows[first as usize - 1][0], at(last) + rows[last as usize - 1][1]]
+            }
+        };
         let rectangle = |a: f64, b: f64| {
             let ([x1, y1], [x2, y2]) = (self.place([a.min(b), top]), self.place([a.max(b), bottom]));
             ([x1, y1], [x2 - x1, y2 - y1])

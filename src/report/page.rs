@@ -232,13 +232,24 @@ fn asked(outcome: &Outcome) -> Vec<Fact> {
         pair(
             "Crystal",
             format!(
-                "hexagonal sheet of {} spheres in the simulated half, D = {}, {rows} rows, half width {half_width} D, mirrored about the axis and at its rim",
+                "{} of {} spheres in the simulated half, D = {}, {rows} rows, half width {half_width} D, mirrored about the axis and at its rim",
+                sheet_words(outcome),
                 outcome.sites.len(),
                 Dimension::Length.show(outcome.diameter)
             ),
         ),
     ])
     .collect()
+}
+
+/// What sheet it is.
+fn sheet_words(outcome: &Outcome) -> String {
+    let first: Vec<_> = outcome.sites.iter().filter(|site| site.column == 1).take(2).collect();
+    let packing = if first.iter().all(|site| site.x == 0.0) { "square" } else { "hexagonal" };
+    let rows: Vec<f64> = outcome.sites.iter().filter(|site| site.column == 1).map(|site| site.z).collect();
+    let apart = |two: &[f64]| two[1] - two[0];
+    let alike = rows.windows(2).all(|two| (apart(two) / apart(&rows[..2]) - 1.0).abs() < 1e-6);
+    format!("{packing} sheet{}", if alike { "" } else { " of rows of several sizes" })
 }
 
 fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {

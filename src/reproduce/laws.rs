@@ -81,7 +81,7 @@ pub(super) fn stored(lens: &Layout, text: &str) -> Result<Layout, RowError> {
         });
         materials[site] = place as u8;
     }
-    Ok(Layout { lattice: lens.lattice, palette, materials })
+    Ok(Layout { lattice: lens.lattice.clone(), palette, materials })
 }
 
 fn scores(law: LawKind, published: [[f64; 3]; 3], relative: f64, context: &Context) -> Result<Vec<Part>, RowError> {

@@ -188,7 +188,7 @@ fn felt(layout: Layout, law: LawKind, force: f64, window: f64, context: &Context
 
 /// The published impact on a layout.
 pub(super) fn struck(layout: &Layout, law: LawKind, integrator: Integrator, step: f64, window: f64) -> Impact {
-    let sheet = layout.lattice;
+    let sheet = &layout.lattice;
     Impact {
         mirrors: vec![
             Mirror { axis: 0, position: 0.0, inward: 1.0 },
@@ -220,7 +220,7 @@ fn baseline(baseline: Baseline) -> Result<Layout, RowError> {
 
 impl Response {
     fn row(&self, row: u32) -> Vec<f64> {
-        let sheet = self.layout.lattice;
+        let sheet = &self.layout.lattice;
         (1..=sheet.columns(row)).filter_map(|column| Some(self.energies[sheet.index(row, column)?])).collect()
     }
 

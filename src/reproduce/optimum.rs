@@ -115,7 +115,7 @@ fn scores(
     let design = Design::parse(format!("designs/{name}"), text).map_err(|error| failed(&error))?;
     // It only grows, so that the layouts before keep their meaning.
     let mut host = Layout {
-        lattice: design.lattice,
+        lattice: design.lattice.clone(),
         palette: vec![design.host.clone()],
         materials: vec![0; design.lattice.len()],
     };

@@ -84,7 +84,7 @@ impl Wedge {
     fn decays(&self, rows: u32, context: &Context) -> Result<Vec<Decay>, RowError> {
         let strip = HexagonalSheet::new(DIAMETER, rows, 1.0)?;
         let decay = |material: &Material| {
-            let layout = Layout::new(strip, vec![material.clone()], |_| 0);
+            let layout = Layout::new(strip.clone(), vec![material.clone()], |_| 0);
             let record = simulate(&layout.sample(), &self.impact(&strip), context)?;
             if let Some(stop) = record.stop {
                 return Err(stop.into());

@@ -54,7 +54,7 @@ pub(super) fn setup(design: &Design, first_seed: Option<u64>) -> Result<Setup, S
                 lens.map_err(|error| SetupError::Lens { design: Box::new(design.clone()), error: Box::new(error) })?;
             lens.layout()
         }
-        None => Layout::new(*lattice, vec![design.host.clone()], |_| 0),
+        None => Layout::new(lattice.clone(), vec![design.host.clone()], |_| 0),
     };
     of_layout(design, &layout, first_seed)
 }
@@ -74,7 +74,7 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
     let struck = (0..sites.len()).filter(|&i| sites[i].row == 1).map(Body::Sphere).collect();
     // A rig's flats are whole, whatever its mirrors leave of them; here it is half of one.
     let halves = 2.0_f64.powi(rig.mirrors.len() as i32) * 0.5;
-    rig.strike(design.impact.of_part(halves), struck, -0.5 * lattice.diameter());
+    rig.strike(design.impact.of_part(halves), struck, -0.5 * lattice.row_diameter(1));
     let mut warnings = plan.warnings;
     if design.integrator == crate::dem::Integrator::Rk4 {
         warnings.push("rigs are always advanced with verlet; run.integrator is not used here".to_owned());

@@ -30,7 +30,7 @@ pub(super) fn layout<const D: usize>(
     let width = crystal.sites().iter().map(|site| position(site.centre[0])).max().unwrap_or(0);
     let lattice = HexagonalSheet::new(diameter, crystal.layers(), 0.5 * f64::from(width))
         .map_err(|error| misfit(&format!("does not fit the crystal: {error}")))?;
-    let read = layout::read(&path, lattice, palette, own).map_err(|error| {
+    let read = layout::read(&path, &lattice, palette, own).map_err(|error| {
         let help = error.help.clone().unwrap_or_default();
         let mut refused = DocumentError::of_file(&path, error.message.clone(), help);
         refused.line = error.line.map(|line| line as usize);

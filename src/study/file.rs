@@ -408,7 +408,7 @@ impl Study {
 
     /// The same on the sheet of a design, which is the study's own.
     pub(super) fn sheet(&self, design: &Design, assignment: &[u8]) -> Layout {
-        Layout { lattice: design.lattice, palette: self.palette.clone(), materials: self.materials(assignment) }
+        Layout { lattice: design.lattice.clone(), palette: self.palette.clone(), materials: self.materials(assignment) }
     }
 
     /// The layout that an assignment stands for.

@@ -95,9 +95,11 @@ impl Rung {
             told(surrogate.name(), &early, &losses)
         };
         let mut glances = match study.design() {
-            DesignRef::Plane(design) => ArrivalSurrogate::ALL.map(|surrogate| late(design, surrogate)).to_vec(),
-            // Both are of sheets.
-            DesignRef::Space(_) => Vec::new(),
+            DesignRef::Plane(design) if design.lattice.is_close_packed() => {
+                ArrivalSurrogate::ALL.map(|surrogate| late(design, surrogate)).to_vec()
+            }
+            // Both are of hexagonal sheets of equal spheres.
+            DesignRef::Plane(_) | DesignRef::Space(_) => Vec::new(),
         };
         let traced = some.iter().filter_map(|judged| Some((-rays.of(&judged.assignment)?, judged.loss.total)));
         let (scattered, losses): (Vec<f64>, Vec<f64>) = traced.unzip();

@@ -169,7 +169,7 @@ fn a_lopsided_piece_is_compared_reported_built_and_judged() {
 fn two_halves_that_are_alike_are_the_half() {
     let desk = Desk::with_layout();
     let design = granulens::design::Design::read(desk.path("small.toml")).unwrap();
-    let layout = granulens::layout::read(&desk.path("small.csv"), design.lattice, &[], &[]).unwrap();
+    let layout = granulens::layout::read(&desk.path("small.csv"), &design.lattice, &[], &[]).unwrap();
     let plan = Plan::new(&design, Overrides::default(), &layout.palette).unwrap();
     let evaluate =
         |left| Subject { layout: &layout, left }.evaluate(&design, &plan, &Context::default()).unwrap().scores;

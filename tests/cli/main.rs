@@ -35,6 +35,7 @@ mod refusals;
 mod results;
 mod sensitivity;
 mod shards;
+mod sheets;
 mod simulate;
 mod space;
 mod space_studies;

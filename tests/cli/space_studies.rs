@@ -261,6 +261,34 @@ fn a_lens_in_space_is_built_layer_by_layer() {
         assert!(pdf.starts_with(b"%PDF") && pdf.len() > 5000, "{name}");
     }
     assert!(desk.read("shop/parts.csv").lines().last().unwrap().starts_with("all,"));
-    let refused = desk.run(&["build", "lens.csv", "--design", "space.toml", "--out", "x", "--clearance", "1 mm"]);
-    assert!(refused.code == 2 && refused.stderr.contains("--clearance is for sheets"), "{}", refused.stderr);
+    // All spheres are ranked, by what they carried: spheres that stand for each other carried the same.
+    let ranked: Vec<String> = lines("shop/inspection.csv");
+    let energy: Vec<f64> = ranked.iter().map(|line| line.split(',').nth(6).unwrap().parse().unwrap()).collect();
+    assert!(energy.len() == placed.len() && energy.is_sorted() && energy[0] < energy[energy.len() - 1]);
+    let named = |line: &String| line.split(',').skip(1).take(3).map(str::to_owned).collect::<Vec<_>>();
+    let unique: std::collections::BTreeSet<Vec<String>> = ranked.iter().map(named).collect();
+    assert_eq!(unique.len(), placed.len());
+    // Ten spheres along x on one plane of symmetry and beside it, so 10 D + D between the walls, and the clearance at both sides.
+    let wide = |told: &serde_json::Value| told["frame_mm"]["width"][0].as_f64().unwrap();
+    assert!((wide(&told) - 11.0 * 6.35).abs() < 1e-6, "{told}");
+    let loose =
+        desk.run(&["build", "lens.csv", "--design", "space.toml", "--out", "x", "--clearance", "1 mm", "--json"]);
+    assert!((wide(&loose.ok().json()) - wide(&told) - 2.0).abs() < 1e-6);
+    assert!(std::fs::read(desk.path("shop/frame.3mf")).unwrap().starts_with(b"PK"));
+    // A measured batch: every sphere has its place, the nearest to the nominal diameter where the list begins.
+    let balls = |material: &str| {
+        let count = count(material);
+        (0..count + 2).map(|k| format!("{material}-{k},{material},{}", 6.35 + 1e-5 * k as f64)).collect::<Vec<_>>()
+    };
+    let batch = [vec!["id,material,diameter_mm".to_owned()], balls("stainless-440c"), balls("brass-260")].concat();
+    desk.write("batch.csv", batch.join("\n"));
+    desk.run(&["build", "lens.csv", "--design", "space.toml", "--out", "sorted", "--sorted", "batch.csv"]).ok();
+    let sorted: Vec<String> = lines("sorted/sorted.csv");
+    assert_eq!(sorted.len(), placed.len());
+    let first = named(&ranked[0]);
+    let of_first = sorted.iter().find(|line| line.split(',').take(3).eq(first.iter().map(String::as_str))).unwrap();
+    assert!(of_first.split(',').nth(5).unwrap().ends_with("-0"), "{of_first}");
+    assert_eq!(desk.read("sorted/sorted.csv").lines().filter(|line| line.starts_with("left,")).count(), 4);
+    let refused = desk.run(&["build", "lens.csv", "--design", "space.toml", "--out", "y", "--yield", "made"]);
+    assert!(refused.code == 2 && refused.stderr.contains("--yield is for sheets"), "{}", refused.stderr);
 }

@@ -216,7 +216,7 @@ fn pieces_settle_in_their_frame() {
 fn fast_and_slow_ways_agree_on_scattered_radii() {
     let design = Design::read(shipped("designs/quickstart.toml")).unwrap();
     let drawn =
-        layout::read(shipped("studies/four-materials-best.csv").as_ref(), design.lattice, &design.palette(), &[])
+        layout::read(shipped("studies/four-materials-best.csv").as_ref(), &design.lattice, &design.palette(), &[])
             .unwrap();
     let going = Context::default();
     let overrides =

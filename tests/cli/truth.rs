@@ -64,7 +64,7 @@ fn drawn(design: &Design, rng: &mut Rng) -> Layout {
     }
     let letters = palette.len() as u64;
     let materials = (0..design.lattice.len()).map(|_| rng.below(letters) as u8).collect();
-    Layout { lattice: design.lattice, palette, materials }
+    Layout { lattice: design.lattice.clone(), palette, materials }
 }
 
 /// The measures as bits, of one JSON object.

@@ -119,7 +119,7 @@ fn layouts() {
     corpus.extend(files("tests/corpus", "csv", 6000));
     withstands("layout", corpus, 1500, |bytes| {
         fs::write(&path, bytes).unwrap();
-        if let Err(error) = layout::read(&path, sheet, &palette, &[]) {
+        if let Err(error) = layout::read(&path, &sheet, &palette, &[]) {
             let _ = (error.to_string(), format!("{:?}", miette::Report::new(error)));
         }
     });

@@ -39,7 +39,7 @@ fn a_strip_decays_as_the_whole_crystal_does() {
     // As long as the strip is watched.
     let plan = Plan { window: 900e-6, ..plan };
     let strip = &decays(&design, &plan, &brass)[0];
-    let layout = Layout::new(design.lattice, brass.to_vec(), |_| 0);
+    let layout = Layout::new(design.lattice.clone(), brass.to_vec(), |_| 0);
     let record = evaluate(&design, &layout, &plan, &GO).unwrap().record;
     let whole = decay(&design.lattice, &brass[0], Constants::Code, &record).unwrap();
     for row in 1..=50 {

@@ -86,7 +86,7 @@ fn check_simulate_rig_and_batch_mean_the_same_by_what_a_sphere_felt() {
     write("mirrored.toml", DESIGN);
     write("rig.toml", RIG);
     let design = granulens::design::Design::read(folder.path().join("mirrored.toml")).unwrap();
-    let layout = granulens::layout::Layout::new(design.lattice, vec![design.host.clone()], |_| 0);
+    let layout = granulens::layout::Layout::new(design.lattice.clone(), vec![design.host.clone()], |_| 0);
     write("host.csv", &granulens::layout::write(&layout));
     let check = ["check", "host.csv", "--design", "mirrored.toml", "--integrator", "verlet"];
     run(folder.path(), &[&check[..], &["--spheres", "checked.csv", "--out", "checked.json", "--quiet"]].concat());

@@ -133,7 +133,7 @@ fn final_figures_are_those_of_check() {
     let found = state.best.unwrap();
     let (design, palette) = (study.design.plane().unwrap(), study.palette.clone());
     let materials = study.materials(&found.entry.assignment(12, 2).unwrap());
-    let layout = Layout { lattice: design.lattice, palette, materials };
+    let layout = Layout { lattice: design.lattice.clone(), palette, materials };
     assert_eq!(state.finals.iter().map(|of| of.step).collect::<Vec<_>>(), [4e-7, 2e-7]);
     assert_eq!(state.finals[0].exact.contrast, found.scores.contrast);
     for figures in &state.finals {

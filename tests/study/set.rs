@@ -90,7 +90,7 @@ fn what_is_felt_is_what_the_records_say() {
     let desk = Desk::new(STUDY);
     let study = desk.study();
     let (design, palette) = (study.design.plane().unwrap(), study.palette.clone());
-    let drawn = Layout { lattice: design.lattice, palette, materials: study.materials(&[1; 12]) };
+    let drawn = Layout { lattice: design.lattice.clone(), palette, materials: study.materials(&[1; 12]) };
     let felt = scores(&study, &drawn.materials, &[PULSE.into()], Detail::Everything).remove(0);
     let dissipation = felt.dissipation.unwrap();
     let plan = Plan::new(design, study.overrides(0), &study.palette).unwrap();

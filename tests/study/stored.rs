@@ -115,7 +115,7 @@ fn stored_layouts_are_as_good_as_is_said() {
         let mut layouts = Vec::new();
         for said in &own {
             let layout =
-                layout::read(&repository(&said.file), design.lattice, &palette, &design.own_materials).unwrap();
+                layout::read(&repository(&said.file), &design.lattice, &palette, &design.own_materials).unwrap();
             // It only grows, so that the layouts before keep their meaning.
             palette = layout.palette;
             layouts.push(layout.materials);
@@ -180,7 +180,7 @@ fn means_of_long_tables_are_those_of_the_values_beside_them() {
 fn a_stored_layout_stands_five_impacts() {
     let study = Study::read(&repository("studies/four-materials-robust.toml"), None).unwrap();
     let file = repository("studies/four-materials-robust-best.csv");
-    let layout = layout::read(&file, study.design.plane().unwrap().lattice, &study.palette, &[]).unwrap();
+    let layout = layout::read(&file, &study.design.plane().unwrap().lattice, &study.palette, &[]).unwrap();
     let never = Context::default();
     let overrides = Overrides {
         integrator: Some(Integrator::Adams),
@@ -211,7 +211,7 @@ fn stored_layouts_have_the_same_scores_one_by_one() {
         if path.extension().is_none_or(|extension| extension != "csv") {
             continue;
         }
-        let layout = layout::read(&path, study.design.plane().unwrap().lattice, &palette, &[]).unwrap();
+        let layout = layout::read(&path, &study.design.plane().unwrap().lattice, &palette, &[]).unwrap();
         palette = layout.palette.clone();
         layouts.push(layout);
     }

@@ -144,7 +144,7 @@ pub fn laid(design: &Design, names: &[String], places: &[u8]) -> Result<Layout, 
         _ => Err(wrong(format!("the painted layout names no material {place}"))),
     };
     let materials = places.iter().map(place).collect::<Result<Vec<u8>, _>>()?;
-    Ok(Layout { lattice: design.lattice, palette, materials })
+    Ok(Layout { lattice: design.lattice.clone(), palette, materials })
 }
 
 /// The text with some keys changed, as a person would change them.
@@ -251,7 +251,8 @@ fn as_json(value: &toml_edit::Value) -> Value {
 fn told(design: &Design, known: &str) -> Value {
     let lattice = &design.lattice;
     let diameter = lattice.diameter();
-    let crystal = format!("{diameter}/{}/{}", lattice.rows(), lattice.half_width());
+    let (packing, sizes) = (lattice.packing().name(), lattice.diameters());
+    let crystal = format!("{packing}/{diameter}/{sizes:?}/{}/{}", lattice.rows(), lattice.half_width());
     let sites = (crystal != known).then(|| {
         let sites = lattice.sites();
         json!({

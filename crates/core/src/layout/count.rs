@@ -56,7 +56,9 @@ pub struct LayoutCounter {
     /// Spheres of the piece on each site.
     copies: Vec<u64>,
     free: Option<Vec<bool>>,
-    /// Mass of a sphere of each material of the palette (kg).
+    /// Volume of the sphere of each site over that of the lattice's diameter.
+    volume: Vec<f64>,
+    /// Mass of a sphere of that diameter of each material of the palette (kg).
     mass: Vec<f64>,
     /// Price of one, where it is known.
     price: Vec<Option<f64>>,
@@ -76,7 +78,8 @@ impl LayoutCounter {
         for (i, a) in sites.iter().enumerate() {
             // Sites stand row by row; a neighbour is at most one row away.
             for (j, b) in sites.iter().enumerate().skip(i + 1).take_while(|(_, b)| b.row <= a.row + 1) {
-                if (a.x - b.x).hypot(a.z - b.z) < 1.1 * diameter {
+                let reach = 0.5 * (lattice.row_diameter(a.row) + lattice.row_diameter(b.row));
+                if (a.x - b.x).hypot(a.z - b.z) < 1.1 * reach {
                     beside[i].push(j);
                     beside[j].push(i);
                 }
@@ -89,6 +92,7 @@ impl LayoutCounter {
             weight: sites.iter().map(|site| if gap(site.x) < 0.25 { 0.5 } else { 1.0 }).collect(),
             copies: sites.iter().map(|site| copies(site.x, diameter)).collect(),
             free: free.map(|free| marked(free, sites.len())),
+            volume: sites.iter().map(|site| (lattice.row_diameter(site.row) / diameter).powi(3)).collect(),
             mass: palette.iter().map(|material| material.sphere_mass(diameter)).collect(),
             price: palette.iter().map(prices).collect(),
             beside,
@@ -119,6 +123,7 @@ impl LayoutCounter {
             weight: (0..steps.len()).map(weight).collect(),
             copies: block.copies().iter().map(|&copies| u64::from(copies)).collect(),
             free: free.map(|free| marked(free, steps.len())),
+            volume: vec![1.0; steps.len()],
             mass: palette.iter().map(|material| material.sphere_mass(block.diameter())).collect(),
             price: palette.iter().map(prices).collect(),
         }
@@ -163,13 +168,14 @@ impl LayoutCounter {
         materials.iter().zip(&self.copies).for_each(|(&m, copies)| counts[usize::from(m)] += copies);
         let known = priced(&counts, &self.price);
         // Over the sites in their order, so that the sum's bits do not depend on that of the palette.
-        let weighed = |each: &dyn Fn(usize) -> f64| -> f64 {
-            materials.iter().zip(&self.copies).map(|(&m, &copies)| copies as f64 * each(usize::from(m))).sum()
+        let weighed = |each: &dyn Fn(usize, usize) -> f64| -> f64 {
+            let sites = materials.iter().zip(&self.copies).enumerate();
+            sites.map(|(site, (&m, &copies))| copies as f64 * each(site, usize::from(m))).sum()
         };
         let amount = Amount {
             spheres: counts.iter().skip(1).sum(),
-            mass: weighed(&|k| self.mass[k]),
-            cost: known.then(|| weighed(&|k| self.price[k].unwrap_or_default())),
+            mass: weighed(&|site, k| self.volume[site] * self.mass[k]),
+            cost: known.then(|| weighed(&|_, k| self.price[k].unwrap_or_default())),
         };
         Bill { counts, amount }
     }
@@ -178,14 +184,15 @@ impl LayoutCounter {
     pub fn half(&self, materials: &[u8]) -> Bill {
         let mut counts = vec![0; self.mass.len()];
         materials.iter().for_each(|&m| counts[usize::from(m)] += 1);
-        let weighed = |each: &dyn Fn(usize) -> f64| -> f64 {
-            materials.iter().zip(&self.weight).map(|(&m, weight)| weight * each(usize::from(m))).sum()
+        let weighed = |each: &dyn Fn(usize, usize) -> f64| -> f64 {
+            let sites = materials.iter().zip(&self.weight).enumerate();
+            sites.map(|(site, (&m, weight))| weight * each(site, usize::from(m))).sum()
         };
         let known = priced(&counts, &self.price);
         let amount = Amount {
             spheres: counts.iter().skip(1).sum(),
-            mass: weighed(&|k| self.mass[k]),
-            cost: known.then(|| weighed(&|k| self.price[k].unwrap_or_default())),
+            mass: weighed(&|site, k| self.volume[site] * self.mass[k]),
+            cost: known.then(|| weighed(&|_, k| self.price[k].unwrap_or_default())),
         };
         Bill { counts, amount }
     }

@@ -54,13 +54,13 @@ impl Layout {
 
     /// The spheres to simulate, in the lattice's order.
     pub fn sample(&self) -> Sample<2> {
-        let radius = 0.5 * self.lattice.diameter();
         let sites = self.lattice.sites();
-        let spheres = sites
-            .iter()
-            .zip(&self.materials)
-            .map(|(site, &material)| Sphere { centre: [site.x, site.z], radius, material: usize::from(material) })
-            .collect();
+        let sphere = |(site, &material): (&Site, &u8)| Sphere {
+            centre: [site.x, site.z],
+            radius: 0.5 * self.lattice.row_diameter(site.row),
+            material: usize::from(material),
+        };
+        let spheres = sites.iter().zip(&self.materials).map(sphere).collect();
         Sample { materials: self.palette.clone(), spheres }
     }
 }

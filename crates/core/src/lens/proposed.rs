@@ -191,7 +191,7 @@ impl Lens {
         }
         let rows = parts.iter().map(|part: &Part| &part.prescription);
         Self {
-            lattice: *lattice,
+            lattice: lattice.clone(),
             family,
             prescription: Prescription {
                 apex_row: rows.clone().map(|of| of.apex_row).min().unwrap_or(shape.apex_row),
@@ -229,7 +229,7 @@ impl Lens {
 
     /// The lens laid on the lattice: index 0 of the palette is the host, 1 the lens material.
     pub fn layout(&self) -> Layout {
-        Layout { lattice: self.lattice, palette: self.palette.clone(), materials: self.materials.clone() }
+        Layout { lattice: self.lattice.clone(), palette: self.palette.clone(), materials: self.materials.clone() }
     }
 
     /// First and last row that hold anything but the host. The first is behind the apex row if that has no sphere on the

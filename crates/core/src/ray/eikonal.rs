@@ -46,7 +46,7 @@ impl Eikonal {
     fn empty(lattice: &HexagonalSheet, finer: u32) -> Self {
         let finer = finer.max(1);
         let mesh = Mesh::new(lattice, finer);
-        Self { lattice: *lattice, finer, times: vec![f64::INFINITY; mesh.len()], mesh }
+        Self { lattice: lattice.clone(), finer, times: vec![f64::INFINITY; mesh.len()], mesh }
     }
 
     /// Where all points of the mesh lie (m), in order.

@@ -152,11 +152,17 @@ pub struct Validity {
 }
 
 impl Validity {
-    /// For the hexagonal sheet of spheres of one material and `diameter` (m), with `force_per_sphere` (N) on every sphere of the
+    /// For a crystal of spheres of one material and `diameter` (m), with `force_per_sphere` (N) on every sphere of the
     /// struck row: there, before the wave decays.
-    pub fn new(force_per_sphere: f64, material: &Material, diameter: f64, constants: Constants) -> Self {
+    pub fn new(
+        dimension: Dimension,
+        force_per_sphere: f64,
+        material: &Material,
+        diameter: f64,
+        constants: Constants,
+    ) -> Self {
         let pair = Pair::new([material; 2], [0.5 * diameter; 2], constants);
-        let amplitude = contact_force(force_per_sphere) / pair.plastic_force();
+        let amplitude = dimension.contact_force(force_per_sphere) / pair.plastic_force();
         Self { amplitude, speed_reached: speed_reached(&pair, material.density, amplitude) }
     }
 
@@ -251,7 +257,7 @@ mod tests {
         let steel = find("440c", &[]).unwrap();
         let bound = bound(Dimension::Two, [&steel; 2], DIAMETER, Constants::Code);
         assert_printed(bound.plastic_force, 3061.0, 1.0);
-        let of = |force| Validity::new(force, &steel, DIAMETER, Constants::Code);
+        let of = |force| Validity::new(Dimension::Two, force, &steel, DIAMETER, Constants::Code);
         let strong = of(26_000.0);
         assert!((4.9..5.0).contains(&strong.amplitude));
         // Hardening takes 440c above the bound.

@@ -63,7 +63,7 @@ mod tests {
     fn a_site_runs_as_its_neighbourhood_does() {
         let palette = ["440c", "brass"].map(|name| find(name, &[]).unwrap());
         let sheet = HexagonalSheet::new(6.35e-3, 12, 4.0).unwrap();
-        let layout = Layout::new(sheet, palette.to_vec(), |site| u8::from(site.row > 6));
+        let layout = Layout::new(sheet.clone(), palette.to_vec(), |site| u8::from(site.row > 6));
         let speeds = site_speeds(&layout, Constants::Code, None);
         let own = palette.each_ref().map(|m| bound(Dimension::Two, [m, m], 6.35e-3, Constants::Code).speed);
         for (site, speed) in sheet.sites().iter().zip(&speeds) {

@@ -16,6 +16,7 @@ mod problem;
 mod projectile;
 mod reference;
 mod rubbing;
+mod sheets;
 mod space;
 mod surface;
 mod symmetry;

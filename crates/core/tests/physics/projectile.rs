@@ -198,7 +198,7 @@ fn flats_in_lanes_and_on_the_whole_crystal_are_those_of_the_half() {
     let (block, sample, impact) = block();
     let alone = run(&sample, &impact);
     assert_eq!(
-        simulate_batch(&[sample.clone()], &impact, Width::widest(), &never).unwrap()[0].max_kinetic,
+        simulate_batch(std::slice::from_ref(&sample), &impact, Width::widest(), &never).unwrap()[0].max_kinetic,
         alone.max_kinetic
     );
     let (mut whole, mut images) = (sample.clone(), Vec::new());

@@ -54,7 +54,7 @@ fn a_sheet_between_mirrors_moves_as_the_simulator_with_lists_says() {
         let grid = Grid::of_lattice(&lattice);
         assert_eq!(grid.len(), lattice.len());
         let materials = mix(&grid, 3);
-        let layout = Layout { lattice, palette: metals(), materials: materials.clone() };
+        let layout = Layout { lattice: lattice.clone(), palette: metals(), materials: materials.clone() };
         let struck: Vec<usize> = (0..lattice.columns(1) as usize).collect();
         let impact = Impact {
             mirrors: vec![
