@@ -123,6 +123,9 @@ pub struct Outcome<S = Site, R = Region, P = Proposal> {
     /// What exchanging single spheres of the first does, where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub swaps: Option<crate::evaluate::Swaps>,
+    /// How F and P change with every sphere of the first, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensitivities: Option<Vec<crate::evaluate::Derivatives>>,
     /// What goes on inside the first, where that was looked at.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inside: Option<Inside>,

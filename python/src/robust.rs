@@ -66,14 +66,13 @@ pub fn sensitivity<'py>(
     let measures = PyDict::new(py);
     for one in &found.of {
         let column = |values: &[f64]| vector(py, values.to_vec());
-        let linear: Vec<bool> = (0..one.density.len()).map(|site| one.is_linear(site)).collect();
         let table = Table::new(py)
             .with("d_density", column(&one.density))?
             .with("d_youngs_modulus", column(&one.youngs_modulus))?
             .with("d_yield_stress", column(&one.yield_stress))?
             .with("d_radius", column(&one.radius))?
             .with("secant_density", column(&one.secant_density))?
-            .with("linear", vector(py, linear))?;
+            .with("linear", vector(py, one.linear.clone()))?;
         measures.set_item(one.measure.name(), table.0)?;
     }
     let force = PyDict::new(py);

@@ -58,7 +58,7 @@ impl Compare {
         .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
         .over(self.forces.or(Forces::USUAL)?);
         if common.dry_run {
-            return cost(common, &design, &comparison, false);
+            return cost(common, &design, &comparison, (false, false));
         }
         self.under.chosen(&design)?;
         probe(common, common.out.as_ref())?;
@@ -101,8 +101,13 @@ pub fn unfinished(comparison: &Comparison, outcome: &Outcome) -> Result<(), Fail
     }
 }
 
-/// What the arrangements of a comparison will cost, and a look inside the first where one is taken.
-pub fn cost(common: &Common, design: &Design, comparison: &Comparison, looks_inside: bool) -> Result<(), Failure> {
+/// What the arrangements of a comparison will cost, and a look inside the first, and its sensitivities, where these are asked for.
+pub fn cost(
+    common: &Common,
+    design: &Design,
+    comparison: &Comparison,
+    (looks_inside, sensitivity): (bool, bool),
+) -> Result<(), Failure> {
     let alone = super::cost::arrangement(&comparison.subject.sample(), &impact(design, &comparison.plan))?;
     let count = comparison.len() as u64;
     let forces = comparison.forces.count() as u64;
@@ -120,6 +125,9 @@ pub fn cost(common: &Common, design: &Design, comparison: &Comparison, looks_ins
         let mut simulation = Simulation::new(rig, step).map_err(|error| failed(&error))?;
         let seconds = super::cost::rig(&mut simulation, steps);
         parts.push(Part::new("look inside the first, both halves", 1, Some(seconds)));
+    }
+    if sensitivity {
+        parts.extend(super::sensitivity::cost(alone, comparison.subject.materials.len()));
     }
     tell(common, &parts)
 }

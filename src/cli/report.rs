@@ -29,6 +29,9 @@ pub struct Report {
     /// Draw what exchanging each sphere does to C too; simulates every sphere for each other material, some seconds to minutes
     #[arg(long)]
     swaps: bool,
+    /// Draw how F and P change with every sphere too, as granulens sensitivity tells; some ten runs and one for each sphere
+    #[arg(long)]
+    sensitivity: bool,
     /// Write every figure as PDF too, for a paper
     #[arg(long)]
     pdf: bool,
@@ -87,10 +90,15 @@ impl Report {
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
             .over(self.forces.or(Forces::USUAL)?);
         if common.dry_run {
-            return super::compare::cost(common, &design, &comparison, true);
+            return super::compare::cost(common, &design, &comparison, (true, self.sensitivity));
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(name));
-        deliver(common, &comparison, &place, Delivery { words: None, kinds: &self.kinds(), swaps: self.swaps })
+        deliver(
+            common,
+            &comparison,
+            &place,
+            Delivery { words: None, kinds: &self.kinds(), sensitivity: self.sensitivity, swaps: self.swaps },
+        )
     }
 
     /// As what figures are written beside SVG.
@@ -101,10 +109,11 @@ impl Report {
     /// Draws results anew; nothing is simulated.
     fn redraw(&self, common: &Common, results: &Results) -> Result<(), Failure> {
         let given = self.forces.forces.is_some() || self.motion.step.is_some() || self.motion.window.is_some();
-        if given || self.motion.integrator.is_some() || common.seed.is_some() {
+        let simulates = self.swaps || self.sensitivity;
+        if given || simulates || self.motion.integrator.is_some() || common.seed.is_some() {
             return Err(Failure::input_with_help(
                 "results are drawn as they are: nothing is simulated",
-                "Leave out --step, --window, --integrator, --forces and --seed, or name a design file.",
+                "Leave out --step, --window, --integrator, --forces, --seed, --swaps and --sensitivity, or name a design file.",
             ));
         }
         match results {

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use granulens::design::AnyDesign;
-use granulens::evaluate::{Comparison, Forces, Subject, compare, swaps};
+use granulens::evaluate::{Comparison, Forces, Subject, compare, sensitivities, swaps};
 use granulens::outcome::Outcome;
 use granulens::output::Folder;
 use granulens::report;
+use granulens::score::Measure;
 use granulens::{inside, layout};
 
 use super::console::{Count, context, emit, emit_json, note};
@@ -22,6 +23,9 @@ use super::{Band, Common, Motion, command_line, propose};
 pub struct Run {
     /// Design file, such as designs/quickstart.toml
     design: PathBuf,
+    /// Draw how F and P change with every sphere too, as granulens sensitivity tells; some ten runs and one for each sphere
+    #[arg(long)]
+    sensitivity: bool,
     #[command(flatten)]
     motion: Motion,
     #[command(flatten)]
@@ -33,6 +37,12 @@ impl Run {
         let design = match AnyDesign::read(&self.design)? {
             AnyDesign::Plane(design) => *design,
             AnyDesign::Space(design) => {
+                if self.sensitivity {
+                    return Err(Failure::input_with_help(
+                        "--sensitivity is of sheets: the run of a crystal in space has no derivatives",
+                        "Leave it out.",
+                    ));
+                }
                 let forces = self.forces.or(Forces::USUAL)?;
                 return super::space::run(common, &design, self.motion.overrides(common), forces);
             }
@@ -43,11 +53,16 @@ impl Run {
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?
             .over(self.forces.or(Forces::USUAL)?);
         if common.dry_run {
-            return super::compare::cost(common, &design, &comparison, true);
+            return super::compare::cost(common, &design, &comparison, (true, self.sensitivity));
         }
         let place = common.out.clone().unwrap_or_else(|| Path::new("reports").join(&design.name));
         let words = super::design::words(&design, &lens);
-        deliver(common, &comparison, &place, Delivery { words: Some(&words), kinds: &[], swaps: false })
+        deliver(
+            common,
+            &comparison,
+            &place,
+            Delivery { words: Some(&words), kinds: &[], sensitivity: self.sensitivity, swaps: false },
+        )
     }
 }
 
@@ -57,6 +72,8 @@ pub struct Delivery<'a> {
     pub words: Option<&'a str>,
     /// As what figures are written beside SVG: pdf, png.
     pub kinds: &'a [&'static str],
+    /// Whether it is asked how scores change with every sphere.
+    pub sensitivity: bool,
     /// Whether it is asked what exchanging single spheres does.
     pub swaps: bool,
 }
@@ -73,6 +90,24 @@ pub fn deliver(
         note(common, words);
     }
     note(common, &format!("step: {}", comparison.plan.step_reason));
+    for (asked, name) in [(delivery.swaps, "--swaps"), (delivery.sensitivity, "--sensitivity")] {
+        if asked && comparison.left.is_some() {
+            return Err(Failure::input_with_help(
+                format!("{name} changes spheres in both halves alike, and the halves of this piece differ"),
+                "Leave it out, or give a layout of the half x >= 0.",
+            ));
+        }
+    }
+    // First, since some runs have none.
+    let derivatives = delivery
+        .sensitivity
+        .then(|| {
+            note(common, "derivatives by every sphere, and secants ...");
+            let Comparison { design, subject, plan, .. } = comparison;
+            let of = [Measure::FocalMean, Measure::ProtectedMean];
+            sensitivities(design, subject, plan, &of, context()).map_err(|error| super::sensitivity::failure(&error))
+        })
+        .transpose()?;
     let bar = Count::new(common, comparison.len(), "arrangements");
     let counted = bar.context();
     let (outcome, inside) = rayon::join(
@@ -108,15 +143,10 @@ pub fn deliver(
         )));
     }
     if delivery.swaps {
-        if comparison.piece().left.is_some() {
-            return Err(Failure::input_with_help(
-                "--swaps exchanges spheres in both halves alike, and the halves of this piece differ",
-                "Leave it out, or give a layout of the half x >= 0.",
-            ));
-        }
         note(common, "simulating every exchange of a sphere ...");
         outcome.swaps = Some(swaps(comparison.design, &comparison.subject, &comparison.plan, context())?);
     }
+    outcome.sensitivities = derivatives.map(|found| found.of);
     fill(&folder, &outcome, comparison.piece())?;
     figures(&outcome, &folder, delivery.kinds)?;
     folder.finish()?;

@@ -4,11 +4,10 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use granulens::design::Design;
-use granulens::evaluate::{
-    Derivatives, MEASURES, Plan, Sensitivities, SensitivityError, impact, method, sensitivities,
-};
+use granulens::evaluate::{MEASURES, Plan, Sensitivities, SensitivityError, impact, method, sensitivities};
 use granulens::layout::Layout;
 use granulens::outcome::{FORMAT, Method};
+use granulens::report::sensitivity_csv;
 use granulens::score::Measure;
 use serde_json::{Value, json};
 
@@ -45,10 +44,6 @@ fn measure(name: &str) -> Result<Measure, String> {
     found.ok_or_else(|| format!("there are derivatives of {}", known()))
 }
 
-/// Columns of the table.
-const HEADER: &str =
-    "row,column,x,z,material,measure,d_density,d_youngs_modulus,d_yield_stress,d_radius,secant_density,linear";
-
 /// How many spheres the words name.
 const NAMED: usize = 8;
 
@@ -61,14 +56,7 @@ impl SensitivityOf {
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
         if common.dry_run {
             let alone = arrangement(&layout.sample(), &impact(&design, &plan))?;
-            let sites = layout.materials.len() as u64;
-            return tell(
-                common,
-                &[
-                    Part::new("derivatives", 1, Some(8.0 * alone)),
-                    Part::new("secants, a crystal for each sphere", sites, Some(alone * sites as f64 / 5.0)),
-                ],
-            );
+            return tell(common, &cost(alone, layout.materials.len()));
         }
         probe(common, common.out.as_ref())?;
         let how = method(&design, &plan);
@@ -76,7 +64,8 @@ impl SensitivityOf {
         plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         let found = sensitivities(&design, &layout, &plan, &self.of, context()).map_err(|error| failure(&error))?;
         if let Some(path) = &common.out {
-            write_file(common, path, &table(&layout, &found.of))?;
+            let material = |site: usize| &layout.palette[usize::from(layout.materials[site])].name[..];
+            write_file(common, path, &sensitivity_csv(&layout.lattice.sites(), material, &found.of))?;
         }
         if common.json {
             emit_json(&self.told(&design, &layout, &found, &how));
@@ -88,20 +77,6 @@ impl SensitivityOf {
 
     fn told(&self, design: &Design, layout: &Layout, found: &Sensitivities, how: &Method) -> Value {
         let sites = layout.lattice.sites();
-        let of = found.of.iter().map(|one| {
-            let each = |values: &[f64]| values.to_vec();
-            json!({
-                "measure": one.measure.name(),
-                "d_force": one.force,
-                "d_density": each(&one.density),
-                "d_youngs_modulus": each(&one.youngs_modulus),
-                "d_yield_stress": each(&one.yield_stress),
-                "d_radius": each(&one.radius),
-                "secant_density": each(&one.secant_density),
-                "linear": (0..sites.len()).map(|site| one.is_linear(site)).collect::<Vec<_>>(),
-                "linear_share": one.linear_share(),
-            })
-        });
         let mut told = json!(how);
         let rest = json!({
             "format": FORMAT,
@@ -114,7 +89,7 @@ impl SensitivityOf {
                 "row": sites[i].row, "column": sites[i].column, "x": sites[i].x, "z": sites[i].z,
                 "material": layout.palette[usize::from(layout.materials[i])].name,
             })).collect::<Vec<_>>(),
-            "sensitivities": of.collect::<Vec<_>>(),
+            "sensitivities": found.of,
         });
         if let (Value::Object(told), Value::Object(rest)) = (&mut told, rest) {
             told.extend(rest);
@@ -123,11 +98,8 @@ impl SensitivityOf {
     }
 }
 
-fn failure(error: &SensitivityError) -> Failure {
+pub(super) fn failure(error: &SensitivityError) -> Failure {
     let help = match error {
-        SensitivityError::Friction => {
-            "Leave impact.friction out of the design, or ask granulens tolerance, which has friction."
-        }
         SensitivityError::Nothing(_) => "Take a longer --window, so that the wave reaches the region.",
         SensitivityError::Gradient(granulens::dem::GradientError::RungeKutta) => {
             "Leave --integrator out, or name adams or verlet."
@@ -140,43 +112,19 @@ fn failure(error: &SensitivityError) -> Failure {
     Failure::input_with_help(error.to_string(), help)
 }
 
-/// A line for each sphere and measure.
-fn table(layout: &Layout, of: &[Derivatives]) -> String {
-    let sites = layout.lattice.sites();
-    let mut text = format!("{HEADER}\n");
-    for one in of {
-        for (i, site) in sites.iter().enumerate() {
-            let material = &layout.palette[usize::from(layout.materials[i])].name;
-            let numbers =
-                [one.density[i], one.youngs_modulus[i], one.yield_stress[i], one.radius[i], one.secant_density[i]];
-            let numbers = numbers.map(|number| format!("{number:e}")).join(",");
-            let _ = writeln!(
-                text,
-                "{},{},{},{},{material},{},{numbers},{}",
-                site.row,
-                site.column,
-                site.x,
-                site.z,
-                one.measure.name(),
-                one.is_linear(i)
-            );
-        }
-    }
-    text
+/// What derivatives and secants cost, of a run that takes `alone` (s).
+pub(super) fn cost(alone: f64, sites: usize) -> [Part; 2] {
+    [
+        Part::new("derivatives", 1, Some(8.0 * alone)),
+        Part::new("secants, a crystal for each sphere", sites as u64, Some(alone * sites as f64 / 5.0)),
+    ]
 }
 
 fn words(layout: &Layout, found: &Sensitivities) -> String {
     let sites = layout.lattice.sites();
     let mut text = String::new();
     for one in &found.of {
-        let share = one.linear_share().map_or("no sphere matters".to_owned(), |share| {
-            format!(
-                "linear over {} % of density at {:.0} % of the spheres that matter",
-                100.0 * granulens::evaluate::SECANT,
-                100.0 * share
-            )
-        });
-        let _ = writeln!(text, "{}: {share}; by the impact's force {:+.3}", one.measure.name(), one.force);
+        let _ = writeln!(text, "{}: {}; by the impact's force {:+.3}", one.measure.name(), one.trust(), one.force);
         let mut order: Vec<usize> = (0..sites.len()).collect();
         order.sort_by(|&a, &b| one.secant_density[b].abs().total_cmp(&one.secant_density[a].abs()));
         let _ = writeln!(
@@ -196,7 +144,7 @@ fn words(layout: &Layout, found: &Sensitivities) -> String {
                 one.youngs_modulus[i],
                 one.yield_stress[i],
                 one.radius[i],
-                if one.is_linear(i) { "yes" } else { "no" }
+                if one.linear[i] { "yes" } else { "no" }
             );
         }
     }

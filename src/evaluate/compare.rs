@@ -175,6 +175,7 @@ impl<'a> Comparison<'a> {
             verdict,
             proposal: self.proposal.clone(),
             swaps: None,
+            sensitivities: None,
             inside: None,
             arrangements,
             warnings,

@@ -48,7 +48,9 @@ pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_law
 pub use load::{ImpactLoad, Imperfection, LoadCase};
 pub use plan::{Overrides, Plan, PlanError};
 pub use rank::{Ranked, rank};
-pub use sensitivity::{Derivatives, MEASURES, SECANT, Sensitivities, SensitivityError, sensitivities};
+pub use sensitivity::{
+    Derivatives, MEASURES, SECANT, Sensitivities, SensitivityError, Shared, sensitivities, shared_slopes,
+};
 pub use settle::SettleError;
 pub use space::{
     SpaceBeside, SpaceComparison, beside_in_space, compare_in_space, evaluate_in_space, impact_in_space, strips,

@@ -416,6 +416,7 @@ fn outcome(
     }
     SpaceOutcome {
         swaps: None,
+        sensitivities: None,
         inside: None,
         format: FORMAT,
         manifest: begun.manifest(

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::summary::{Spread, lines};
-use super::{drawing, inside, maps, page, profiles, spots};
+use super::{drawing, inside, maps, page, profiles, sensitivity, spots};
 use crate::outcome::{FORMAT, Inside, Method, Outcome, PartOfNetwork, Scores, Touch, Verdict};
 use crate::score::{Measure, Spreads};
 use crate::target::Target;
@@ -57,6 +57,11 @@ pub fn pictures(outcome: &Outcome) -> Result<Vec<(&'static str, String)>, Report
     let within = outcome.inside.as_ref().and_then(|within| inside::draw_lens(outcome, within));
     pictures.extend(within.map(|svg| ("inside.svg", svg)));
     pictures.extend(outcome.swaps.as_ref().map(|swaps| ("swaps.svg", maps::swaps(outcome, lens, swaps))));
+    let derivatives = outcome.sensitivities.iter().flatten();
+    pictures.extend(derivatives.flat_map(|of| {
+        let own = sensitivity::MAPS.into_iter().filter(|(measure, ..)| *measure == of.measure);
+        own.map(|(_, file, names)| (file, sensitivity::map(outcome, lens, of, names)))
+    }));
     Ok(pictures)
 }
 
@@ -73,6 +78,10 @@ pub fn files(outcome: &Outcome) -> Result<Vec<(String, String)>, ReportError> {
     if let Some(within) = &outcome.inside {
         files.push(("contacts.csv".to_owned(), contacts_csv(within)));
         files.push(("damage.csv".to_owned(), damage_csv(outcome, within)));
+    }
+    if let (Some(of), Some(lens)) = (&outcome.sensitivities, outcome.arrangements.first()) {
+        let material = |site: usize| &outcome.materials[usize::from(lens.layout[site])][..];
+        files.push(("sensitivity.csv".to_owned(), sensitivity::sensitivity_csv(&outcome.sites, material, of)));
     }
     Ok(files)
 }

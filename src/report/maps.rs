@@ -265,18 +265,18 @@ pub fn below(scale: &Scale, list: &[f64]) -> bool {
     list.iter().any(|&v| v < scale.low())
 }
 
-type Values<'a> = Box<dyn Fn(usize) -> Option<f64> + 'a>;
+pub(super) type Values<'a> = Box<dyn Fn(usize) -> Option<f64> + 'a>;
 
 /// One large map.
-struct Panel<'a> {
-    heading: &'a str,
-    scale: Scale,
-    label: &'a str,
+pub(super) struct Panel<'a> {
+    pub heading: &'a str,
+    pub scale: Scale,
+    pub label: &'a str,
     /// What one unit of the label is in SI.
-    unit: f64,
-    arrangement: &'a ArrangementOutcome,
+    pub unit: f64,
+    pub arrangement: &'a ArrangementOutcome,
     /// Whether the rays and faces that proposed it are drawn over it.
-    with_rays: bool,
+    pub with_rays: bool,
 }
 
 /// Large maps of both halves side by side, each with its colour bar.
@@ -286,15 +286,34 @@ fn panels<'a>(
     room: [f64; 2],
     shown: impl IntoIterator<Item = (Panel<'a>, Values<'a>, [bool; 2])>,
 ) -> String {
+    panels_of(outcome, title, (Extent::Both, room), shown, None)
+}
+
+/// Spheres that bear a mark, and what it says.
+pub(super) struct Marks<'a> {
+    pub on: &'a [bool],
+    /// Line by line; the mark stands before the first.
+    pub words: [&'a str; 2],
+}
+
+/// The same of the half or of both, with marks.
+pub(super) fn panels_of<'a>(
+    outcome: &'a Outcome,
+    title: &str,
+    (extent, room): (Extent, [f64; 2]),
+    shown: impl IntoIterator<Item = (Panel<'a>, Values<'a>, [bool; 2])>,
+    marks: Option<Marks<'a>>,
+) -> String {
     const TOP: f64 = 36.0;
     let shown: Vec<_> = shown.into_iter().collect();
-    let [width, height] = Crystal::new(outcome, Extent::Both, [0.0, 0.0], room).size();
+    let [width, height] = Crystal::new(outcome, extent, [0.0, 0.0], room).size();
     let column = ROWS + width + BAR;
-    let mut svg = Svg::new(column * shown.len() as f64, TOP + height + 20.0, title);
+    let below = if marks.is_some() { 56.0 } else { 20.0 };
+    let mut svg = Svg::new(column * shown.len() as f64, TOP + height + below, title);
     for (k, (panel, value, beyond)) in shown.iter().enumerate() {
         let left = column * k as f64;
         let corner = [left + ROWS, TOP];
-        let crystal = Crystal::new(outcome, Extent::Both, corner, room);
+        let crystal = Crystal::new(outcome, extent, corner, room);
         svg.text([corner[0] + width / 2.0, 20.0], 14.0, Anchor::Middle, r#"font-weight="bold""#, panel.heading);
         crystal.map(&mut svg, &panel.scale, panel.arrangement.layout.len(), value);
         for line in SITES {
@@ -314,6 +333,22 @@ fn panels<'a>(
         svg.text_upwards([left + 14.0, TOP + height / 2.0], 12.0, "", "row");
         let bar = [corner[0] + width + 14.0, TOP + 12.0];
         panel.scale.bar(&mut svg, bar, height - 24.0, panel.label, panel.unit, *beyond);
+        if let Some(Marks { on, .. }) = &marks {
+            let places = (0..on.len()).filter(|&site| on[site]).flat_map(|site| crystal.places(site, on.len()));
+            places.for_each(|place| mark(&mut svg, place, crystal.diameter()));
+        }
+    }
+    if let Some(Marks { words, .. }) = marks {
+        let line = TOP + height + 28.0;
+        mark(&mut svg, [ROWS + 4.0, line - 4.0], 16.0);
+        for (words, line) in words.into_iter().zip([line, line + 17.0]) {
+            svg.text([ROWS + 14.0, line], 12.0, Anchor::Start, "", words);
+        }
     }
     svg.finish()
+}
+
+/// A dot on a sphere, to be seen on every colour.
+fn mark(svg: &mut Svg, place: [f64; 2], diameter: f64) {
+    svg.circle(place, 0.17 * diameter, r##"fill="#111" stroke="#fff" stroke-width="0.6""##);
 }

@@ -16,6 +16,7 @@
 //! - `spots`: where rays pass the focal row
 //! - `trace`: rays, wavefronts and first arrivals as a picture
 //! - `transmission`: what small vibrations get through
+//! - `sensitivity`: how scores change with every sphere, as maps and as a table
 //! - `surface`: a design surface as a picture, `surface_page` as a page that answers the pointer; `labels`: places for its labels
 //! - `histogram`: how a number is distributed; `site_map`: a number for every site
 //! - `frame`: the frame of all other pages
@@ -43,6 +44,7 @@ mod page;
 mod frame;
 mod paper;
 mod profiles;
+mod sensitivity;
 mod site_map;
 mod slices;
 mod space;
@@ -78,6 +80,7 @@ pub use inside::{View, draw_motion, draw_network};
 pub use look::Look;
 pub use paper::{PaperError, pdf, png};
 pub use run::{RunReportError, draw_run};
+pub use sensitivity::sensitivity_csv;
 pub use space::{draw_space, space_files};
 pub use spots::spot_diagram;
 pub use study::{StudyPage, study_page};

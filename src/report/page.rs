@@ -12,7 +12,8 @@ use super::summary::{
     AGAINST, CONTRAST, Column, DISSIPATED, EQ_5_6, FAR_FORCE, FAR_MOMENTUM, FOCAL, GAIN, Line, PIECE, PROTECTED,
     PROTECTION, RESIDUAL, definitions, lines, worst_residual,
 };
-use super::{maps, profiles, verdict};
+use super::{maps, profiles, sensitivity, verdict};
+use crate::evaluate::Derivatives;
 use crate::layout::Bill;
 use crate::outcome::{Manifest, Outcome, PartOfNetwork, Proposal, Verdict};
 use crate::score::Measure;
@@ -57,6 +58,7 @@ pub fn page(outcome: &Outcome, pictures: &[(&'static str, String)]) -> Result<St
             "layout.svg" | "spots.svg" => None,
             "swaps.svg" => Some("outcome.json"),
             "inside.svg" => Some("contacts.csv"),
+            "sensitivity-focal.svg" | "sensitivity-protected.svg" => Some("sensitivity.csv"),
             _ => Some("spheres.csv"),
         };
         let figure = context! { file => *file, svg, caption => caption(outcome, file), numbers };
@@ -393,6 +395,23 @@ fn caption(outcome: &Outcome, file: &str) -> String {
             format!(
                 "What it does to C to exchange a sphere, in both halves alike, for that other material of the layout which is best there, under the design's own force: red where C \
                  gains, blue where it loses. Changes below {noise:.1} % are within what a change of the force by 1 % does."
+            )
+        }
+        "sensitivity-focal.svg" | "sensitivity-protected.svg" => {
+            let own = sensitivity::MAPS.into_iter().find(|(_, own, _)| *own == file);
+            let of = |measure| outcome.sensitivities.iter().flatten().find(|of| of.measure == measure);
+            let trust = own.and_then(|(measure, ..)| of(measure)).map_or_else(String::new, Derivatives::trust);
+            let names = own.map_or("", |(.., names)| names);
+            let secant_alone = if file == "sensitivity-protected.svg" {
+                " Where derivative and secant differ, believe the secant: the region is lit by what has gone to and fro, and a derivative holds over a change too small for any workshop."
+            } else {
+                " G is F over that of a crystal that stays as it is, so that both change alike."
+            };
+            format!(
+                "How {names} change where one sphere has more of a quantity, its image in the other half alike (the simulated half only, axis at the left): in per cent, for one per cent \
+                 of the quantity; red where {names} grow, blue where they fall, white at zero. Derivatives by the adjoint of the run, and beside that by density the secant over a change of 1 %: \
+                 {trust}. Dots mark spheres at which both differ, so that the derivative is right and useless.{secant_alone} Scales end where 99 % of the values are below, the first two at \
+                 that of the secants."
             )
         }
         "inside.svg" => "Left: contacts between spheres when the focal region has most kinetic energy, as broad as the root of their force and coloured by it, force chains pale blue \

@@ -36,6 +36,37 @@ export async function a_map_says_what_exchanging_a_sphere_does(desk) {
   assert(answer.change > 0 && Math.abs(answer.contrast / answer.drawn - 1 - answer.change) < 1e-9, JSON.stringify(answer));
 }
 
+export async function a_map_says_how_scores_change_with_every_sphere(desk) {
+  desk.write("small.toml", SMALL);
+  await desk.explore("small.toml");
+  const page = await desk.page({ height: 1200 });
+  await desk.rest(page);
+  await page.click("#sensitivity");
+  await page.waitForFunction(() => document.getElementById("legend").textContent.includes("not linear"), null, { timeout: 120000 });
+  await picture(page, "sensitivity");
+  for (const map of ["focal_mean:secant_density", "focal_mean:d_youngs_modulus", "focal_mean:d_radius", "protected_mean:d_density", "protected_mean:secant_density"]) {
+    await page.selectOption("#map", map);
+    await page.waitForFunction((names) => document.getElementById("legend").textContent.startsWith(names), map.startsWith("focal") ? "F and G" : "P and Q");
+  }
+  await picture(page, "sensitivity-protected");
+  await page.focus("#crystal");
+  await page.keyboard.press("Home");
+  await page.waitForFunction(() => /for 1 % more density P and Q .* \(derivative\), .* \(secant\): (not )?linear/.test(document.getElementById("sphere").textContent));
+  // The numbers are the command's at the step for 1 %.
+  desk.write("coarse.toml", `${SMALL}[run]\naccuracy = "1 %"\n`);
+  equal(desk.granulens("design", "small.toml", "--out", "small.csv").status, 0);
+  const command = desk.granulens("sensitivity", "small.csv", "--design", "coarse.toml", "--of", "focal_mean,protected_mean", "--json");
+  equal(command.status, 0, command.stderr);
+  const answer = await page.evaluate(async () => {
+    const { state } = granulens;
+    const asked = await fetch("./api/sensitivity", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ tab: "t", text: state.text, layout: null }) });
+    return asked.json();
+  });
+  equal(answer.sensitivities, JSON.parse(command.stdout).sensitivities);
+  await page.click("#sensitivity");
+  equal(await page.inputValue("#map"), "materials");
+}
+
 export async function painting_by_hand_is_scored_as_the_command_line_does(desk) {
   desk.write("small.toml", SMALL);
   await desk.explore("small.toml");

@@ -68,7 +68,7 @@ fn every_key_and_column_that_is_written_is_listed() {
         "trace small.toml --out trace.svg",
         "check small.csv --design small.toml --forces 2 --laws thesis,hertz --gate --spheres spheres.csv",
         "compare small.toml",
-        "report small.toml small.csv --out report --swaps",
+        "report small.toml small.csv --out report --swaps --sensitivity",
         "diff small.csv small.csv --design small.toml",
         "build small.csv --design small.toml --out build",
         "tolerance small.csv --design small.toml --samples 4 --out tolerance --sites --indices --rechoose 2",

@@ -58,6 +58,7 @@ pub fn outcome() -> Outcome {
         proposal: Some(proposal()),
         arrangements: all,
         swaps: None,
+        sensitivities: None,
         inside: None,
         warnings: vec!["the law used creates up to 6 % of energy in weak contacts; here 2.4e-4 of 674 J".to_owned()],
         sites,

@@ -20,9 +20,9 @@ const MODULES: [(&str, &str); 17] = [
     ("profile.js", include_str!("page/profile.js")),
     ("rank.js", include_str!("page/rank.js")),
     ("save.js", include_str!("page/save.js")),
+    ("slow.js", include_str!("page/slow.js")),
     ("state.js", include_str!("page/state.js")),
     ("study.js", include_str!("page/study.js")),
-    ("swaps.js", include_str!("page/swaps.js")),
     ("surface.js", include_str!("page/surface.js")),
     ("words.js", include_str!("page/words.js")),
 ];

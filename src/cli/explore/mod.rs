@@ -5,7 +5,7 @@
 //! - `desk`: a design under somebody's hands: its text, changes to it, what rays say
 //! - `scene`: a layout under the design's impact: energies, scores, verdict
 //! - `play`: the wave, frame by frame; `rank`: which material; `surface`: the design surface; `study`: searches
-//! - `swaps`: what exchanging single spheres does
+//! - `slow`: maps that take seconds, of what exchanging or changing single spheres does
 //! - `save`: design, layout and report as files
 
 mod assets;
@@ -15,9 +15,9 @@ mod rank;
 mod save;
 mod scene;
 mod server;
+mod slow;
 mod study;
 mod surface;
-mod swaps;
 mod work;
 
 use std::path::{Path, PathBuf};

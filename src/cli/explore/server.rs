@@ -15,7 +15,7 @@ use tiny_http::{Method, Request};
 use granulens::Context;
 
 use super::work::{Work, caught};
-use super::{Opened, assets, desk, play, rank, save, scene, study, surface, swaps};
+use super::{Opened, assets, desk, play, rank, save, scene, slow, study, surface};
 use crate::cli::failure::Failure;
 
 /// Longest body of a request (bytes): a layout of a million spheres.
@@ -266,7 +266,8 @@ fn asked(name: &str, body: &[u8], shared: &Shared) -> Answer {
         "cancel" => of(body, |asked| scene::cancel(&asked, shared)),
         "play" => asks(body).and_then(|asked| play::play(&asked, shared)),
         "rank" => of(body, |asked| rank::ranking(&asked, shared)),
-        "swaps" => of(body, |asked| swaps::map(&asked, shared)),
+        "swaps" => of(body, |asked| slow::exchanged(&asked, shared)),
+        "sensitivity" => of(body, |asked| slow::derivatives(&asked, shared)),
         "surface" => of(body, |asked| surface::show(&asked, shared)),
         "studies" => study::list(shared).map(|value| Answer::json(&value)),
         "study" => of(body, |asked| study::show(&asked, shared)),

@@ -29,7 +29,72 @@ pub(super) struct Spring<V> {
     pub force: V,
 }
 
-/// A contact in a step, as friction sees it.
+impl<V: Number> Spring<V> {
+    /// Of a contact that is open.
+    pub fn none() -> Self {
+        let zero = V::splat(0.0);
+        Self { stretch: zero, root: zero, slide: zero, force: zero }
+    }
+}
+
+/// How a closed contact slides.
+pub(super) struct Slide<V> {
+    /// δ (m), and its rate (m/s).
+    pub overlap: V,
+    pub closing_speed: V,
+    /// F (N)
+    pub push: V,
+    /// The velocity of the first sphere relative to the second along the tangent (m/s).
+    pub across: V,
+    /// Of both spheres (m).
+    pub radii: [V; 2],
+    /// ω of both with which forces are found (1/s).
+    pub spins: [V; 2],
+    /// 8 G* √r* (N/m^{3/2})
+    pub stiffness: V,
+}
+
+/// What friction answers.
+pub(super) struct Slid<V> {
+    /// T, on the second sphere along the tangent (N).
+    pub force: V,
+    /// At which T acts on both (m).
+    pub arms: [V; 2],
+    /// How far the first end has slid over the second during the step (m).
+    way: V,
+    /// What the spring remembers then.
+    pub spring: Spring<V>,
+}
+
+impl<V: Number> Slide<V> {
+    /// Under Coulomb's law with a coefficient, over a step (s); none where the state is not accepted.
+    #[inline(always)]
+    pub fn under(&self, coefficient: f64, step: Option<f64>, before: &Spring<V>) -> Slid<V> {
+        let half = V::splat(0.5);
+        let &Self { overlap, closing_speed, push, across, radii, spins, stiffness } = self;
+        let arms = radii.map(|radius| radius - half * overlap);
+        let slide = across + (arms[0] * spins[0] + arms[1] * spins[1]);
+        let root = overlap.sqrt();
+        // Between accepted states the spring stays as it was.
+        let mut way = V::splat(0.0);
+        if let Some(step) = step {
+            let step = V::splat(step);
+            way = half * step * (before.slide + slide);
+            let fresh = before.root.lt(V::splat(f64::MIN_POSITIVE));
+            if V::any(fresh) {
+                // A contact that closed within the step has slid for the part of it since.
+                let closing = closing_speed * step;
+                let since = V::select(overlap.lt(closing), overlap / closing, V::splat(1.0));
+                way = V::select(fresh, since * (step * slide), way);
+            }
+        }
+        let slip = Slip { cap: V::splat(coefficient) * push, stiffness, root, way };
+        let (force, stretch) = coulomb(&slip, before);
+        Slid { force, arms, way, spring: Spring { stretch, root, slide, force } }
+    }
+}
+
+/// A contact in a step, as the spring sees it.
 struct Slip<V> {
     /// μ F (N)
     cap: V,
@@ -125,7 +190,7 @@ impl<V: Lanes> Friction<V> {
             let old = from.get(c).copied().flatten();
             self.spring.push(match old {
                 Some(old) => spring[old],
-                None => Spring { stretch: zero, root: zero, slide: zero, force: zero },
+                None => Spring::none(),
             });
             if accounts {
                 self.work.push(old.map_or(zero, |old| work[old]));
@@ -133,7 +198,7 @@ impl<V: Lanes> Friction<V> {
             let mut stiffness = zero;
             for lane in 0..V::LANES {
                 let sample = samples[lane.min(samples.len() - 1)];
-                stiffness.set_lane(lane, mindlin(sample, touch.pair));
+                stiffness.set_lane(lane, mindlin(sample, touch.pair)[0]);
             }
             self.stiffness.push(stiffness);
         }
@@ -150,30 +215,21 @@ impl<V: Lanes> Friction<V> {
         (push, across): (V, V),
         accepts: bool,
     ) -> V {
-        let (zero, half) = (V::splat(0.0), V::splat(0.5));
         let before = self.spring[contact];
-        let arms = [a, b].map(|i| self.radius[i] - half * overlap);
-        let slide = across + (arms[0] * self.predicted[a] + arms[1] * self.predicted[b]);
-        let root = overlap.sqrt();
-        // Between accepted states the spring stays as it was.
-        let mut way = zero;
+        let slide = Slide {
+            overlap,
+            closing_speed,
+            push,
+            across,
+            radii: [self.radius[a], self.radius[b]],
+            spins: [self.predicted[a], self.predicted[b]],
+            stiffness: self.stiffness[contact],
+        };
+        let Slid { force, arms, way, spring } = slide.under(self.coefficient, accepts.then_some(self.step), &before);
         if accepts {
-            let step = V::splat(self.step);
-            way = half * step * (before.slide + slide);
-            let fresh = before.root.lt(V::splat(f64::MIN_POSITIVE));
-            if V::any(fresh) {
-                // A contact that closed within the step has slid for the part of it since.
-                let closing = closing_speed * step;
-                let since = V::select(overlap.lt(closing), overlap / closing, V::splat(1.0));
-                way = V::select(fresh, since * (step * slide), way);
-            }
-        }
-        let slip = Slip { cap: V::splat(self.coefficient) * push, stiffness: self.stiffness[contact], root, way };
-        let (force, stretch) = coulomb(&slip, &before);
-        if accepts {
-            self.spring[contact] = Spring { stretch, root, slide, force };
+            self.spring[contact] = spring;
             if let Some(work) = self.work.get_mut(contact) {
-                *work = *work + half * (before.force + force) * way;
+                *work = *work + V::splat(0.5) * (before.force + force) * way;
             }
         }
         self.couple[a] = self.couple[a] + arms[0] * force;
@@ -186,7 +242,7 @@ impl<V: Lanes> Friction<V> {
     pub fn open(&mut self, contact: usize) {
         let zero = V::splat(0.0);
         if V::any(zero.lt(self.spring[contact].root)) {
-            self.spring[contact] = Spring { stretch: zero, root: zero, slide: zero, force: zero };
+            self.spring[contact] = Spring::none();
         }
     }
 
@@ -238,13 +294,16 @@ impl Friction<f64> {
     }
 }
 
-/// 8 G* √r* of two spheres; zero where one is missing.
-fn mindlin<const D: usize>(sample: &Sample<D>, pair: [usize; 2]) -> f64 {
+/// 8 G* √r* of two spheres; behind it how its logarithm changes with those of both moduli, then of both radii. Zero where one is missing.
+pub(super) fn mindlin<const D: usize>(sample: &Sample<D>, pair: [usize; 2]) -> [f64; 5] {
     let compliance = |m: &Material| 2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.youngs_modulus;
     let [a, b] = pair.map(|i| &sample.spheres[i]);
     let [first, second] = [a, b].map(|sphere| compliance(&sample.materials[sphere.material]));
     if a.radius * b.radius == 0.0 {
-        return 0.0;
+        return [0.0; 5];
     }
-    8.0 / (first + second) * (1.0 / (1.0 / a.radius + 1.0 / b.radius)).sqrt()
+    let reduced = 1.0 / (1.0 / a.radius + 1.0 / b.radius);
+    let stiffness = 8.0 / (first + second) * reduced.sqrt();
+    let part = |compliance: f64| compliance / (first + second);
+    [stiffness, part(first), part(second), 0.5 * reduced / a.radius, 0.5 * reduced / b.radius]
 }

@@ -267,14 +267,15 @@ fn followed<const D: usize>(
     Ok(())
 }
 
-/// Every contact that comes up in a run, in order, with the spheres that they are between, and why the run ended early.
+/// Every contact that comes up in a run, with friction or without, in order, with the spheres that they are between, and why the run ended early.
 pub(super) fn contacts_found(
     sample: &Sample<2>,
     impact: &Impact,
+    friction: Option<f64>,
     context: &Context,
 ) -> Result<(List<2>, Grains<f64, 2>, Option<Stop>), OverlapAtRest> {
     let mut found = None;
-    followed(sample, &terms(impact, context, 2), false, &mut |run| {
+    followed(sample, &Terms { friction, ..terms(impact, context, 2) }, false, &mut |run| {
         found = Some((run.contacts.list.clone(), run.grains.clone(), run.stops[0].clone()));
     })?;
     Ok(found.expect("a run that was followed has been looked at"))

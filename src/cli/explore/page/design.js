@@ -4,8 +4,8 @@ import { regionKeys } from "./controls.js";
 import { Crystal, Scale, quantile } from "./crystal.js";
 import { beginStroke, buildPaint, endStroke, paintAt, painting } from "./paint.js";
 import { profile } from "./profile.js";
+import { askSlow, known } from "./slow.js";
 import { state } from "./state.js";
-import { askSwaps, swaps } from "./swaps.js";
 import { digits, make, percent, quantity } from "./words.js";
 
 const MAPS = [
@@ -15,7 +15,23 @@ const MAPS = [
   ["max_net_force", "greatest net force", "N"],
   ["dissipated", "dissipated energy", "J"],
   ["swaps", "what exchanging a sphere does to C"],
+  ["focal_mean:d_density", "F and G by each sphere's density"],
+  ["focal_mean:secant_density", "F and G by density, over 1 % (secant)"],
+  ["focal_mean:d_youngs_modulus", "F and G by Young's modulus"],
+  ["focal_mean:d_radius", "F and G by radius"],
+  ["protected_mean:d_density", "P and Q by density"],
+  ["protected_mean:secant_density", "P and Q by density, over 1 % (secant)"],
 ];
+
+/// Which of the maps that take seconds a map is: swaps, sensitivity, or none.
+const slow = (name) => (name === "swaps" ? name : name.includes(":") ? "sensitivity" : null);
+
+/// What is known of the measure whose derivatives a map shows, and which of them; null where it shows others or they are not known.
+function derivatives(name) {
+  const [measure, which] = name.split(":");
+  const of = which && known("sensitivity")?.sensitivities.find((one) => one.measure === measure);
+  return of ? { of, which, values: of[which], names: measure === "focal_mean" ? "F and G" : "P and Q" } : null;
+}
 
 let crystal;
 let chosen = -1;
@@ -32,6 +48,10 @@ export function buildPicture() {
   map.append(...MAPS.map(([name, label]) => make("option", { value: name }, label)));
   map.value = "max_kinetic";
   map.addEventListener("change", () => (draw(), rested()));
+  document.getElementById("sensitivity").addEventListener("click", () => {
+    map.value = map.value.includes(":") ? "materials" : "focal_mean:d_density";
+    map.dispatchEvent(new Event("change"));
+  });
   for (const layer of ["rays", "fronts", "faces"]) document.getElementById(`layer-${layer}`).addEventListener("change", draw);
   state.on("design painted", () => {
     take();
@@ -53,9 +73,10 @@ export function buildPicture() {
   profile();
 }
 
-/// Exchanges take seconds: they are asked for when all else is known.
+/// What takes seconds is asked for when all else is known.
 function rested() {
-  if (document.getElementById("map").value === "swaps" && state.scenes?.whole) askSwaps(draw);
+  const kind = slow(document.getElementById("map").value);
+  if (kind && state.scenes?.whole) askSlow(kind, draw);
 }
 
 function take() {
@@ -75,7 +96,7 @@ export function inkOf(palette) {
 function shown() {
   const name = document.getElementById("map").value;
   const scene = fitting();
-  const values = name === "materials" ? null : name === "swaps" ? swaps()?.each.map((swap) => swap.change) : scene?.felt[name];
+  const values = name === "materials" ? null : name === "swaps" ? known("swaps")?.each.map((swap) => swap.change) : slow(name) ? derivatives(name)?.values : scene?.felt[name];
   return { name, scene, values: values?.length ? values : null };
 }
 
@@ -107,6 +128,8 @@ function drawNow() {
   if (values) {
     scale = scaleOf(name, values);
     fill = (i) => scale.colour(values[i]);
+    const linear = derivatives(name)?.of.linear;
+    if (linear) letter = (i) => (linear[i] ? null : ["•", Math.abs(values[i]) > 0.6 * scale.high ? "#ffffff" : "#111111"]);
   } else {
     const place = (i) => layout?.materials[i] ?? 0;
     fill = (i) => inks[place(i)][0];
@@ -124,6 +147,12 @@ function scaleOf(name, values) {
   const [colours, diverging] = state.about.scale;
   if (name === "swaps") {
     const most = Math.max(...values.map((value) => Math.abs(value ?? 0)), 1e-9);
+    return new Scale(diverging, -most, most);
+  }
+  const slopes = derivatives(name);
+  if (slopes) {
+    // As in reports: by density as far as its secants reach.
+    const most = quantile((slopes.which === "d_density" ? slopes.of.secant_density : values).map(Math.abs), 0.99);
     return new Scale(diverging, -most, most);
   }
   if (name === "arrival") return new Scale(colours, 0, Math.max(...values.filter((value) => value !== null), 1e-12));
@@ -158,7 +187,8 @@ function legend(name, values, scale, inks, layout) {
   if (!values) {
     const used = new Set(layout?.materials ?? [0]);
     const names = layout?.palette ?? [state.design.host];
-    const waits = name === "swaps" && make("span", { className: "quiet" }, "every sphere is being exchanged …");
+    const doing = { swaps: "every sphere is being exchanged …", sensitivity: "derivatives by every sphere are being found, and secants …" }[slow(name)];
+    const waits = doing && make("span", { className: "quiet" }, doing);
     place.replaceChildren(...[waits].filter(Boolean), ...names.map((material, k) => used.has(k) && make("span", { className: "material" }, make("i", { style: `background:${inks[k][0]};color:${inks[k][1]}` }, inks[k][2]), material)).filter(Boolean));
     return;
   }
@@ -169,8 +199,21 @@ function legend(name, values, scale, inks, layout) {
     ctx.fillRect(k, 0, 1, 1);
   });
   if (name === "swaps") {
-    const { noise } = swaps();
+    const { noise } = known("swaps");
     place.replaceChildren(make("span", {}, `C ${percent(scale.low)} `), bar, make("span", {}, ` +${percent(scale.high)}, by the best other material, both halves alike; below ${percent(noise, 2)} is chance`));
+    return;
+  }
+  const slopes = derivatives(name);
+  if (slopes) {
+    const { of, which, names } = slopes;
+    const quantity = { d_density: "density", secant_density: "density", d_youngs_modulus: "Young's modulus", d_radius: "radius" }[which];
+    const beyond = values.filter((value) => Math.abs(value) > scale.high).length;
+    const trust = of.linear_share === null ? "no sphere matters" : `linear over 1 % of density at ${percent(of.linear_share, 2)} of the spheres that matter; dots: not linear`;
+    place.replaceChildren(
+      make("span", {}, `${names} ${digits(scale.low, 2)} % `),
+      bar,
+      make("span", {}, ` +${digits(scale.high, 2)} % for 1 % more ${quantity} of a sphere, both halves alike, white at zero; ${trust}${beyond ? `; ${beyond} spheres lie beyond the scale` : ""}`),
+    );
     return;
   }
   const [, label, unit] = MAPS.find(([key]) => key === name);
@@ -349,7 +392,17 @@ function tell() {
     parts.push(`net force ${quantity(felt.max_net_force[chosen], "N")}`, `contact force ${quantity(felt.max_contact_force[chosen], "N")}`);
     parts.push(felt.arrival[chosen] === null ? "not reached" : `reached at ${quantity(felt.arrival[chosen], "s")}`, `dissipated ${quantity(felt.dissipated[chosen], "J")}`);
   }
-  const swap = document.getElementById("map").value === "swaps" ? swaps()?.each[chosen] : null;
+  const name = document.getElementById("map").value;
+  const slopes = derivatives(name);
+  if (slopes) {
+    const { of, names } = slopes;
+    const part = (list) => `${list[chosen] > 0 ? "+" : ""}${digits(list[chosen], 3)} %`;
+    parts.push(
+      `for 1 % more density ${names} ${part(of.d_density)} (derivative), ${part(of.secant_density)} (secant): ${of.linear[chosen] ? "linear" : "not linear"}`,
+      `Young's modulus ${part(of.d_youngs_modulus)}, radius ${part(of.d_radius)}`,
+    );
+  }
+  const swap = name === "swaps" ? known("swaps")?.each[chosen] : null;
   if (swap) parts.push(swap.change === null ? `${swap.material} here stops the run` : `${swap.material} here: C ${swap.change > 0 ? "+" : ""}${percent(swap.change)}`);
   place.textContent = `${parts.join("; ")}.`;
 }

@@ -1,8 +1,8 @@
 //! One step, transposed.
 
 use super::Gradient;
-use super::contact::{Make, Place, QUANTITIES, Sloped, slopes};
-use super::model::{Frame, Model, State, motion};
+use super::contact::{Make, Outcome, Place, QUANTITIES, Sloped, slopes};
+use super::model::{Frame, Model, State, memory, motion};
 use crate::dem::contacts::CLOSED;
 use crate::real::{Kernel, Lanes, Width};
 
@@ -12,8 +12,14 @@ pub(super) struct Adjoint {
     pub velocity: Vec<[f64; 2]>,
     pub acceleration: [Vec<[f64; 2]>; 3],
     pub history: Vec<[f64; 3]>,
+    /// By spins, their derivatives, and ξ, √δ and u of springs; empty without friction.
+    spin: Vec<f64>,
+    turning: [Vec<f64>; 3],
+    spring: Vec<[f64; 3]>,
     /// By ln m.
     mass: Vec<f64>,
+    /// By ln I; empty without friction.
+    inertia: Vec<f64>,
     /// By the quantities, mass apart.
     quantities: Vec<[f64; QUANTITIES]>,
     /// By ln of the load.
@@ -21,22 +27,31 @@ pub(super) struct Adjoint {
     /// Within a step: by the force on each sphere, and by the velocity in the force.
     force: Vec<[f64; 2]>,
     predicted: Vec<[f64; 2]>,
+    /// The same by the couple on each, and by the spin in the force.
+    couple: Vec<f64>,
+    predicted_spin: Vec<f64>,
 }
 
 impl Adjoint {
     pub fn new(frame: &Frame) -> Self {
         let spheres = frame.mobility.len();
-        let zeros = || vec![[0.0; 2]; spheres];
+        let (zeros, turning) = (|| vec![[0.0; 2]; spheres], || vec![0.0; frame.turning()]);
         Self {
             displacement: zeros(),
             velocity: zeros(),
             acceleration: [zeros(), zeros(), zeros()],
             history: vec![[0.0; 3]; frame.places.len()],
+            spin: turning(),
+            turning: [turning(), turning(), turning()],
+            spring: if frame.friction.is_some() { vec![[0.0; 3]; frame.places.len()] } else { Vec::new() },
             mass: vec![0.0; spheres],
+            inertia: turning(),
             quantities: vec![[0.0; QUANTITIES]; spheres],
             load: 0.0,
             force: zeros(),
             predicted: zeros(),
+            couple: turning(),
+            predicted_spin: turning(),
         }
     }
 
@@ -50,15 +65,18 @@ impl Adjoint {
 
     pub fn gradient(self, value: f64) -> Gradient {
         let quantity = |which: usize| self.quantities.iter().map(|of| of[which]).collect::<Vec<f64>>();
-        let with_mass = |which: usize, power: f64| {
-            quantity(which).iter().zip(&self.mass).map(|(by, mass)| by + power * mass).collect()
+        // m goes as the third power of the radius, I as the fifth.
+        let with_mass = |which: usize, [of_mass, of_inertia]: [f64; 2]| -> Vec<f64> {
+            let inertia = |i: usize| self.inertia.get(i).copied().unwrap_or_default();
+            let more = |i: usize| of_mass * self.mass[i] + of_inertia * inertia(i);
+            quantity(which).iter().enumerate().map(|(i, by)| by + more(i)).collect()
         };
         Gradient {
             value,
-            density: with_mass(0, 1.0),
+            density: with_mass(0, [1.0, 1.0]),
             youngs_modulus: quantity(1),
             yield_stress: quantity(2),
-            radius: with_mass(3, 3.0),
+            radius: with_mass(3, [3.0, 5.0]),
             place: self.displacement,
             load: self.load,
         }
@@ -70,37 +88,43 @@ pub(super) struct Step<'a> {
     pub before: &'a State<f64>,
     /// The corrector leaves displacements as they were predicted.
     pub after: &'a State<f64>,
-    /// The velocities in the force.
+    /// The velocities in the force, and the spins.
     pub predicted: &'a [[f64; 2]],
+    pub spins: &'a [f64],
 }
 
-/// A run that can be walked through backwards.
-pub(super) struct Back<'a> {
+/// A run that can be walked through backwards, whose contacts have `W` slopes and `O` outcomes.
+pub(super) struct Back<'a, const W: usize, const O: usize> {
     pub frame: &'a Frame,
     pub plain: &'a Model<f64>,
     /// Makes of contacts, with their slopes.
-    pub sloped: &'a [Make<Sloped>],
+    pub sloped: &'a [Make<Sloped<W>>],
     /// Slopes of a contact fill registers of this width.
     pub width: Width,
 }
 
 /// The part of a step at contacts, compiled for a register's instructions, though what stands side by side are not designs but slopes.
-struct AtContacts<'a, 'b> {
-    back: &'a Back<'a>,
+struct AtContacts<'a, 'b, const W: usize, const O: usize> {
+    back: &'a Back<'a, W, O>,
     step: &'a Step<'a>,
     adjoints: &'b mut [Adjoint],
 }
 
-impl Kernel for AtContacts<'_, '_> {
+impl<const W: usize, const O: usize> Kernel for AtContacts<'_, '_, W, O> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Self { back: &Back { frame, sloped, .. }, step: &Step { before, after, predicted }, adjoints } = self;
+        let Self { back: &Back { frame, sloped, .. }, step: &Step { before, after, predicted, spins }, adjoints } =
+            self;
         for c in frame.contacts_of(before.reached) {
             let (place, [a, b]) = (&frame.places[c], frame.ends[c]);
-            let motion = motion(place, [a, b], &after.displacement, predicted);
-            let Some(slopes) = slopes(place, &sloped[frame.kind[c]], &motion, &before.history[c], CLOSED) else {
+            let motion = motion(place, [a, b], &after.displacement, (predicted, spins));
+            let slopes = slopes::<W, O>(place, &sloped[frame.kind[c]], &motion, &memory(before, c), CLOSED);
+            let Some(slopes) = slopes else {
+                // Whatever the spring was, it is forgotten.
+                let springs = adjoints.iter_mut().filter_map(|adjoint| adjoint.spring.get_mut(c));
+                springs.for_each(|spring| *spring = [0.0; 3]);
                 continue;
             };
             for adjoint in &mut *adjoints {
@@ -109,10 +133,20 @@ impl Kernel for AtContacts<'_, '_> {
                 let weight = frame.weight[c];
                 let force = match is_pair {
                     true => [weight * (of_b[0] - of_a[0]), weight * (of_b[1] - of_a[1])],
-                    false => of_a,
+                    false => of_a.map(|by| weight * by),
                 };
-                let gains = slopes.transposed(force, adjoint.history[c]);
+                let rubs = is_pair && frame.friction.is_some();
+                let mut outcome = Outcome { force, history: adjoint.history[c], couple: [0.0; 2], spring: [0.0; 3] };
+                if rubs {
+                    (outcome.couple, outcome.spring) = ([adjoint.couple[a], adjoint.couple[b]], adjoint.spring[c]);
+                }
+                let gains = slopes.transposed(&outcome);
                 adjoint.history[c] = gains.history;
+                if rubs {
+                    adjoint.spring[c] = gains.spring;
+                    adjoint.predicted_spin[a] += gains.spins[0];
+                    adjoint.predicted_spin[b] += gains.spins[1];
+                }
                 for k in 0..2 {
                     if is_pair {
                         adjoint.displacement[b][k] += gains.shift[k];
@@ -133,7 +167,7 @@ impl Kernel for AtContacts<'_, '_> {
     }
 }
 
-impl Back<'_> {
+impl<const W: usize, const O: usize> Back<'_, W, O> {
     /// Turns what objectives gain by the state after a step into what they gain by that before it.
     pub fn step(&self, step: &Step<'_>, load: f64, adjoints: &mut [Adjoint]) {
         for adjoint in &mut *adjoints {
@@ -149,18 +183,29 @@ impl Back<'_> {
     fn correct(&self, after: &State<f64>, adjoint: &mut Adjoint) {
         let frame = self.frame;
         let (half, [m2, m3]) = (0.5 * frame.step, frame.coefficients.corrector);
+        // What is gained by the new acceleration; the others move one step back.
+        let corrected = |gain: f64, [now, one, two]: [&mut f64; 3]| {
+            let new = *now + (half - m2 - m3) * gain;
+            *now = *one + (half + 2.0 * m2 + 3.0 * m3) * gain;
+            *one = *two - (m2 + 3.0 * m3) * gain;
+            *two = m3 * gain;
+            new
+        };
         let Adjoint { velocity, acceleration: [now, one, two], mass, force, predicted, .. } = adjoint;
         for i in 0..after.reached {
             for k in 0..2 {
-                let gain = velocity[i][k];
-                let new = now[i][k] + (half - m2 - m3) * gain;
-                now[i][k] = one[i][k] + (half + 2.0 * m2 + 3.0 * m3) * gain;
-                one[i][k] = two[i][k] - (m2 + 3.0 * m3) * gain;
-                two[i][k] = m3 * gain;
+                let new = corrected(velocity[i][k], [&mut now[i][k], &mut one[i][k], &mut two[i][k]]);
                 force[i][k] = new * self.plain.inverse_mass[i] * frame.mobility[i][k];
                 mass[i] -= new * after.acceleration[0][i][k];
                 predicted[i][k] = 0.0;
             }
+        }
+        let Adjoint { spin, turning: [now, one, two], inertia, couple, predicted_spin, .. } = adjoint;
+        for i in 0..spin.len().min(after.reached) {
+            let new = corrected(spin[i], [&mut now[i], &mut one[i], &mut two[i]]);
+            couple[i] = -(new * self.plain.inverse_inertia[i]);
+            inertia[i] -= new * after.turning.acceleration[0][i];
+            predicted_spin[i] = 0.0;
         }
     }
 
@@ -190,6 +235,14 @@ impl Back<'_> {
                 one[i][k] -= (b1 + 2.0 * b2) * by_predicted + (s1 + 2.0 * s2) * by_place;
                 two[i][k] += b2 * by_predicted + s2 * by_place;
             }
+        }
+        let Adjoint { spin, turning: [now, one, two], predicted_spin, .. } = adjoint;
+        for i in 0..spin.len().min(reached) {
+            let by_predicted = predicted_spin[i];
+            spin[i] += by_predicted;
+            now[i] += (h + b1 + b2) * by_predicted;
+            one[i] -= (b1 + 2.0 * b2) * by_predicted;
+            two[i] += b2 * by_predicted;
         }
     }
 }

@@ -1,6 +1,7 @@
 //! One contact as a function of numbers of any kind: what a run does at it, its slopes, and its slopes transposed.
 
 use crate::contact::{AnyLaw, ForceLaw as _, History};
+use crate::dem::friction::{Slid, Slide, Spring};
 use crate::dem::neighbour::{SelfTouch, Touch};
 use crate::real::{Dual, Number};
 
@@ -20,14 +21,50 @@ pub(super) struct Make<N> {
     pub gap: N,
     pub reach: N,
     pub law: AnyLaw<N>,
+    /// Of pairs that rub.
+    pub rub: Option<Rub<N>>,
+}
+
+/// What friction at a pair depends on.
+#[derive(Clone, Copy)]
+pub(super) struct Rub<N> {
+    /// μ
+    pub coefficient: f64,
+    /// (s)
+    pub step: f64,
+    /// (m)
+    pub radii: [N; 2],
+    /// 8 G* √r*
+    pub stiffness: N,
 }
 
 /// How its spheres move: the second's displacement less the first's (m), and the first's velocity less the second's (m/s); for an image
-/// the sphere's own.
+/// the sphere's own. Spins are zero where there is no friction.
 #[derive(Clone, Copy)]
 pub(super) struct Motion<N> {
     pub shift: [N; 2],
     pub approach: [N; 2],
+    pub spins: [N; 2],
+}
+
+/// What a contact remembers. An image, and a pair without friction, has no spring.
+#[derive(Clone, Copy)]
+pub(super) struct Memory<N> {
+    pub history: History<N>,
+    pub spring: Spring<N>,
+}
+
+/// What a contact does.
+#[derive(Clone, Copy)]
+pub(super) struct Answer<N> {
+    /// The force across it on the second sphere, or on the one with an image (N).
+    pub push: [N; 2],
+    /// The force along it on the second sphere (N).
+    pub drag: [N; 2],
+    /// What turns its spheres back (N m).
+    pub couple: [N; 2],
+    /// What it remembers then.
+    pub memory: Memory<N>,
 }
 
 /// What a contact answers. The two laws that lenses are designed with are compiled into the loop around, others stand apart.
@@ -40,17 +77,17 @@ fn under<N: Number>(law: &AnyLaw<N>, overlap: N, closing_speed: N, history: &His
     }
 }
 
-/// The force on the second sphere, or on the one with an image (N), and what the contact remembers then. None while it is open.
-/// The same operations in the same order as the sweep of a run, so that their bits are the same.
+/// What it does in this state. None while it is open. The same operations in the same order as the sweep of a run, so that their bits are the same.
 #[inline(always)]
 pub(super) fn respond<N: Number>(
     place: &Place,
     make: &Make<N>,
     motion: &Motion<N>,
-    history: &History<N>,
+    memory: &Memory<N>,
     closed: f64,
-) -> Option<([N; 2], History<N>)> {
+) -> Option<Answer<N>> {
     let zero = N::splat(0.0);
+    let Memory { history, spring } = memory;
     match place {
         Place::Pair(touch) => {
             let least = N::splat(2.0 * closed) * make.reach * make.reach;
@@ -75,7 +112,28 @@ pub(super) fn respond<N: Number>(
                 closing_speed = closing_speed + motion.approach[k] * between[k];
             }
             let (push, history) = under(&make.law, overlap, closing_speed, history);
-            Some(([push * between[0], push * between[1]], history))
+            let across = [push * between[0], push * between[1]];
+            let Some(Rub { coefficient, step, radii, stiffness }) = make.rub else {
+                let memory = Memory { history, spring: *spring };
+                return Some(Answer { push: across, drag: [zero; 2], couple: [zero; 2], memory });
+            };
+            let tangent = [-between[1], between[0]];
+            let slide = Slide {
+                overlap,
+                closing_speed,
+                push,
+                across: motion.approach[0] * tangent[0] + motion.approach[1] * tangent[1],
+                radii,
+                spins: motion.spins,
+                stiffness,
+            };
+            let Slid { force, arms, spring, .. } = slide.under(coefficient, Some(step), spring);
+            Some(Answer {
+                push: across,
+                drag: [force * tangent[0], force * tangent[1]],
+                couple: [arms[0] * force, arms[1] * force],
+                memory: Memory { history, spring },
+            })
         }
         Place::Image(touch) => {
             let (two, inward) = (N::splat(2.0), N::splat(touch.inward));
@@ -87,32 +145,46 @@ pub(super) fn respond<N: Number>(
             let (push, history) = under(&make.law, overlap, closing_speed, history);
             let mut force = [zero; 2];
             force[touch.axis] = inward * push;
-            Some((force, history))
+            let memory = Memory { history, spring: *spring };
+            Some(Answer { push: force, drag: [zero; 2], couple: [zero; 2], memory })
         }
     }
 }
 
 /// Quantities of each sphere that a contact depends on: density, Young's modulus, yield stress and radius, each as its logarithm.
 pub(super) const QUANTITIES: usize = 4;
-/// What a contact's slopes are with respect to: shift, approach, what it remembers, and the quantities of both spheres.
+/// What a contact's slopes are with respect to: shift, approach, what it remembers, and the quantities of both spheres; ...
 const SLOPES: usize = 2 + 2 + 3 + 2 * QUANTITIES;
+/// ... where it rubs both spins too, and ξ, √δ and u of its spring.
+const SLOPES_RUBBING: usize = SLOPES + 2 + 3;
 /// As many numbers as fill whole registers.
-const WIDE: usize = SLOPES.next_multiple_of(8);
-/// Outcomes: the force and what is remembered.
-const OUTCOMES: usize = 2 + 3;
+pub(super) const WIDE: usize = SLOPES.next_multiple_of(8);
+pub(super) const WIDE_RUBBING: usize = SLOPES_RUBBING.next_multiple_of(8);
+/// Outcomes: the force and what is remembered; where it rubs, couples and the spring too.
+pub(super) const OUTCOMES: usize = 2 + 3;
+pub(super) const OUTCOMES_RUBBING: usize = OUTCOMES + 2 + 3;
 
-/// A number with its slopes.
-pub(super) type Sloped = Dual<f64, WIDE>;
+/// A number with its slopes: so many that it is known whether the contact rubs.
+pub(super) type Sloped<const W: usize> = Dual<f64, W>;
 
 /// A contact's make with its slopes by the quantities of its spheres.
-pub(super) fn sloped_by_quantities(value: f64, slopes: &[f64; 2 * QUANTITIES]) -> Sloped {
+pub(super) fn sloped_by_quantities<const W: usize>(value: f64, slopes: &[f64; 2 * QUANTITIES]) -> Sloped<W> {
     let mut number = Sloped::constant(value);
     number.slopes[7..SLOPES].copy_from_slice(slopes);
     number
 }
 
 /// The slopes of a contact's outcomes.
-pub(super) struct Slopes([[f64; WIDE]; OUTCOMES]);
+pub(super) struct Slopes<const W: usize, const O: usize>([[f64; W]; O]);
+
+/// What an objective gains by what a contact does, or by what it depends on. Zero where there is no friction: spins, couples, springs.
+#[derive(Clone, Copy)]
+pub(super) struct Outcome {
+    pub force: [f64; 2],
+    pub history: [f64; 3],
+    pub couple: [f64; 2],
+    pub spring: [f64; 3],
+}
 
 /// What an objective gains by a contact's inputs.
 #[derive(Clone, Copy)]
@@ -121,49 +193,81 @@ pub(super) struct Gains {
     pub approach: [f64; 2],
     pub history: [f64; 3],
     pub quantities: [f64; 2 * QUANTITIES],
+    pub spins: [f64; 2],
+    pub spring: [f64; 3],
 }
 
-/// The slopes in this state. None while the contact is open: nothing depends on anything then, and what it remembers stays.
+/// The slopes in this state. None while the contact is open: then nothing depends on anything, its history stays, and its spring is gone.
 #[inline(always)]
-pub(super) fn slopes(
+pub(super) fn slopes<const W: usize, const O: usize>(
     place: &Place,
-    make: &Make<Sloped>,
+    make: &Make<Sloped<W>>,
     motion: &Motion<f64>,
-    history: &History,
+    memory: &Memory<f64>,
     closed: f64,
-) -> Option<Slopes> {
+) -> Option<Slopes<W, O>> {
+    let rubs = const { W > WIDE };
     let variable = |value: f64, which: usize| Sloped::variable(value, which);
+    let of_friction =
+        |value: f64, which: usize| if rubs { variable(value, SLOPES + which) } else { Sloped::constant(value) };
+    let (history, spring) = (&memory.history, &memory.spring);
     let motion = Motion {
         shift: [variable(motion.shift[0], 0), variable(motion.shift[1], 1)],
         approach: [variable(motion.approach[0], 2), variable(motion.approach[1], 3)],
+        spins: [of_friction(motion.spins[0], 0), of_friction(motion.spins[1], 1)],
     };
-    let history = History {
-        overlap_max: variable(history.overlap_max, 4),
-        force_max: variable(history.force_max, 5),
-        own: variable(history.own, 6),
+    let memory = Memory {
+        history: History {
+            overlap_max: variable(history.overlap_max, 4),
+            force_max: variable(history.force_max, 5),
+            own: variable(history.own, 6),
+        },
+        spring: Spring {
+            stretch: of_friction(spring.stretch, 2),
+            root: of_friction(spring.root, 3),
+            slide: of_friction(spring.slide, 4),
+            // Nothing but the account of energies asks for it.
+            force: Sloped::constant(spring.force),
+        },
     };
-    let (force, after) = respond(place, make, &motion, &history, closed)?;
-    Some(Slopes([force[0].slopes, force[1].slopes, after.overlap_max.slopes, after.force_max.slopes, after.own.slopes]))
+    let Answer { push, drag, couple, memory: Memory { history, spring } } =
+        respond(place, make, &motion, &memory, closed)?;
+    let force = [push[0] + drag[0], push[1] + drag[1]];
+    let all = [force[0], force[1], history.overlap_max, history.force_max, history.own].into_iter().chain([
+        couple[0],
+        couple[1],
+        spring.stretch,
+        spring.root,
+        spring.slide,
+    ]);
+    let mut slopes = [[0.0; W]; O];
+    slopes.iter_mut().zip(all).for_each(|(slopes, outcome)| *slopes = outcome.slopes);
+    Some(Slopes(slopes))
 }
 
-impl Slopes {
-    /// What is gained by the inputs, from what is gained by the force and by what is remembered after the step.
+impl<const W: usize, const O: usize> Slopes<W, O> {
+    /// What is gained by the inputs, from what is gained by the outcomes.
     #[inline(always)]
-    pub fn transposed(&self, force: [f64; 2], history: [f64; 3]) -> Gains {
-        let outcomes = [force[0], force[1], history[0], history[1], history[2]];
-        let mut gains = [0.0; WIDE];
+    pub fn transposed(&self, by: &Outcome) -> Gains {
+        let Outcome { force, history, couple, spring } = *by;
+        let outcomes = [force[0], force[1], history[0], history[1], history[2]].into_iter();
+        let outcomes = outcomes.chain([couple[0], couple[1], spring[0], spring[1], spring[2]]);
+        let mut gains = [0.0; W];
         for (row, gain) in self.0.iter().zip(outcomes) {
-            for k in 0..WIDE {
+            for k in 0..W {
                 gains[k] += row[k] * gain;
             }
         }
         let mut quantities = [0.0; 2 * QUANTITIES];
         quantities.copy_from_slice(&gains[7..SLOPES]);
+        let of_friction = |which: usize| if const { W > WIDE } { gains[SLOPES + which] } else { 0.0 };
         Gains {
             shift: [gains[0], gains[1]],
             approach: [gains[2], gains[3]],
             history: [gains[4], gains[5], gains[6]],
             quantities,
+            spins: [of_friction(0), of_friction(1)],
+            spring: [of_friction(2), of_friction(3), of_friction(4)],
         }
     }
 }

@@ -3,7 +3,7 @@
 //! A score is a weighted sum of the greatest kinetic energies of spheres. [`gradient`] gives its derivatives with respect to what every sphere is
 //! made of, its radius and place, and the load, all at once: the steps of the run are walked through backwards, each transposed. What
 //! is differentiated is what was computed, to rounding: the multistep scheme with its predictor, every contact that has come up, and what
-//! contacts remember. The greatest energies are taken at the steps at which they fell.
+//! contacts remember, with friction their springs and all spins too. The greatest energies are taken at the steps at which they fell.
 //!
 //! - `contact`: one contact as a function of numbers of any kind; its slopes by dual numbers ([`Dual`](crate::real::Dual))
 //! - `model`: a run as such a function, with the bits of [`simulate`](super::simulate)
@@ -21,8 +21,8 @@ mod schedule;
 mod tests;
 
 use backward::{Adjoint, Back, Step};
-use contact::sloped_by_quantities;
-use model::{Frame, Model, Scratch, State, inverse_masses, kinds};
+use contact::{Make, OUTCOMES, OUTCOMES_RUBBING, Sloped, WIDE, WIDE_RUBBING, sloped_by_quantities};
+use model::{Frame, Kind, Model, Scratch, State, inverse_inertias, inverse_masses, kinds};
 use schedule::blocks;
 
 use super::Integrator;
@@ -81,7 +81,8 @@ pub enum GradientError {
     Projectile,
 }
 
-/// Derivatives of sums of greatest kinetic energies over an impact's window: each sum is given by its spheres and their weights.
+/// Derivatives of sums of greatest kinetic energies over an impact's window, with Coulomb's friction of a coefficient where one is given
+/// ([`simulate_with_friction`](super::simulate_with_friction)): each sum is given by its spheres and their weights.
 ///
 /// Takes the time of ten runs or so, whatever the number of spheres, quantities and sums, and memory as the square root of the steps.
 ///
@@ -90,6 +91,7 @@ pub enum GradientError {
 pub fn gradient(
     sample: &Sample<2>,
     impact: &Impact,
+    friction: Option<f64>,
     sums: &[Vec<(usize, f64)>],
     context: &Context,
 ) -> Result<Gradients, GradientError> {
@@ -99,70 +101,104 @@ pub fn gradient(
     if impact.projectile.is_some() {
         return Err(GradientError::Projectile);
     }
-    let (list, grains, stop) = contacts_found(sample, impact, context)?;
+    let (list, grains, stop) = contacts_found(sample, impact, friction, context)?;
     if let Some(stop) = stop {
         return Err(GradientError::Stopped(stop));
     }
-    let mut frame = Frame::new(sample, impact, &list, &grains);
+    let mut frame = Frame::new(sample, (impact, friction), &list, &grains);
     let kinds = kinds(sample, impact, &mut frame);
     let plain = Model {
         inverse_mass: inverse_masses(sample),
+        inverse_inertia: inverse_inertias(sample, &frame, &grains),
         makes: kinds.iter().map(|kind| kind.make(&|value, _| value)).collect(),
     };
-    let sloped: Vec<_> = kinds.iter().map(|kind| kind.make(&sloped_by_quantities)).collect();
-    let steps = steps_in(impact.window, impact.step);
-    let blocks = blocks(steps);
-    let load = |step: u64| impact.pulse.during(step, impact.step);
-
-    // There, with the states that begin a block, and when each sphere was fastest.
-    let spheres = sample.spheres.len();
-    let mut state = State::at_start(&frame, &impact.moving);
-    let mut scratch = Scratch::new(spheres);
-    let mut kept = vec![state.clone()];
-    let mut fastest = Fastest::new(spheres);
-    fastest.look(0, &state);
-    for block in blocks.iter().rev() {
-        for step in block.clone() {
-            frame.advance(&plain, &mut state, load(step), &mut scratch);
-            fastest.look(step + 1, &state);
+    let there = There::go(sample, impact, (&frame, &plain), context)?;
+    match friction {
+        None => there.back::<WIDE, OUTCOMES>(sample, impact, (&frame, &plain, &kinds), sums, context),
+        Some(_) => {
+            there.back::<WIDE_RUBBING, OUTCOMES_RUBBING>(sample, impact, (&frame, &plain, &kinds), sums, context)
         }
-        kept.push(state.clone());
-        stop_if_asked(context, block.end as f64 * impact.step)?;
     }
-    kept.pop();
+}
 
-    // And back.
-    let max_kinetic: Vec<f64> = (0..spheres).map(|i| 0.5 * sample.mass(i) * fastest.squared[i]).collect();
-    let mut adjoints: Vec<Adjoint> = sums.iter().map(|_| Adjoint::new(&frame)).collect();
-    let back = Back { frame: &frame, plain: &plain, sloped: &sloped, width: Width::widest() };
-    let mut bytes = 0;
-    for block in &blocks {
-        let mut states = kept.pop().into_iter().collect::<Vec<State<f64>>>();
-        let mut predicted = Vec::new();
-        for step in block.clone() {
-            let mut next = states[states.len() - 1].clone();
-            frame.advance(&plain, &mut next, load(step), &mut scratch);
-            states.push(next);
-            predicted.push(scratch.predicted.clone());
-        }
-        let velocities = predicted.len() * spheres * size_of::<[f64; 2]>();
-        bytes = bytes.max((kept.len() + states.len()) * states[0].bytes() + velocities);
-        for (k, pair) in states.windows(2).enumerate().rev() {
-            let step = block.start + k as u64;
-            for (adjoint, sum) in adjoints.iter_mut().zip(sums) {
-                let falls_now = |&&(i, _): &&(usize, f64)| fastest.when[i] == step + 1;
-                for &(i, weight) in sum.iter().filter(falls_now) {
-                    adjoint.gain_energy(i, weight * sample.mass(i), pair[1].velocity[i]);
-                }
+/// The way there: the states that begin a block, and when each sphere was fastest.
+struct There {
+    kept: Vec<State<f64>>,
+    fastest: Fastest,
+    blocks: Vec<std::ops::Range<u64>>,
+}
+
+impl There {
+    fn go(
+        sample: &Sample<2>,
+        impact: &Impact,
+        (frame, plain): (&Frame, &Model<f64>),
+        context: &Context,
+    ) -> Result<Self, GradientError> {
+        let mut state = State::at_start(frame, &impact.moving);
+        let mut scratch = Scratch::new(frame);
+        let mut fastest = Fastest::new(sample.spheres.len());
+        fastest.look(0, &state);
+        let mut kept = vec![state.clone()];
+        let blocks = blocks(steps_in(impact.window, impact.step));
+        for block in blocks.iter().rev() {
+            for step in block.clone() {
+                frame.advance(plain, &mut state, impact.pulse.during(step, impact.step), &mut scratch);
+                fastest.look(step + 1, &state);
             }
-            let run = Step { before: &pair[0], after: &pair[1], predicted: &predicted[k] };
-            back.step(&run, load(step), &mut adjoints);
+            kept.push(state.clone());
+            stop_if_asked(context, block.end as f64 * impact.step)?;
         }
-        stop_if_asked(context, block.start as f64 * impact.step)?;
+        kept.pop();
+        Ok(Self { kept, fastest, blocks })
     }
-    let value = |sum: &Vec<(usize, f64)>| sum.iter().map(|&(i, weight)| weight * max_kinetic[i]).sum();
-    let of = adjoints.into_iter().zip(sums).map(|(adjoint, sum)| adjoint.gradient(value(sum))).collect();
-    Ok(Gradients { of, max_kinetic, bytes: bytes + frame.places.len() * size_of::<[f64; 64]>() })
+
+    /// And back.
+    fn back<const W: usize, const O: usize>(
+        mut self,
+        sample: &Sample<2>,
+        impact: &Impact,
+        (frame, plain, kinds): (&Frame, &Model<f64>, &[Kind]),
+        sums: &[Vec<(usize, f64)>],
+        context: &Context,
+    ) -> Result<Gradients, GradientError> {
+        let load = |step: u64| impact.pulse.during(step, impact.step);
+        let sloped: Vec<Make<Sloped<W>>> = kinds.iter().map(|kind| kind.make(&sloped_by_quantities)).collect();
+        let spheres = sample.spheres.len();
+        let energy = |i: usize| 0.5 * sample.mass(i) * self.fastest.squared[i];
+        let max_kinetic: Vec<f64> = (0..spheres).map(energy).collect();
+        let mut scratch = Scratch::new(frame);
+        let mut adjoints: Vec<Adjoint> = sums.iter().map(|_| Adjoint::new(frame)).collect();
+        let back = Back::<W, O> { frame, plain, sloped: &sloped, width: Width::widest() };
+        let mut bytes = 0;
+        for block in &self.blocks {
+            let mut states = self.kept.pop().into_iter().collect::<Vec<State<f64>>>();
+            let mut predicted = Vec::new();
+            for step in block.clone() {
+                let mut next = states[states.len() - 1].clone();
+                frame.advance(plain, &mut next, load(step), &mut scratch);
+                states.push(next);
+                predicted.push((scratch.predicted.clone(), scratch.spins.clone()));
+            }
+            let velocities = predicted.len() * (spheres * size_of::<[f64; 2]>() + frame.turning() * size_of::<f64>());
+            bytes = bytes.max((self.kept.len() + states.len()) * states[0].bytes() + velocities);
+            for (k, pair) in states.windows(2).enumerate().rev() {
+                let step = block.start + k as u64;
+                for (adjoint, sum) in adjoints.iter_mut().zip(sums) {
+                    let falls_now = |&&(i, _): &&(usize, f64)| self.fastest.when[i] == step + 1;
+                    for &(i, weight) in sum.iter().filter(falls_now) {
+                        adjoint.gain_energy(i, weight * sample.mass(i), pair[1].velocity[i]);
+                    }
+                }
+                let (predicted, spins) = (&predicted[k].0, &predicted[k].1);
+                back.step(&Step { before: &pair[0], after: &pair[1], predicted, spins }, load(step), &mut adjoints);
+            }
+            stop_if_asked(context, block.start as f64 * impact.step)?;
+        }
+        let value = |sum: &Vec<(usize, f64)>| sum.iter().map(|&(i, weight)| weight * max_kinetic[i]).sum();
+        let of = adjoints.into_iter().zip(sums).map(|(adjoint, sum)| adjoint.gradient(value(sum))).collect();
+        Ok(Gradients { of, max_kinetic, bytes: bytes + frame.places.len() * size_of::<[f64; 64]>() })
+    }
 }
 
 fn stop_if_asked(context: &Context, time_s: f64) -> Result<(), GradientError> {
@@ -196,6 +232,7 @@ impl Fastest {
 impl<N> State<N> {
     /// What it takes.
     fn bytes(&self) -> usize {
-        self.displacement.len() * 5 * size_of::<[N; 2]>() + self.history.len() * 3 * size_of::<N>()
+        let numbers = 4 * (self.turning.spin.len() + self.turning.spring.len());
+        self.displacement.len() * 5 * size_of::<[N; 2]>() + (self.history.len() * 3 + numbers) * size_of::<N>()
     }
 }

@@ -1,12 +1,12 @@
 //! The transposed run against the run itself: its bits, its forward mode, its differences.
 
 use super::contact::QUANTITIES;
-use super::model::{Frame, Model, Scratch, State, inverse_masses, kinds};
+use super::model::{Frame, Model, Scratch, State, Turning, inverse_inertias, inverse_masses, kinds};
 use super::{Fastest, Gradient, Gradients, gradient};
 use crate::Context;
 use crate::contact::{Constants, LawKind};
 use crate::dem::impact::contacts_found;
-use crate::dem::{ForcePulse, Impact, Integrator, Mirror, simulate, steps_in};
+use crate::dem::{ForcePulse, Impact, Integrator, Mirror, Record, simulate, simulate_with_friction, steps_in};
 use crate::lattice::HexagonalSheet;
 use crate::layout::Layout;
 use crate::material::find;
@@ -56,12 +56,24 @@ fn sum(sample: &Sample<2>) -> Vec<(usize, f64)> {
     (count / 2..count - 6).map(|i| (i, 1.0 + 0.1 * (i % 3) as f64)).collect()
 }
 
-fn run(sample: &Sample<2>, impact: &Impact) -> Gradients {
-    gradient(sample, impact, &[sum(sample)], &Context::default()).expect("a run with derivatives")
+/// μ of the tests: none, and one at which contacts stick for a while and then slide.
+const FRICTION: [Option<f64>; 2] = [None, Some(0.2)];
+
+fn run(sample: &Sample<2>, impact: &Impact, friction: Option<f64>) -> Gradients {
+    gradient(sample, impact, friction, &[sum(sample)], &Context::default()).expect("a run with derivatives")
 }
 
-fn value(sample: &Sample<2>, impact: &Impact) -> f64 {
-    let record = simulate(sample, impact, &Context::default()).expect("a sound packing");
+fn recorded(sample: &Sample<2>, impact: &Impact, friction: Option<f64>) -> Record<2> {
+    let context = Context::default();
+    match friction {
+        None => simulate(sample, impact, &context),
+        Some(coefficient) => simulate_with_friction(sample, impact, coefficient, &context),
+    }
+    .expect("a sound packing")
+}
+
+fn value(sample: &Sample<2>, impact: &Impact, friction: Option<f64>) -> f64 {
+    let record = recorded(sample, impact, friction);
     assert!(record.stop.is_none(), "{:?}", record.stop);
     sum(sample).iter().map(|&(i, weight)| weight * record.max_kinetic[i]).sum()
 }
@@ -93,10 +105,10 @@ fn dot(gradient: &Gradient, direction: &Direction) -> (f64, f64) {
 }
 
 /// The derivative along a direction by forward mode: the whole run in dual numbers.
-fn forward(sample: &Sample<2>, impact: &Impact) -> (f64, Direction) {
+fn forward(sample: &Sample<2>, impact: &Impact, friction: Option<f64>) -> (f64, Direction) {
     type One = Dual<f64, 1>;
-    let (list, grains, _) = contacts_found(sample, impact, &Context::default()).expect("a sound packing");
-    let mut frame = Frame::new(sample, impact, &list, &grains);
+    let (list, grains, _) = contacts_found(sample, impact, friction, &Context::default()).expect("a sound packing");
+    let mut frame = Frame::new(sample, (impact, friction), &list, &grains);
     let kinds = kinds(sample, impact, &mut frame);
     let direction = random_direction(&frame);
     let along = |value: f64, slope: f64| One { value, slopes: [slope] };
@@ -110,7 +122,11 @@ fn forward(sample: &Sample<2>, impact: &Impact) -> (f64, Direction) {
     let heavier = |i: usize| direction.quantities[i][0] + 3.0 * direction.quantities[i][3];
     let inverse_mass = inverse_masses(sample);
     let inverse_mass = inverse_mass.iter().enumerate().map(|(i, &value)| along(value, -value * heavier(i)));
-    let model = Model::<One> { inverse_mass: inverse_mass.collect(), makes };
+    // I goes as the density and the fifth power of the radius.
+    let inertia = |i: usize| direction.quantities[i][0] + 5.0 * direction.quantities[i][3];
+    let inverse_inertia = inverse_inertias(sample, &frame, &grains).into_iter().enumerate();
+    let inverse_inertia = inverse_inertia.map(|(i, value)| along(value, -value * inertia(i))).collect();
+    let model = Model::<One> { inverse_mass: inverse_mass.collect(), inverse_inertia, makes };
     frame.kind = (0..ends.len()).collect();
 
     let mut state = State::<One>::at_start(&frame, &impact.moving);
@@ -118,7 +134,7 @@ fn forward(sample: &Sample<2>, impact: &Impact) -> (f64, Direction) {
         *displacement = place.map(|slope| along(0.0, slope));
     }
     let spheres = sample.spheres.len();
-    let (mut scratch, mut squared, mut slope) = (Scratch::new(spheres), vec![0.0; spheres], vec![0.0; spheres]);
+    let (mut scratch, mut squared, mut slope) = (Scratch::new(&frame), vec![0.0; spheres], vec![0.0; spheres]);
     for step in 0..steps_in(impact.window, impact.step) {
         let load = impact.pulse.during(step, impact.step);
         frame.advance(&model, &mut state, along(load, load * direction.load), &mut scratch);
@@ -139,36 +155,61 @@ fn the_run_behind_a_gradient_is_the_run() {
     let sample = sample();
     for integrator in [Integrator::Adams, Integrator::Verlet] {
         for law in [LawKind::Thesis, LawKind::Consistent, LawKind::Mdr] {
-            let impact = impact(law, integrator);
-            let gradients = run(&sample, &impact);
-            let record = simulate(&sample, &impact, &Context::default()).expect("a sound packing");
-            assert_eq!(gradients.max_kinetic, record.max_kinetic, "{law}, {integrator}");
+            for friction in FRICTION {
+                let impact = impact(law, integrator);
+                let gradients = run(&sample, &impact, friction);
+                let record = recorded(&sample, &impact, friction);
+                assert_eq!(gradients.max_kinetic, record.max_kinetic, "{law}, {integrator}, {friction:?}");
+            }
         }
     }
 }
 
-/// <J d, w> = <d, Jᵀ w> for every law and both schemes: what is lost of a scheme's or a law's memory, or has a wrong sign, differs.
+/// <J d, w> = <d, Jᵀ w> for every law and both schemes, with friction and without: what is lost of a scheme's, a law's or a spring's memory, or has a
+/// wrong sign, differs.
 #[test]
 fn backwards_is_forwards_transposed() {
     let sample = sample();
     for integrator in [Integrator::Adams, Integrator::Verlet] {
         for &law in LawKind::ALL {
-            let impact = impact(law, integrator);
-            let (forward, direction) = forward(&sample, &impact);
-            let (backward, scale) = dot(&run(&sample, &impact).of[0], &direction);
-            let error = (forward - backward).abs() / scale;
-            assert!(error < 1e-11 && scale > 0.0, "{law}, {integrator}: {forward:e} and {backward:e}, {error:e}");
+            for friction in FRICTION {
+                let impact = impact(law, integrator);
+                let (forward, direction) = forward(&sample, &impact, friction);
+                let (backward, scale) = dot(&run(&sample, &impact, friction).of[0], &direction);
+                let error = (forward - backward).abs() / scale;
+                let what = format!("{law}, {integrator}, {friction:?}");
+                assert!(error < 1e-11 && scale > 0.0, "{what}: {forward:e} and {backward:e}, {error:e}");
+            }
         }
     }
 }
 
+/// Friction takes part: contacts stick and slide, spheres turn, and derivatives are others.
+#[test]
+fn friction_changes_derivatives() {
+    let sample = sample();
+    let impact = impact(LawKind::Thesis, Integrator::Verlet);
+    let [without, with] = FRICTION.map(|friction| run(&sample, &impact, friction).of.remove(0));
+    let size = without.density.iter().map(|by| by.abs()).fold(0.0, f64::max);
+    let apart = without.density.iter().zip(&with.density).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart > 0.01 * size, "{apart:e} of {size:e}");
+}
+
 /// Contacts are smooth under Hertz's law, so that central differences are as good as their step squared: 1e-10 times what the third
-/// derivative is over the first, which spheres that have collided a few times make some thousands.
+/// derivative is over the first, which spheres that have collided a few times make some thousands. With friction contacts have kinks where they begin
+/// to slide or to unload; these spheres' differences step over none.
 #[test]
 fn derivatives_are_differences_where_contacts_are_smooth() {
+    for friction in FRICTION {
+        derivatives_are_differences(friction);
+    }
+}
+
+fn derivatives_are_differences(friction: Option<f64>) {
     let sample = sample();
     let impact = Impact { window: 40e-6, ..impact(LawKind::Hertz, Integrator::Adams) };
-    let gradient = &run(&sample, &impact).of[0];
+    let value = |sample: &Sample<2>, impact: &Impact| value(sample, impact, friction);
+    let gradient = &run(&sample, &impact, friction).of[0];
     let scale = gradient.density.iter().map(|by| by.abs()).fold(0.0, f64::max);
     assert!(scale > 0.01 * gradient.value, "nothing depends on anything");
     let change = 1e-5;
@@ -191,6 +232,7 @@ fn derivatives_are_differences_where_contacts_are_smooth() {
             assert!(error < 1e-6, "sphere {i}, quantity {which}: {derivative:e} and {difference:e}");
         }
         // Radii can only shrink, since spheres touch: a difference to one side, of second order.
+        let change = 1e-6;
         let shrunk = |by: f64| {
             let mut changed = sample.clone();
             changed.spheres[i].radius *= 1.0 - by;
@@ -199,7 +241,7 @@ fn derivatives_are_differences_where_contacts_are_smooth() {
         let difference = (3.0 * shrunk(0.0) - 4.0 * shrunk(change) + shrunk(2.0 * change)) / (2.0 * change);
         let by_radius = gradient.radius.iter().map(|by| by.abs()).fold(0.0, f64::max);
         let error = (difference - gradient.radius[i]).abs() / by_radius;
-        // Gaps of a hundred-thousandth of a diameter: force begins as their power 3/2, so that the error goes as their root.
+        // Gaps of a millionth of a diameter: force begins as their power 3/2, so that the error goes as their root.
         assert!(error < 5e-3, "radius of sphere {i}: {:e} and {difference:e}", gradient.radius[i]);
     }
     let harder = |factor: f64| {
@@ -213,10 +255,20 @@ fn derivatives_are_differences_where_contacts_are_smooth() {
 /// What is left of a change after its derivative is taken off falls as the square of the change, over a run of many blocks.
 #[test]
 fn the_remainder_is_of_second_order_through_the_checkpoints() {
+    remainder_is_of_second_order(None, [1e-3, 5e-4, 2.5e-4]);
+}
+
+/// With friction too, over changes that step over few kinks.
+#[test]
+fn the_remainder_with_friction_is_of_second_order_through_the_checkpoints() {
+    remainder_is_of_second_order(Some(0.2), [1e-4, 5e-5, 2.5e-5]);
+}
+
+fn remainder_is_of_second_order(friction: Option<f64>, changes: [f64; 3]) {
     let sample = sample();
     let impact = impact(LawKind::Hertz, Integrator::Verlet);
     assert!(super::blocks(steps_in(impact.window, impact.step)).len() > 10, "few blocks test little");
-    let gradient = &run(&sample, &impact).of[0];
+    let gradient = &run(&sample, &impact, friction).of[0];
     let mut rng = Rng::new(3);
     let direction: Vec<f64> = sample.spheres.iter().map(|_| rng.unit() - 0.5).collect();
     let slope: f64 = gradient.density.iter().zip(&direction).map(|(by, along)| by * along).sum();
@@ -228,9 +280,9 @@ fn the_remainder_is_of_second_order_through_the_checkpoints() {
             changed.spheres[i].material = changed.materials.len();
             changed.materials.push(material);
         }
-        (value(&changed, &impact) - gradient.value - change * slope).abs()
+        (value(&changed, &impact, friction) - gradient.value - change * slope).abs()
     };
-    let remainders = [1e-3, 5e-4, 2.5e-4].map(remainder);
+    let remainders = changes.map(remainder);
     for pair in remainders.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!((order - 2.0).abs() < 0.1, "order {order}, {remainders:?}");
@@ -245,6 +297,7 @@ fn the_fastest_moment_is_the_first_of_its_kind() {
         velocity: vec![[0.0, speed]],
         acceleration: [vec![[0.0; 2]], vec![[0.0; 2]], vec![[0.0; 2]]],
         history: Vec::new(),
+        turning: Turning::default(),
         reached: 1,
     };
     for (step, speed) in [0.0, 1.0, 2.0, -2.0, 1.0].into_iter().enumerate() {
@@ -258,11 +311,11 @@ fn the_fastest_moment_is_the_first_of_its_kind() {
 #[test]
 fn energies_go_as_stresses_densities_and_load_together() {
     let sample = sample();
-    for &law in LawKind::ALL {
-        let gradient = &run(&sample, &impact(law, Integrator::Adams)).of[0];
+    for (&law, friction) in LawKind::ALL.iter().flat_map(|law| FRICTION.map(|friction| (law, friction))) {
+        let gradient = &run(&sample, &impact(law, Integrator::Adams), friction).of[0];
         let each = [&gradient.density, &gradient.youngs_modulus, &gradient.yield_stress];
         let sum = gradient.load + each.iter().map(|by| by.iter().sum::<f64>()).sum::<f64>();
         let size: f64 = each.iter().flat_map(|by| by.iter()).map(|by| by.abs()).sum();
-        assert!((sum - gradient.value).abs() < 1e-9 * size, "{law}: {sum:e} of {:e}", gradient.value);
+        assert!((sum - gradient.value).abs() < 1e-9 * size, "{law}, {friction:?}: {sum:e} of {:e}", gradient.value);
     }
 }
