@@ -12,8 +12,8 @@ use granulens::report::Provenance;
 use granulens::score::Measure;
 use granulens::tolerance::{
     Criterion, INTERVAL, KeptError, MOST_SAMPLES, Samples, State, Told, Tolerances, Workshop, WorkshopError, as_built,
-    assumed, distributions, indices, indices_runs, indices_words, inverse, inverse_words, page, rechoose, sensitivity,
-    sites, sites_runs, yield_of,
+    assumed, derivative_runs, distributions, indices, indices_runs, indices_words, inverse, inverse_words, page,
+    rechoose, sensitivity, sites, sites_runs, yield_of,
 };
 use serde_json::json;
 
@@ -203,6 +203,7 @@ impl Tolerance {
             seed,
             quantities: workshop.quantities().to_vec(),
             as_built: as_built(&found),
+            no_derivatives: found.no_derivatives,
             sensitivity: found.changes,
             distribution: distributions(&samples, count as usize, &measures),
             method: method(&design, &plan),
@@ -244,10 +245,14 @@ impl Tolerance {
             (_, false) => 0.6 * alone,
         };
         let runs = 8 * sensitivity_runs(workshop) as u64;
-        let parts = [
+        let mut parts = vec![
             Part::new("pieces for the sensitivities, under 8 forces", runs, Some(each * runs as f64)),
             Part::new("pieces for the yield", count, Some(each * count as f64)),
         ];
+        let runs = derivative_runs(workshop);
+        if runs > 0 {
+            parts.push(Part::new("derivatives, under 8 forces", runs, Some(8.0 * alone * runs as f64)));
+        }
         tell(common, &parts)
     }
 }

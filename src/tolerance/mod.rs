@@ -37,7 +37,7 @@ pub use piece::Piece;
 pub use quantity::{Kind, Quantity, quantities};
 pub use rechoose::{Rechosen, rechoose};
 pub use samples::{KeptError, Sample, Samples};
-pub use sensitivity::{AsBuilt, Change, Sensitivity, as_built, sensitivity};
+pub use sensitivity::{AsBuilt, Believed, Change, Sensitivity, as_built, derivative_runs, sensitivity};
 pub use sites::{Sites, WrongSphere, sites, sites_runs};
 pub use told::{Distribution, Told, assumed, distributions, yield_of};
 pub use workshop::{Made, Workshop, WorkshopError};

@@ -3,13 +3,19 @@
 //! Scores behind a lens scatter with the force by a percent, so that every piece is judged over eight forces within 1 %, and what is below
 //! the scatter of such means counts as not resolved. A quantity with limits is set to both of them. One of chance (diameters within a lot, wrong
 //! spheres, holes) is drawn for sixteen pieces: its change is that of their mean, its spread their standard deviation.
+//!
+//! Of what has a derivative (densities, moduli and yield stresses of materials, the force) the change to the limits, a secant, stands beside what the adjoint
+//! says at the piece as drawn. Where both agree the derivative counts, which knows nothing of the limits.
 
 use serde::Serialize;
 
+use super::State;
 use super::piece::Piece;
+use super::quantity::{Kind, Quantity};
 use super::workshop::{Made, Workshop, WorkshopError};
 use crate::Context;
-use crate::evaluate::Forces;
+use crate::dem::{GradientError, Stop};
+use crate::evaluate::{EvaluatorError, Forces, MEASURES, SensitivityError, Shared, shared_slopes};
 use crate::score::{Measure, geometric};
 use crate::stats::Mean;
 
@@ -43,6 +49,39 @@ pub struct Change {
     pub noise: f64,
     /// Whether the change is greater than that.
     pub resolved: bool,
+    /// The change to the upper limit as the derivative at the piece as drawn says; none of what has no derivative.
+    pub by_derivative: Option<f64>,
+    /// What is believed of it.
+    pub believed: Believed,
+}
+
+/// From what the part of a quantity in a score as built is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Believed {
+    /// The derivative: between the limits the score changes as it says.
+    Derivative,
+    /// The change from limit to limit: there is no derivative, it says something else, or the change is not proportional at all.
+    Secant,
+    /// The spread over pieces of chance.
+    Pieces,
+}
+
+impl Believed {
+    /// The word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Derivative => "derivative",
+            Self::Secant => "secant",
+            Self::Pieces => "pieces",
+        }
+    }
+}
+
+/// Whether a derivative's change to the upper limit and half of that from limit to limit are the same: to a fifth of the greater, as a response counts as
+/// proportional, or to what the latter is known to.
+fn agree(derivative: f64, half: f64, noise: f64) -> bool {
+    (derivative - half).abs() <= (0.2 * derivative.abs().max(half.abs())).max(0.5 * noise)
 }
 
 /// What each quantity does, worst first for each score.
@@ -54,6 +93,8 @@ pub struct Sensitivity {
     pub changes: Vec<Change>,
     /// Quantities at a limit of which a guard stopped a piece.
     pub stopped: Vec<String>,
+    /// Why there are no derivatives, where some quantity would have one.
+    pub no_derivatives: Option<String>,
 }
 
 /// A score as built, by root-sum-square.
@@ -63,8 +104,8 @@ pub struct AsBuilt {
     pub score: String,
     /// As drawn.
     pub nominal: f64,
-    /// Its standard deviation: √Σ s², s being the change over √3 of a quantity with limits, between which all values are as likely, and the spread of one
-    /// of chance. None where that would mislead.
+    /// Its standard deviation: √Σ s², s being the change over √3 of a quantity with limits, between which all values are as likely, by what is
+    /// [believed](Believed) of it, and the spread of one of chance. None where that would mislead.
     pub rss: Option<f64>,
     /// Why there is none.
     pub refused: Option<String>,
@@ -103,6 +144,11 @@ pub fn sensitivity(
         parts.push(begin..pieces.len());
     }
     let runs = workshop.runs(&pieces, &factors, context)?;
+    let (slopes, no_derivatives) = match slopes(workshop, &factors, context) {
+        Ok(slopes) => (slopes, None),
+        Err(NoSlopes::Interrupted) => return Err(EvaluatorError::Interrupted.into()),
+        Err(NoSlopes::Why(words)) => (Vec::new(), Some(words)),
+    };
     let mut measures: Vec<Measure> = JUDGED.to_vec();
     measures.extend(
         asked.iter().filter(|measure| !JUDGED.contains(measure) && workshop.measures().any(|m| m == **measure)),
@@ -124,6 +170,8 @@ pub fn sensitivity(
                 continue;
             };
             let random = quantity.kind.is_random();
+            let slope = slopes.iter().find(|of| of.measure == measure).and_then(|of| slope(of, quantity.kind));
+            let by_derivative = slope.map(|slope| drawn * slope * quantity.limits[1]);
             let (at, change, linear, spread, noise) = if random {
                 let Mean { mean, deviation, .. } = Mean::of(&found);
                 let spread = deviation.unwrap_or(0.0);
@@ -154,13 +202,84 @@ pub fn sensitivity(
                 spread,
                 noise,
                 resolved: change.abs().max(spread.unwrap_or(0.0)) > noise,
+                believed: match by_derivative {
+                    _ if random => Believed::Pieces,
+                    Some(slope) if linear && agree(slope, 0.5 * (at[1] - at[0]), noise) => Believed::Derivative,
+                    _ => Believed::Secant,
+                },
+                by_derivative,
             });
         }
         let size = |change: &Change| change.change.abs().max(change.spread.unwrap_or(0.0));
         of_score.sort_by(|a, b| size(b).total_cmp(&size(a)));
         changes.extend(of_score);
     }
-    Ok(Sensitivity { nominal, changes, stopped })
+    Ok(Sensitivity { nominal, changes, stopped, no_derivatives })
+}
+
+/// Why there are no derivatives.
+enum NoSlopes {
+    Interrupted,
+    Why(String),
+}
+
+/// Whether a quantity has a derivative.
+fn has_slope(quantity: &Quantity) -> bool {
+    matches!(quantity.kind, Kind::Density(_) | Kind::Modulus(_) | Kind::YieldStress(_) | Kind::Force)
+}
+
+/// The slope of ln of a score by a quantity, where it has one: all are relative.
+fn slope(of: &Shared, kind: Kind) -> Option<f64> {
+    match kind {
+        Kind::Density(material) => Some(of.density[material]),
+        Kind::Modulus(material) => Some(of.youngs_modulus[material]),
+        Kind::YieldStress(material) => Some(of.yield_stress[material]),
+        Kind::Force => of.force,
+        _ => None,
+    }
+}
+
+/// Whether the force is among what may turn out otherwise.
+fn has_force(workshop: &Workshop) -> bool {
+    workshop.quantities().iter().any(|quantity| quantity.kind == Kind::Force)
+}
+
+/// Runs whose derivatives [`sensitivity`] takes: of the piece under each force, and of the uniform crystals too where the force may differ.
+pub fn derivative_runs(workshop: &Workshop) -> u64 {
+    let crystals = if has_force(workshop) { 3 } else { 1 };
+    let wanted = workshop.quantities().iter().any(has_slope) && refusal(workshop).is_none();
+    if wanted { (crystals * Forces::USUAL.count()) as u64 } else { 0 }
+}
+
+/// Why pieces of a workshop have no derivatives.
+fn refusal(workshop: &Workshop) -> Option<&'static str> {
+    match workshop.tolerances().state {
+        State::Settled => Some("pieces that have settled are rigs, which have no derivatives"),
+        State::NominalSites if workshop.subject().left.is_some() => {
+            Some("derivatives are those of a half, and the halves of this piece differ")
+        }
+        State::NominalSites => None,
+    }
+}
+
+/// Derivatives of all scores that have some, where a quantity wants them.
+fn slopes(workshop: &Workshop, factors: &[f64], context: &Context) -> Result<Vec<Shared>, NoSlopes> {
+    if !workshop.quantities().iter().any(has_slope) {
+        return Ok(Vec::new());
+    }
+    if let Some(why) = refusal(workshop) {
+        return Err(NoSlopes::Why(why.to_owned()));
+    }
+    let design = workshop.design();
+    // Q has none without what it refers to.
+    let exists = |measure: &Measure| *measure != Measure::Protection || design.reference().is_some();
+    let measures: Vec<Measure> = MEASURES.into_iter().filter(exists).collect();
+    let asked = (&measures[..], factors, has_force(workshop));
+    shared_slopes(design, workshop.layout(), workshop.plan(), asked, context).map_err(|error| match error {
+        SensitivityError::Stopped(Stop::Interrupted { .. })
+        | SensitivityError::Gradient(GradientError::Stopped(Stop::Interrupted { .. })) => NoSlopes::Interrupted,
+        error => NoSlopes::Why(error.to_string()),
+    })
 }
 
 /// Each score as built.
@@ -175,7 +294,9 @@ pub fn as_built(sensitivity: &Sensitivity) -> Vec<AsBuilt> {
             (stopped, _) => Some(format!("a guard stopped pieces at a limit of {}", stopped.join(", "))),
         };
         let square = |change: &Change| {
-            let part = change.spread.unwrap_or(0.5 * (change.at[1] - change.at[0]) / 3.0_f64.sqrt());
+            let secant = 0.5 * (change.at[1] - change.at[0]);
+            let half = change.by_derivative.filter(|_| change.believed == Believed::Derivative).unwrap_or(secant);
+            let part = change.spread.unwrap_or(half / 3.0_f64.sqrt());
             part * part
         };
         let rss = refused.is_none().then(|| own().map(square).sum::<f64>().sqrt());

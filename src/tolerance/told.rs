@@ -65,6 +65,9 @@ pub struct Told {
     pub quantities: Vec<Quantity>,
     /// What each does to each score, worst first for each score.
     pub sensitivity: Vec<Change>,
+    /// Why there are no derivatives beside these, where some quantity would have one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_derivatives: Option<String>,
     /// Each score as built, by root-sum-square.
     pub as_built: Vec<AsBuilt>,
     /// Each score over the pieces.
@@ -140,24 +143,29 @@ impl Told {
         });
         let _ = writeln!(
             text,
-            "\n| score | quantity | limits | change | of it | spread | linear |\n|---|---|---|---|---|---|---|"
+            "\n| score | quantity | limits | change | of it | by the derivative | spread | linear | believed |\n|---|---|---|---|---|---|---|---|---|"
         );
         for change in &self.sensitivity {
             let quantity = self.quantities.iter().find(|quantity| quantity.name == change.quantity);
             let _ = writeln!(
                 text,
-                "| {} | {} | {} | {:+.4}{} | {:+.1} % | {} | {} |",
+                "| {} | {} | {} | {:+.4}{} | {:+.1} % | {} | {} | {} | {} |",
                 change.score,
                 change.quantity,
                 quantity.map_or(String::new(), Quantity::limits_in_words),
                 change.change,
                 if change.resolved { "" } else { " (within the scatter)" },
                 100.0 * change.relative,
+                change.by_derivative.map_or("-".to_owned(), |change| format!("{change:+.4}")),
                 change.spread.map_or("-".to_owned(), |spread| format!("{spread:.4}")),
                 if change.linear { "yes" } else { "no" },
+                change.believed.name(),
             );
         }
         text += "\n";
+        if let Some(why) = &self.no_derivatives {
+            let _ = writeln!(text, "no derivatives: {why}");
+        }
         for built in &self.as_built {
             let AsBuilt { score, nominal, rss, refused } = built;
             let _ = match (rss, refused) {
