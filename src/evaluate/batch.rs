@@ -3,13 +3,12 @@
 use rayon::prelude::*;
 
 use super::load::{AnyField, Field, ImpactLoad, Imperfection, LoadCase};
-use super::{EvaluateError, Overrides, Plan, PlanError};
+use super::{EvaluateError, Overrides, Plan, PlanError, common_plan};
 use crate::Context;
-use crate::contact::LawKind;
 use crate::dem::{
     BatchError, Limit, OverlapAtRest, Record, Stop, Strike, simulate, simulate_batch_under, simulate_with_friction,
 };
-use crate::design::{Design, DesignRef};
+use crate::design::DesignRef;
 use crate::material::Material;
 use crate::real::Width;
 use crate::sample::Sample;
@@ -95,46 +94,9 @@ pub struct Evaluator {
     no_protection: Option<EvaluatorError>,
 }
 
-/// Step and window that serve all impacts: the shortest step and the longest window that any of them asks for.
-///
-/// # Errors
-/// A step or window with which one of them cannot be simulated.
-pub fn common_plan<'d>(
-    design: impl Into<DesignRef<'d>>,
-    loads: &[ImpactLoad],
-    overrides: Overrides,
-    palette: &[Material],
-) -> Result<Plan, PlanError> {
-    let design = design.into();
-    let under = |impact: Strike, law: LawKind| match design {
-        DesignRef::Plane(design) => Plan::new(&Design { impact, law, ..design.clone() }, overrides, palette),
-        DesignRef::Space(design) => Plan::in_space(&Design { impact, law, ..design.clone() }, overrides, palette),
-    };
-    let mut common: Option<Plan> = None;
-    for load in loads {
-        let plan = under(load.strike, load.law.unwrap_or(design.law()))?;
-        let Some(common) = &mut common else {
-            common = Some(plan);
-            continue;
-        };
-        if plan.step < common.step {
-            (common.step, common.step_reason) = (plan.step, plan.step_reason);
-        }
-        if plan.window > common.window {
-            (common.window, common.window_reason) = (plan.window, plan.window_reason);
-        }
-        for warning in plan.warnings {
-            if !common.warnings.contains(&warning) {
-                common.warnings.push(warning);
-            }
-        }
-    }
-    common.map_or_else(|| under(design.impact(), design.law()), Ok)
-}
-
 impl Evaluator {
     /// Chooses step and window, and simulates the uniform crystals under each impact. `cases` are impacts, or impacts on
-    /// crystals with imperfections; `palette` holds the host and others. What Q refers to is the design's, see [`Design::reference`]. In space
+    /// crystals with imperfections; `palette` holds the host and others. What Q refers to is the design's, see [`Design::reference`](crate::design::Design::reference). In space
     /// impacts are straight, on all of layer 1.
     ///
     /// # Errors

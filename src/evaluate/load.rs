@@ -127,6 +127,7 @@ impl Field {
         let friction = load.friction.or(design.friction).filter(|&mu| mu > 0.0);
         let mut impact = impact(design, plan);
         impact.law = load.law.unwrap_or(design.law);
+        impact.step = plan.step_under(impact.law);
         let along = match load.strike {
             Strike::Pulse(pulse) => Strike::Pulse(ForcePulse { force: pulse.force * load.angle.cos(), ..pulse }),
             flat => flat,
@@ -173,6 +174,7 @@ impl Field<3> {
     pub fn in_space(design: &SpaceDesign, plan: &Plan, load: &ImpactLoad) -> Self {
         let mut impact = super::impact_in_space(design, plan);
         impact.law = load.law.unwrap_or(design.law);
+        impact.step = plan.step_under(impact.law);
         impact = impact.struck_by(load.strike.of_part(0.5));
         let sites = design.lattice.sites();
         let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();

@@ -37,7 +37,7 @@ mod traced;
 mod verdict;
 mod whole;
 
-pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError, common_plan};
+pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError};
 pub use beside::{Beside, beside_uniform, refer, unnamed};
 pub use compare::{Comparison, compare, judged, proposal, stops};
 pub use decay::{calibrate, decay};
@@ -46,7 +46,7 @@ pub use glimpse::glimpse;
 pub use held::{Frame, HeldError, HeldSphere, held_energies, held_spheres, settled};
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use load::{ImpactLoad, Imperfection, LoadCase};
-pub use plan::{Overrides, Plan, PlanError};
+pub use plan::{Overrides, Plan, PlanError, common_plan};
 pub use rank::{Ranked, rank};
 pub use sensitivity::{
     Derivatives, MEASURES, SECANT, Sensitivities, SensitivityError, Shared, sensitivities, shared_slopes,

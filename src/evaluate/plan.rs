@@ -1,10 +1,10 @@
 //! How a design is simulated: step and window, one for all of its arrangements, each with its reason.
 
 use super::stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
-use super::{dimension_of, struck_force};
-use crate::contact::{AnyLaw, NormalLaw, Pair};
+use super::{ImpactLoad, dimension_of, struck_force};
+use crate::contact::{AnyLaw, LawKind, NormalLaw, Pair};
 use crate::dem::{Integrator, Strike};
-use crate::design::{Design, SpaceDesign};
+use crate::design::{Design, DesignRef, SpaceDesign};
 use crate::lattice::Layered;
 use crate::material::Material;
 use crate::units::Dimension::{Fraction, Time};
@@ -32,6 +32,8 @@ pub struct Plan {
     pub step: f64,
     /// Why this step.
     pub step_reason: String,
+    /// Laws among those of several that have another step (s).
+    pub own_steps: Vec<(LawKind, f64)>,
     /// The window (s).
     pub window: f64,
     /// Why this window.
@@ -99,7 +101,108 @@ impl PlanError {
     }
 }
 
+/// Step and window that serve all impacts: the shortest step and the longest window that any of them asks for. Where they are under several laws each law has
+/// a step of its own, since the stiffest may ask for one twenty times as short as the others: the one that its contacts ask for; where a step is given that is
+/// the one of the design's law, and each other law takes the same part of its own.
+///
+/// # Errors
+/// A step or window with which one of them cannot be simulated.
+pub fn common_plan<'d>(
+    design: impl Into<DesignRef<'d>>,
+    loads: &[ImpactLoad],
+    overrides: Overrides,
+    palette: &[Material],
+) -> Result<Plan, PlanError> {
+    let design = design.into();
+    let mut laws: Vec<LawKind> = Vec::new();
+    let law_of = |load: &ImpactLoad| load.law.unwrap_or(design.law());
+    for law in loads.iter().map(law_of) {
+        if !laws.contains(&law) {
+            laws.push(law);
+        }
+    }
+    let strikes = |law: Option<LawKind>| -> Vec<Strike> {
+        loads.iter().filter(|load| law.is_none_or(|law| law_of(load) == law)).map(|load| load.strike).collect()
+    };
+    if let [] | [_] = laws[..] {
+        return under_law(design, laws.first().copied(), &strikes(None), overrides, palette);
+    }
+    let mut common = under_law(design, None, &strikes(None), overrides, palette)?;
+    // What would be chosen, whatever is given.
+    let free = |law: Option<LawKind>, strikes: &[Strike]| {
+        let overrides = Overrides { step: None, ..overrides };
+        let plan = match design {
+            DesignRef::Plane(design) => {
+                let design = Design { step: None, ..design.clone() };
+                under_law((&design).into(), law, strikes, overrides, palette)
+            }
+            DesignRef::Space(design) => {
+                let design = SpaceDesign { step: None, ..design.clone() };
+                under_law((&design).into(), law, strikes, overrides, palette)
+            }
+        };
+        plan.map(|plan| plan.step)
+    };
+    let reference = free(None, &strikes(None))?;
+    for law in laws {
+        let of_law = strikes(Some(law));
+        let part = free(Some(law), &of_law)? / reference;
+        let step = if part == 1.0 {
+            common.step
+        } else {
+            let most = common.step * part;
+            let durations: Vec<f64> = of_law.iter().filter_map(Strike::duration).collect();
+            dividing(most * (1.0 + 1e-9), &durations).unwrap_or(most)
+        };
+        if step != common.step {
+            common.step_reason += &format!("; under {law} {}", Time.show(step));
+            common.own_steps.push((law, step));
+        }
+    }
+    Ok(common)
+}
+
+/// Step and window for what strikes under one law, or the design's.
+fn under_law(
+    design: DesignRef<'_>,
+    law: Option<LawKind>,
+    strikes: &[Strike],
+    overrides: Overrides,
+    palette: &[Material],
+) -> Result<Plan, PlanError> {
+    let law = law.unwrap_or(design.law());
+    let under = |impact: Strike| match design {
+        DesignRef::Plane(design) => Plan::new(&Design { impact, law, ..design.clone() }, overrides, palette),
+        DesignRef::Space(design) => Plan::in_space(&Design { impact, law, ..design.clone() }, overrides, palette),
+    };
+    let mut common: Option<Plan> = None;
+    for &strike in strikes {
+        let plan = under(strike)?;
+        let Some(common) = &mut common else {
+            common = Some(plan);
+            continue;
+        };
+        if plan.step < common.step {
+            (common.step, common.step_reason) = (plan.step, plan.step_reason);
+        }
+        if plan.window > common.window {
+            (common.window, common.window_reason) = (plan.window, plan.window_reason);
+        }
+        for warning in plan.warnings {
+            if !common.warnings.contains(&warning) {
+                common.warnings.push(warning);
+            }
+        }
+    }
+    common.map_or_else(|| under(design.impact()), Ok)
+}
+
 impl Plan {
+    /// The step under one of the laws (s).
+    pub fn step_under(&self, law: LawKind) -> f64 {
+        self.own_steps.iter().find(|(known, _)| *known == law).map_or(self.step, |(_, step)| *step)
+    }
+
     /// Chooses what is not given. `materials` are all that occur in any arrangement.
     ///
     /// An automatic step is the largest that meets the accuracy class and divides the pulse.
@@ -216,6 +319,6 @@ impl Plan {
             None => (chosen, formula),
         };
         let first_seed = overrides.first_seed.unwrap_or(design.first_seed);
-        Ok(Self { integrator, step, step_reason, window, window_reason, first_seed, warnings })
+        Ok(Self { integrator, step, step_reason, own_steps: Vec::new(), window, window_reason, first_seed, warnings })
     }
 }

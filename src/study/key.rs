@@ -42,6 +42,9 @@ impl Key {
         for (k, law) in study.impacts.iter().enumerate().filter_map(|(k, impact)| Some((k, impact.law?))) {
             key.add(format!("{k} {law}").as_bytes());
         }
+        for (law, step) in &plan.own_steps {
+            key.add(format!("step {law} {}", step.to_bits()).as_bytes());
+        }
         if !study.forces.is_one() {
             key.add(format!("forces {} {}", study.forces.count(), study.forces.band().to_bits()).as_bytes());
         }

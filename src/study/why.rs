@@ -68,6 +68,9 @@ impl Circumstances {
         }
         set("integrator", plan.integrator.to_string());
         set("step", Time.show(plan.step));
+        for (law, step) in &plan.own_steps {
+            set(&format!("step under {law}"), Time.show(*step));
+        }
         set("window", Time.show(plan.window));
         for (k, impact) in study.impacts.iter().enumerate() {
             let mut words = impact.strike.to_string();

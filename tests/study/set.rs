@@ -4,7 +4,7 @@
 use granulens::Context;
 use granulens::contact::LawKind;
 use granulens::dem::{ForcePulse, Stop};
-use granulens::design::AnyDesign;
+use granulens::design::{AnyDesign, Design};
 use granulens::evaluate::{
     Detail, Evaluated, Evaluator, ImpactLoad, Imperfection, LoadCase, Overrides, Plan, evaluate,
 };
@@ -360,7 +360,8 @@ fn wrong_sets_hear_their_line() {
     }
 }
 
-/// A study that names laws judges every layout under each of them, its worst counts, and a case under a law has the bits of a design with that law.
+/// A study that names laws judges every layout under each of them, its worst counts, and a case under a law has the bits of a design with that law at its
+/// step: the one that it would choose, or the same part of it that a given step is of what the design's law would choose.
 /// Without laws nothing changes, journals among it: their key is then the one that it always was.
 #[test]
 fn a_study_judges_under_each_law() {
@@ -372,12 +373,34 @@ fn a_study_judges_under_each_law() {
     assert!(plain.study().impacts.iter().all(|impact| impact.law.is_none()));
     let layout = layout(&study);
     let both = scores(&study, &layout, &study.cases(), Detail::Energies);
+    let chosen = |law| {
+        let AnyDesign::Plane(design) = &study.design else { panic!("a sheet") };
+        let free = Design { law, step: None, ..(**design).clone() };
+        Plan::new(&free, Overrides::default(), &study.palette).unwrap().step
+    };
+    let (given, plan) = (4e-7, study.plan(0).unwrap());
+    let own = plan.step_under(LawKind::MdrStatic);
+    let part = own / given / (chosen(LawKind::MdrStatic) / chosen(LawKind::Thesis));
+    assert_eq!((plan.step, plan.step_under(LawKind::Thesis)), (given, given));
+    // Less what makes it divide the pulse.
+    let in_pulse = PULSE.duration / own;
+    assert!(own < given && (0.9..=1.0 + 1e-6).contains(&part), "{own} of {given}");
+    assert!((in_pulse - in_pulse.round()).abs() < 1e-9, "{in_pulse} steps in the pulse");
+    assert_eq!(both[0], scores(&plain.study(), &layout, &plain.study().cases(), Detail::Energies)[0]);
     let mut other = plain.study();
     if let AnyDesign::Plane(design) = &mut other.design {
-        design.law = LawKind::MdrStatic;
+        (design.law, design.step) = (LawKind::MdrStatic, Some(own));
     }
     let alone = scores(&other, &layout, &other.cases(), Detail::Energies);
     assert_eq!(both[1], alone[0]);
+    let mut free = desk.study();
+    if let AnyDesign::Plane(design) = &mut free.design {
+        design.step = None;
+    }
+    let plan = free.plan(0).unwrap();
+    for law in [LawKind::Thesis, LawKind::MdrStatic] {
+        assert_eq!(plan.step_under(law), chosen(law), "{law}");
+    }
     assert!((both[0].contrast.unwrap() / both[1].contrast.unwrap() - 1.0).abs() > 1e-3);
     let wrong = Desk::new(&format!("laws = [\"herz\"]\n{STUDY}"));
     let error = Study::read(&wrong.path("study.toml"), None).unwrap_err().to_string();
