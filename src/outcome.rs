@@ -3,6 +3,8 @@
 //! Everything in SI; energies of the simulated half, with weight 1/2 for spheres on mirror lines. Reports are drawn from
 //! this alone.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 mod begun;
@@ -184,6 +186,9 @@ pub struct SpaceProposal {
     /// Radius of the curved face (m), or what the family has in its place.
     #[serde(rename = "radius_m")]
     pub radius: Option<f64>,
+    /// The family's own parameters by name, lengths in m and with `_m` at the end.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
     /// Greatest angle of a face against the layers (rad).
     #[serde(rename = "steepest_rad")]
     pub steepest: f64,

@@ -162,7 +162,7 @@ pub fn words(design: &Design, lens: &Lens) -> String {
     let radius = match (lens.family.radius(), lens.prescription.radius) {
         (Some(name), Some(radius)) => format!(", {name} {} ({})", in_diameters(radius), Length.show(radius)),
         _ => String::new(),
-    };
+    } + &lens.family.words(&lens.prescription.parameters, diameter);
     let layout = lens.layout();
     let [piece, half] =
         [layout.piece(|material| design.price(material)), layout.half(|material| design.price(material))];
@@ -246,7 +246,7 @@ fn words_of_parts(design: &Design, lens: &Lens) -> String {
         let radius = match (lens.family.radius(), part.prescription.radius) {
             (Some(name), Some(radius)) => format!(", {name} {}", in_diameters(radius)),
             _ => String::new(),
-        };
+        } + &lens.family.words(&part.prescription.parameters, diameter);
         let focal =
             part.prescription.focal_length.map_or(String::new(), |f| format!(", focal length {}", in_diameters(f)));
         words.push_str(&format!(

@@ -82,7 +82,7 @@ fn words(design: &SpaceDesign, body: &Body, request: &LensRequest, layout: &Layo
     let radius = match (request.family.radius(), body.radius) {
         (Some(name), Some(radius)) => format!(", {name} {} ({})", in_diameters(radius), Length.show(radius)),
         _ => String::new(),
-    };
+    } + &request.family.words(&body.parameters, block.diameter());
     let (going, struck) = match request.symmetry {
         Symmetry::Axis => ("revolved about the axis", "disc of the same area as the struck layer"),
         Symmetry::Plane => ("the same all along y", "struck width"),

@@ -2,7 +2,7 @@
 
 use crate::contact::Constants;
 use crate::lattice::HexagonalSheet;
-use crate::lens::{Family, LensRequest, propose};
+use crate::lens::{LensRequest, propose};
 use crate::material::Material;
 use crate::target::Target;
 
@@ -20,7 +20,7 @@ pub(super) fn best(
     if materials.len() < 2 {
         return (request, None);
     }
-    let shield = request.family == Family::Shield;
+    let shield = request.family.spares();
     let asked = |material: &Material| LensRequest { material: material.clone(), ..request.clone() };
     let value = |material: &Material| {
         let lens = propose(lattice, host, &asked(material), target, constants).ok()?;

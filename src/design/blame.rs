@@ -31,6 +31,7 @@ impl<L, R> Design<L, R> {
             LensError::OffAxis => ("lens.axis", "Leave it out, and aim at a region on the axis."),
             LensError::Axis { .. } => ("lens.axis", "Leave it out to have it placed before the focal region."),
             LensError::Span { .. } => ("lens.rows", "Widen them, or ask for fewer stages."),
+            LensError::Parameter { .. } => ("lens.parameters", "Change it, or leave it out."),
             LensError::MaxAngle(_) => ("lens.max_interface_angle", "Leave it out for 60 degrees."),
             LensError::ApexRow { .. } => ("lens.apex_row", "Leave it out to have it solved."),
             LensError::BackRow { .. } => ("lens.back_row", "Leave it out to have it solved."),

@@ -44,7 +44,7 @@ pub(super) struct TargetFile {
 section!(FocusFile: Written { rows, layers, x, y, r, centre, radius, share });
 section!(RegionFile: Written { rows, layers, x, y, r, centre, radius });
 section!(LensFile: Written {
-    family, material, others, apex_row, back_row, apex_layer, back_layer, radius, max_interface_angle, rows, layers, axis, stages, raster,
+    family, material, others, apex_row, back_row, apex_layer, back_layer, radius, parameters, max_interface_angle, rows, layers, axis, stages, raster,
     seed, symmetry
 });
 section!(RunFile: Written { integrator, step, accuracy, window });
@@ -114,6 +114,7 @@ const OWN: &[&str] = &[
     "lens.others = [\"aluminium-2017\"]",
     "lens.axis = \"8 D\"",
     "lens.stages = 2",
+    "lens.parameters = { conic = -0.5, sag_4 = \"0.2 D\" }",
     "lens.raster = \"nearest\"",
     "lens.seed = 1",
     "lens.symmetry = \"plane\"",

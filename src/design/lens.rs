@@ -1,17 +1,16 @@
 //! The section [lens]: which family, of what, and what is already decided about it.
 
+use std::collections::BTreeMap;
+
 use super::file::LensFile;
 use super::{DesignError, any, region};
 use crate::contact::Constants;
 use crate::document::{self, Entry, Scope, Written};
 use crate::lattice::{HexagonalSheet, SheetPacking};
-use crate::lens::{Family, LensRequest, Raster, Stack, Symmetry};
+use crate::lens::{Family, LensRequest, Parameter, Quantity, Raster, Stack, Symmetry};
 use crate::material::{Material, library};
 use crate::target::Target;
 use crate::units::Dimension;
-
-/// More stages than that leave none of them a face to speak of.
-const MOST_STAGES: u32 = 10;
 
 /// The palette of a layout is counted in bytes, and nobody buys more.
 const MOST_OTHERS: usize = 10;
@@ -83,10 +82,10 @@ pub(super) fn request(
     own: &[Material],
 ) -> Result<(LensRequest, Vec<Material>), DesignError> {
     let Lying { stack, row: name, keys: [(rows_key, rows), (apex_key, apex), (back_key, back)], foci, .. } = *ground;
-    let families = Family::ALL.map(|family| (family.name(), family));
+    let families = Family::names();
     let written = scope.required("family", &file.family)?;
     let family = written.choice("lens family", &families)?;
-    if foci > 1 && !family.is_split() && family != Family::Shield {
+    if foci > 1 && !family.is_split() && !family.spares() {
         let split: Vec<&str> =
             Family::ALL.iter().filter(|family| family.is_split()).map(|family| family.name()).collect();
         return Err(written.fail(
@@ -193,23 +192,25 @@ pub(super) fn request(
         Some(entry) => Some(axis(&entry, &stack)?),
         None => None,
     };
-    let stages = match scope.optional("stages", &file.stages) {
-        Some(entry) if family != Family::Stages => {
-            return Err(entry.fail("belongs to the family stages", "Leave it out, or ask for that family."));
+    let mut parameters = BTreeMap::new();
+    let stages = scope.optional("stages", &file.stages);
+    let below = scope.optional("parameters", &file.parameters);
+    let below = below.as_ref().map(Entry::fields).transpose()?.unwrap_or_default();
+    // The key stages is older than parameters are.
+    let given = stages.map(|entry| ("stages".to_owned(), entry)).into_iter().chain(below);
+    for (key, entry) in given {
+        let value = parameter(&key, &entry, family, stack.diameter)?;
+        if parameters.insert(key, value).is_some() {
+            return Err(entry.fail("is given twice", "Leave one of the two out."));
         }
-        Some(entry) => {
-            let stages = entry.whole(2..=MOST_STAGES)?;
-            let least = family.least_span(stages) + 1;
-            if last - first + 1 < least {
-                return Err(entry.fail(
-                    &format!("needs {least} {name}s, and the lens may lie in {name}s {first} to {last}"),
-                    &format!("Ask for fewer, or widen lens.{rows_key}: a stage takes two {name}s, and one of host lies between two."),
-                ));
-            }
-            stages
+        let least = family.values(&parameters, stack.diameter).map_or(1, |values| family.least_span(&values)) + 1;
+        if last - first + 1 < least {
+            return Err(entry.fail(
+                &format!("needs {least} {name}s, and the lens may lie in {name}s {first} to {last}"),
+                &format!("Ask for fewer, or widen lens.{rows_key}: a stage takes two {name}s, and one of host lies between two."),
+            ));
         }
-        None => 2,
-    };
+    }
     let raster = match scope.optional("raster", &file.raster) {
         Some(entry) => Some(entry.choice("raster", &Raster::ALL.map(|raster| (raster.name(), raster)))?),
         None => None,
@@ -230,13 +231,43 @@ pub(super) fn request(
         apex_row,
         back_row,
         radius,
+        parameters,
         axis,
-        stages,
         raster,
         seed,
         symmetry: Symmetry::default(),
     };
     Ok((request, candidates))
+}
+
+/// The value (SI) of one of the family's own parameters.
+fn parameter(key: &str, entry: &Entry, family: Family, diameter: f64) -> Result<f64, DesignError> {
+    let Some(Parameter { quantity, range: [least, most], .. }) =
+        family.parameters().iter().find(|known| known.name == key).copied()
+    else {
+        let others = Family::ALL.iter().filter(|other| other.parameters().iter().any(|known| known.name == key));
+        let others: Vec<&str> = others.map(|family| family.name()).collect();
+        let names: Vec<&str> = family.parameters().iter().map(|known| known.name).collect();
+        let help = match (&others[..], &names[..]) {
+            ([], []) => "Leave it out: the family has none.".to_owned(),
+            ([], names) => format!("Its parameters are {}.", names.join(", ")),
+            (others, _) => format!("Leave it out, or ask for the family {}.", others.join(" or ")),
+        };
+        return Err(entry.fail(&format!("is no parameter of the family {}", family.name()), &help));
+    };
+    let value = match quantity {
+        Quantity::Count => return Ok(f64::from(entry.whole(least as u32..=most as u32)?)),
+        Quantity::Number => entry.number()?,
+        Quantity::Length => entry.length(diameter)?,
+    };
+    let unit = quantity.unit(diameter);
+    // Lengths in other units are rounded.
+    let slack = 1e-9 * (most - least);
+    if (least - slack..=most + slack).contains(&(value / unit)) {
+        return Ok(value);
+    }
+    let d = if quantity == Quantity::Length { " D" } else { "" };
+    Err(entry.fail(&format!("must lie from {least}{d} to {most}{d}"), "Leave it out to have it sought."))
 }
 
 /// The materials that the lens may be of: one, or all that are named, or with "any" all that are known.

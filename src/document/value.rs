@@ -272,6 +272,16 @@ impl<'a> Entry<'a> {
         Ok(items.iter().map(item).collect())
     }
 
+    /// The values of a table by their keys.
+    pub fn fields(&self) -> Result<Vec<(String, Entry<'a>)>, DocumentError> {
+        let table = self.value.as_table().ok_or_else(|| self.wrong("must be a table of names and values"))?;
+        let field = |(name, value): (&String, &'a Value)| {
+            let key = format!("{}.{name}", self.key);
+            (name.clone(), Entry { source: self.source, key, place: self.place.clone(), value, item: true })
+        };
+        Ok(table.iter().map(field).collect())
+    }
+
     /// The items of a list; a value that is no list counts as a list of it alone.
     pub fn one_or_more(&self) -> Vec<Entry<'a>> {
         let item =

@@ -1,5 +1,7 @@
 //! Which material and which family: all of them by what rays propose, by first arrivals, and the best by simulation.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -50,6 +52,7 @@ fn with(design: &Design, material: &Material, family: Family) -> Design {
         material: material.clone(),
         others: Vec::new(),
         radius: None,
+        parameters: if family == plain.family { plain.parameters.clone() } else { BTreeMap::new() },
         axis: plain.axis.filter(|_| family.has_axis()),
         raster: plain.raster.filter(|_| family == plain.family),
         ..plain
@@ -75,7 +78,7 @@ pub fn rank(
         .iter()
         .flat_map(|&family| materials.iter().map(move |material| (material.clone(), family)))
         .filter(|(material, family)| {
-            let splits = family.is_split() || *family == Family::Shield || design.target.foci.len() == 1;
+            let splits = family.is_split() || family.spares() || design.target.foci.len() == 1;
             material.name != design.host.name && splits
         })
         .collect();

@@ -295,6 +295,7 @@ fn space_proposal(design: &SpaceDesign, body: &Body, request: &LensRequest, layo
         apex_layer: body.apex_row,
         back_layer: body.back_row,
         radius: body.radius,
+        parameters: body.parameters.clone(),
         steepest: body.steepest,
         fraction: body.fraction,
         fraction_without: body.fraction_without,

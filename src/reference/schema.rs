@@ -112,7 +112,7 @@ fn of_type(takes: &str, choices: &[String]) -> Value {
         "whole" => json!({ "type": "integer" }),
         "number" => json!({ "type": "number" }),
         "truth" => json!({ "type": ["boolean", "string"] }),
-        "region" | "bounds" | "wish" => json!({ "type": "object" }),
+        "region" | "bounds" | "wish" | "table" => json!({ "type": "object" }),
         "name" => json!({ "type": "string", "pattern": "^[A-Za-z0-9_-]{1,100}$" }),
         // Quantities are text with a unit; vectors of them are lists; zero may be without.
         _ => json!({ "type": ["string", "number", "array"] }),

@@ -15,6 +15,7 @@ use super::summary::{
 use super::{maps, profiles, sensitivity, verdict};
 use crate::evaluate::Derivatives;
 use crate::layout::Bill;
+use crate::lens::Family;
 use crate::outcome::{Manifest, Outcome, PartOfNetwork, Proposal, Verdict};
 use crate::score::Measure;
 use crate::target::{Focus, Region};
@@ -260,7 +261,10 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
     let diameters = |x: f64| format!("{} ({} D)", millimetres(x), significant(x / outcome.diameter, 3));
     let crossing = |z: Option<f64>| z.map_or("does not cross it".to_owned(), millimetres);
     let percent = |f: f64| format!("{} %", significant(100.0 * f, 3));
-    vec![
+    let own = Family::find(&proposal.family)
+        .map_or(String::new(), |family| family.words(&proposal.prescription.parameters, outcome.diameter));
+    let own = own.strip_prefix(", ").map(|words| pair("What else the family has", words));
+    let first = vec![
         pair("Wave-speed bound, host", speed(proposal.host_speed)),
         pair("Wave-speed bound, lens", speed(proposal.lens_speed)),
         pair("Speed ratio", significant(proposal.speed_ratio, 3)),
@@ -279,13 +283,11 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
             format!("first {}, last {}", proposal.prescription.apex_row, proposal.prescription.back_row),
         ),
         pair(
-            match proposal.family.as_str() {
-                "graded" => "Focal length aimed at",
-                "aspheric-front" | "aspheric-back" => "Focal distance behind the lens",
-                _ => "Radius of the curved face",
-            },
+            Family::find(&proposal.family).map_or("Radius", Family::radius_heading),
             proposal.prescription.radius.map_or("none".to_owned(), diameters),
         ),
+    ];
+    let others = vec![
         pair("Its axis", diameters(proposal.prescription.axis)),
         pair("Half aperture", diameters(proposal.prescription.aperture)),
         pair("Thickness", diameters(proposal.prescription.thickness)),
@@ -314,7 +316,8 @@ fn proposed(outcome: &Outcome, proposal: &Proposal) -> Vec<Fact> {
             "Depth at which rays cross the axis",
             format!("innermost {}, outermost {}", crossing(proposal.crossing[0]), crossing(proposal.crossing[1])),
         ),
-    ]
+    ];
+    first.into_iter().chain(own).chain(others).collect()
 }
 
 /// Spheres of each material, mass and price.

@@ -1,12 +1,12 @@
 //! The design's lens family as a few real parameters.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{Study, free};
 use crate::design::DesignRef;
 use crate::evaluate::ArrivalSurrogate;
-use crate::lens::{LensError, LensRequest, propose};
+use crate::lens::{LensError, LensRequest, Parameter, propose};
 use crate::material::Material;
 use crate::search::{Assignment, BATCH, Parametrisation};
 
@@ -16,7 +16,10 @@ const ROWS: f64 = 8.0 / 3.0;
 /// Distance of the lens's axis to a unit (diameters of spheres).
 const AXIS: f64 = 2.0;
 
-/// First standard deviation of every parameter: some four rows, three diameters, 15 % of the curvature.
+/// Units to the range of a parameter that the family has of its own.
+const UNITS: f64 = 15.0;
+
+/// First standard deviation of every parameter: some four rows, three diameters, 15 % of the curvature, a tenth of the range of others.
 const SPREAD: f64 = 1.5;
 
 /// What rays say of the lenses that were painted: by layout how much more of them runs through the focus, and less through the
@@ -45,6 +48,8 @@ pub(super) struct Laid {
     radius: Option<f64>,
     /// Its distance from the crystal's axis (m).
     axis: f64,
+    /// The family's own parameters, by the names that results have.
+    parameters: BTreeMap<String, f64>,
     /// For several foci there are several.
     parts: usize,
     pub palette: Vec<Material>,
@@ -67,6 +72,7 @@ impl Laid {
                     rows: [lens.prescription.apex_row, lens.prescription.back_row],
                     radius: lens.prescription.radius,
                     axis: lens.prescription.axis,
+                    parameters: lens.prescription.parameters,
                     parts: lens.parts.len(),
                     gathers: gathers(lens.fraction, lens.fraction_without, lens.protected),
                     palette: lens.palette,
@@ -79,6 +85,7 @@ impl Laid {
                     rows: [body.apex_row, body.back_row],
                     radius: body.radius,
                     axis: 0.0,
+                    parameters: body.parameters,
                     parts: 1,
                     gathers: gathers(body.fraction, body.fraction_without, body.protected),
                     palette,
@@ -90,8 +97,8 @@ impl Laid {
 }
 
 impl Study {
-    /// First row, last row, curvature and, in a sheet, place of the design's lens, each a number of about one: what the method `lens-family`
-    /// searches. Where the family has no curvature or no axis of its own these do nothing. None where the design has no lens,
+    /// First row, last row, curvature, in a sheet the place of the design's lens, and what its family has of its own and the design leaves open, each a
+    /// number of about one: what the method `lens-family` searches. Where the family has no curvature or no axis of its own these do nothing. None where the design has no lens,
     /// a material that its lenses are made of may not be chosen, or several focal regions split it into parts. What rays say of
     /// each lens is taken down in `notes`.
     pub(super) fn parametrisation(&self, notes: &RayNotes) -> Option<Parametrisation> {
@@ -128,12 +135,28 @@ impl Study {
             start.push(lens.axis / (AXIS * diameter));
             bounds.push([0.0, across / (AXIS * diameter)]);
         }
+        let open = request.family.parameters().iter();
+        let open: Vec<&Parameter> =
+            open.filter(|own| own.is_sought && !request.parameters.contains_key(own.name)).collect();
+        let others = start.len();
+        for own in &open {
+            let [least, most] = own.range;
+            let value = lens.parameters.get(&own.key()).map_or(own.usual, |value| value / own.quantity.unit(diameter));
+            start.push(UNITS * (value - least) / (most - least));
+            bounds.push([0.0, UNITS]);
+        }
         let (study, notes) = (self.clone(), notes.clone());
         let decode = move |x: &[f64]| {
             let row = |x: f64| (x * ROWS).round().clamp(f64::from(first), f64::from(last)) as u32;
             // Half the width of the crystal bends nothing, and a sphere's own radius is as round as it gets.
             let bent = (x[2] * curvature).clamp(1e-2 / across, 2.0 / diameter);
+            let own = open.iter().zip(&x[others..]).map(|(own, x)| {
+                let [least, most] = own.range;
+                let value = least + (most - least) * (x / UNITS).clamp(0.0, 1.0);
+                (own.name.to_owned(), value * own.quantity.unit(diameter))
+            });
             let wanted = LensRequest {
+                parameters: request.parameters.clone().into_iter().chain(own).collect(),
                 apex_row: Some(row(x[0])),
                 back_row: Some(row(x[1])),
                 radius: has_radius.then(|| 1.0 / bent),
@@ -170,6 +193,8 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::design::AnyDesign;
+    use crate::lens::Family;
 
     /// The repository's study: its start is the design's lens, and a longer one has more spheres.
     #[test]
@@ -197,6 +222,19 @@ mod tests {
         longer[1] += 3.0 / ROWS;
         let count = |assignment: &[u8]| assignment.iter().filter(|&&letter| letter != 0).count();
         assert!(count(&(parametrisation.decode)(&longer)) > count(&painted) + 30);
+        // What a family has of its own is searched too, from where rays left it.
+        let mut other = study.clone();
+        let mut asked = design.clone();
+        asked.lens.as_mut().unwrap().family = Family::EvenAsphere;
+        let proposed = asked.propose().unwrap();
+        other.design = AnyDesign::Plane(Box::new(asked));
+        let own = other.parametrisation(&RayNotes::default()).unwrap();
+        assert_eq!((own.start.len(), own.bounds.len()), (7, 7));
+        let laid = (own.decode)(&own.start);
+        assert_eq!(count(&laid), proposed.spheres);
+        let mut flatter = own.start.clone();
+        flatter[4] = 0.0;
+        assert_ne!((own.decode)(&flatter), laid);
         // Parameters out of all bounds still paint something.
         for x in [-1e9, 1e9] {
             assert_eq!((parametrisation.decode)(&[x; 4]).len(), painted.len());

@@ -228,6 +228,7 @@ fn proposal() -> Proposal {
             apex_row: 5,
             back_row: 16,
             radius: Some(radius * D),
+            parameters: std::collections::BTreeMap::new(),
             axis: 0.0,
             rim_angle: 60_f64.to_radians(),
             aperture: 16.5 * D,

@@ -8,7 +8,7 @@ use std::time::Instant;
 use granulens::design::Design;
 use granulens::evaluate::{proposal, trace_fronts};
 use granulens::layout::Layout;
-use granulens::lens::{Family, Lens};
+use granulens::lens::{Family, Lens, Quantity};
 use granulens::material::{Material, aliases, library};
 use granulens::page;
 use granulens::report;
@@ -46,6 +46,14 @@ pub fn opened(opened: &Opened) -> Value {
         "scale": report::scale_colours(),
         "families": Family::ALL.map(|family| json!({
             "name": family.name(), "takes_others": family.takes_others(), "radius": family.radius(), "has_axis": family.has_axis(),
+            "parameters": family.parameters().iter().map(|parameter| json!({
+                "name": parameter.name, "about": parameter.about, "range": parameter.range,
+                "quantity": match parameter.quantity {
+                    Quantity::Count => "count",
+                    Quantity::Number => "number",
+                    Quantity::Length => "length",
+                },
+            })).collect::<Vec<_>>(),
         })).to_vec(),
         "laws": granulens::contact::LawKind::ALL.iter().map(|law| law.name()).collect::<Vec<_>>(),
     })

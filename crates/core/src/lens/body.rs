@@ -1,6 +1,6 @@
 //! A lens in space, for close packings: a form that is revolved about the axis or extruded along y, its numbers, and what it lays on sites.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
@@ -53,6 +53,8 @@ pub struct Body {
     pub back_row: u32,
     /// Radius of the curved face (m), or what the family has in its place; none of prisms.
     pub radius: Option<f64>,
+    /// The family's own parameters by name, lengths in m and with `_m` at the end.
+    pub parameters: BTreeMap<String, f64>,
     /// Wave-speed bounds (m/s) of host and lens material in a close packing.
     pub speeds: [f64; 2],
     /// Fraction of what is struck, a disc or a width, that rays send through the focal region at its mid depth.
@@ -98,7 +100,7 @@ pub fn propose_body(
     }
     problem.others = request.others.iter().map(speed).collect();
     problem.symmetry = symmetry;
-    let shape = shape(&problem, request, None)?;
+    let shape = shape(&mut problem, request, None)?;
     let Some(form) = problem.form([shape.apex_row, shape.back_row], 1.0 / shape.radius) else {
         return Err(unreachable(&problem, request, None, None));
     };
@@ -124,6 +126,7 @@ pub fn propose_body(
         apex_row: shape.apex_row,
         back_row: shape.back_row,
         radius: request.family.radius().map(|_| shape.radius),
+        parameters: problem.parameters(),
         speeds,
         fraction,
         fraction_without: straight(problem.region),

@@ -98,6 +98,16 @@ pub enum LensError {
         /// Number of focal regions.
         foci: usize,
     },
+    /// A parameter that the family does not have, or a value of one outside of its range.
+    #[error("{name} of a lens of the family {family} {rule}")]
+    Parameter {
+        /// The family's name.
+        family: &'static str,
+        /// The parameter's.
+        name: String,
+        /// What it is, or has to be.
+        rule: String,
+    },
     /// An axis is given, and each of several parts has its own.
     #[error("axis = {}: each of several focal regions has a part with an axis of its own", Length.show(*.0))]
     PartsAxis(f64),
@@ -127,7 +137,7 @@ pub(super) fn check(stack: &Stack, request: &LensRequest, target: &Target) -> Re
         }
     }
     if target.foci.len() > 1 {
-        if !request.family.is_split() && request.family != super::Family::Shield {
+        if !request.family.is_split() && !request.family.spares() {
             return Err(LensError::Split { family: request.family.name(), foci: target.foci.len() });
         }
         if let Some(axis) = request.axis.filter(|_| request.family.is_split()) {
@@ -144,7 +154,7 @@ pub(super) fn check(stack: &Stack, request: &LensRequest, target: &Target) -> Re
     {
         return Err(LensError::Axis { given: axis, half_width: stack.half_width });
     }
-    let span = request.family.least_span(request.stages);
+    let span = request.family.least_span(&request.values(stack.diameter)?);
     if request.rows[1] - request.rows[0] < span {
         return Err(LensError::Span { family: request.family.name(), given: request.rows, least: span + 1 });
     }
@@ -167,7 +177,7 @@ pub(super) fn check(stack: &Stack, request: &LensRequest, target: &Target) -> Re
             return Err(LensError::RadiusSign(given));
         }
         let one = target.foci.len() == 1;
-        if !matches!(request.family, super::Family::PlanoConvex) || request.axis.is_some() || !one {
+        if !request.family.row().has_fan || request.axis.is_some() || !one {
             return Ok(());
         }
         // The thinnest lens that the rows allow has the smallest least radius.

@@ -1,5 +1,7 @@
 //! Data of first order: what a reader wants to know of a lens before anything is simulated.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 /// Where a lens, or a part of one, lies and how it is shaped.
@@ -13,6 +15,9 @@ pub struct Prescription {
     /// aimed at; none of prisms, and where several parts have each their own.
     #[serde(rename = "radius_m")]
     pub radius: Option<f64>,
+    /// The family's own parameters by name, lengths in m and with `_m` at the end; of several parts each has its own.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
     /// Where its own axis lies (m from that of the crystal), of a part perhaps outside its strip; of several parts that of the first.
     #[serde(rename = "axis_m")]
     pub axis: f64,

@@ -3,6 +3,7 @@
 use crate::ray::Vector2;
 
 use super::equal_time::EqualTime;
+use super::family::EvenAsphere;
 use super::graded::Profile;
 use super::symmetry::Symmetry;
 use crate::ray::{Conic, Curve, Graph, Interface, Optics, Scene, Segment, Slab};
@@ -16,6 +17,8 @@ pub enum Face {
     Zoned(Vec<Conic>),
     /// The face of equal travel time.
     EqualTime(EqualTime),
+    /// A conic face with terms of higher order.
+    EvenAsphere(EvenAsphere),
     /// A straight face between two points (x, z) (m), in order of x.
     Ramp {
         /// First point.
@@ -39,6 +42,7 @@ impl Face {
             // Beyond the last piece that goes on.
             Self::Zoned(pieces) => pieces.iter().find(|p| x <= p.x[1]).or(pieces.last()).map_or(f64::NAN, on),
             Self::EqualTime(face) => face.height(x),
+            Self::EvenAsphere(face) => face.height(x),
             Self::Ramp { from, to } => from[1] + (to[1] - from[1]) * (x - from[0]) / (to[0] - from[0]),
         }
     }
@@ -68,6 +72,10 @@ impl Face {
                 let face = face.clone();
                 let z = face.range();
                 vec![Box::new(Graph { height: move |x| face.height(x), x, z, parts: 24 })]
+            }
+            Self::EvenAsphere(face) => {
+                let (face, x) = (*face, within(face.x()));
+                vec![Box::new(Graph { height: move |x| face.height(x), x, z: face.z, parts: 24 })]
             }
         }
     }
@@ -212,6 +220,7 @@ impl Form {
                 Face::Conic(conic) => steepest(conic, x),
                 Face::Zoned(pieces) => pieces.iter().map(|p| steepest(p, x)).fold(0.0, f64::max),
                 Face::EqualTime(face) => face.steepest(x),
+                Face::EvenAsphere(face) => face.steepest(x),
                 Face::Ramp { from, to } => ((to[1] - from[1]) / (to[0] - from[0])).abs().atan(),
             })
             .fold(0.0, f64::max)

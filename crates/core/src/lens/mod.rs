@@ -3,12 +3,13 @@
 //! In: a lattice, the host, a [`LensRequest`] and a target. Out: a [`Lens`], or why there is none that serves the target.
 //! Rays only, at the wave-speed bounds of the materials; nothing is simulated.
 //!
-//! - `family`: the families, and the form that each takes between two rows; `equal_time`, `graded`, `plano_convex` for theirs
+//! - `family`: the table of families, a file for each, and the form that each takes between two rows; `equal_time`, `graded`, `plano_convex` for theirs
 //! - `form`: a lens as a shape: faces, what rays and sites see of it
 //! - `raster`: from the smooth shape to sites
 //! - `parts`: one lens for several foci, cut into strips
 //! - `fraction`: how much of the struck width rays send through a region
-//! - `problem`: what is sought, within which limits; `solve`: the search for the form that sends most
+//! - `problem`: what is sought, within which limits; `solve`: the search for the form that sends most; `seek`: over the
+//!   parameters that a family has beside rows and radius
 //! - `proposed`: the lens that was found; `first_order`: what to know of it before anything is simulated
 //! - `symmetry`: a sheet's lens or a body of revolution: what is struck, areas and volumes; `stack`: the layers that it lies in
 //! - `body`: lenses in space, revolved or extruded, and what they lay on sites
@@ -28,6 +29,7 @@ mod plano_convex;
 mod problem;
 mod proposed;
 mod raster;
+mod seek;
 mod solve;
 mod stack;
 mod symmetry;
@@ -36,7 +38,7 @@ mod unreachable;
 pub use body::{Body, Continued, propose_body};
 pub use check::LensError;
 pub use equal_time::EqualTime;
-pub use family::Family;
+pub use family::{EvenAsphere, Family, Parameter, Quantity};
 pub use first_order::{FirstOrder, Prescription};
 pub use form::{Element, Face, Form};
 pub use graded::Profile;
@@ -47,6 +49,8 @@ pub use raster::Raster;
 pub use stack::Stack;
 pub use symmetry::Symmetry;
 pub use unreachable::{Limit, Nearest, Unreachable};
+
+use std::collections::BTreeMap;
 
 use crate::contact::Constants;
 use crate::lattice::HexagonalSheet;
@@ -82,8 +86,8 @@ pub struct LensRequest {
     /// the other side. Left out, it is 0 for plano-convex lenses; others stand before their region: on the axis or the far
     /// mirror line if it touches one of them, otherwise before its middle.
     pub axis: Option<f64>,
-    /// Number of stages, of the family that has them.
-    pub stages: u32,
+    /// What is given of the family's own parameters ([`Family::parameters`]), by name and in SI. What is left out is sought, or as it usually is.
+    pub parameters: BTreeMap<String, f64>,
     /// How sites take their material; left out, diffused for graded lenses, nearest for all others.
     pub raster: Option<Raster>,
     /// Seed for the random raster.
@@ -105,11 +109,22 @@ impl LensRequest {
             back_row: None,
             radius: None,
             axis: None,
-            stages: 2,
+            parameters: BTreeMap::new(),
             raster: None,
             seed: 1,
             symmetry: Symmetry::default(),
         }
+    }
+
+    /// The values (SI) of the family's parameters with which a search begins: as given, or as they usually are.
+    fn values(&self, diameter: f64) -> Result<Vec<f64>, LensError> {
+        self.family.values(&self.parameters, diameter)
+    }
+
+    /// The places of the parameters that are sought.
+    fn open(&self) -> Vec<usize> {
+        let all = self.family.parameters().iter().enumerate();
+        all.filter(|(_, of)| of.is_sought && !self.parameters.contains_key(of.name)).map(|(k, _)| k).collect()
     }
 }
 
@@ -117,7 +132,8 @@ impl LensRequest {
 /// depth; of a shield, the one that sends the smallest through the protected region.
 ///
 /// All first rows, last rows and radii are tried that the request's limits allow and that leave the lens in front of the
-/// region; what the request fixes stays fixed. Of lenses whose fractions differ by less than
+/// region; what the request fixes stays fixed. Parameters of the family's own that the request leaves open are sought from what they usually are, together
+/// with the radius; what is found there is a good one, and not the best for certain. Of lenses whose fractions differ by less than
 /// 10⁻⁶ the one of fewest spheres is taken. If first row, last row and radius (of families that have one) are all given,
 /// nothing is sought and a small fraction is no error.
 ///
@@ -151,7 +167,7 @@ pub fn propose(
         };
         problem.others = request.others.iter().map(speed).collect();
         let focus = (strips.len() > 1).then(|| strip.foci[0]);
-        let shape = shape(&problem, request, focus)?;
+        let shape = shape(&mut problem, request, focus)?;
         let Some(form) = problem.form([shape.apex_row, shape.back_row], 1.0 / shape.radius) else {
             return Err(unreachable(&problem, request, focus, None));
         };
@@ -161,7 +177,7 @@ pub fn propose(
 }
 
 /// The best shape that solves a problem, for the focus with this index where there are several.
-fn shape(problem: &Problem, request: &LensRequest, focus: Option<usize>) -> Result<Shape, LensError> {
+fn shape(problem: &mut Problem, request: &LensRequest, focus: Option<usize>) -> Result<Shape, LensError> {
     let needs_radius = request.family.radius().is_some();
     let given = match (request.apex_row, request.back_row, request.radius) {
         (Some(apex_row), Some(back_row), Some(radius)) if needs_radius => Some(Shape { apex_row, back_row, radius }),
@@ -169,7 +185,10 @@ fn shape(problem: &Problem, request: &LensRequest, focus: Option<usize>) -> Resu
     };
     // What cannot gather needs no fine search to say so.
     let fine = given.is_none() && (problem.may_gain() || !needs_radius);
-    let best = fine.then(|| problem.best(Grid::fine(problem))).flatten();
+    let mut best = fine.then(|| problem.best(Grid::fine(problem))).flatten();
+    if !problem.open.is_empty() && problem.may_gain() {
+        best = problem.seek(best.or_else(|| given.map(|shape| problem.judged(shape))));
+    }
     let shape = match (request.apex_row, request.back_row) {
         // With its rows given, only the side of a prism's edge is open.
         (Some(_), Some(_)) if !needs_radius => best.map(|best| best.shape),

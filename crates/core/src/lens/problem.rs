@@ -1,5 +1,7 @@
 //! What a lens is sought for, within which limits, and what rays make of one form of it.
 
+use std::collections::BTreeMap;
+
 use super::Stack;
 use super::family::Place;
 use super::form::{Form, Surrounds};
@@ -7,7 +9,7 @@ use super::fraction::{passing, without};
 use super::parts::Strip;
 use super::plano_convex::Shape;
 use super::symmetry::Symmetry;
-use super::{Family, LensRequest};
+use super::{Family, LensRequest, Parameter};
 use crate::lattice::HexagonalSheet;
 use crate::target::{Region, Target};
 
@@ -30,7 +32,9 @@ pub(super) struct Problem<'a> {
     pub window: [f64; 2],
     /// Where the lens's own axis lies (m)
     pub axis: f64,
-    pub stages: u32,
+    /// Values of the family's parameters (SI), in its order, and the places of those that are sought.
+    pub values: Vec<f64>,
+    pub open: Vec<usize>,
     /// Whether it is a sheet's or a body of revolution
     pub symmetry: Symmetry,
     /// Distances from the axis between which rays shall pass or, of a shield, shall not (m)
@@ -67,11 +71,8 @@ impl<'a> Problem<'a> {
         target: &Target,
     ) -> Self {
         let family = request.family;
-        let region = if family == Family::Shield { &target.protect } else { &target.foci[0].region };
-        let axis = match family {
-            Family::PlanoConvex => 0.0,
-            _ => aim(region, &stack),
-        };
+        let region = if family.spares() { &target.protect } else { &target.foci[0].region };
+        let axis = if family.row().is_central { 0.0 } else { aim(region, &stack) };
         let whole = [0.0, stack.half_width];
         Self::of((stack, sheet), speeds, request, target, region, whole, request.axis.unwrap_or(axis))
     }
@@ -109,7 +110,8 @@ impl<'a> Problem<'a> {
             others: Vec::new(),
             window,
             axis,
-            stages: request.stages,
+            values: request.values(stack.diameter).unwrap_or_default(),
+            open: request.open(),
             symmetry: Symmetry::Plane,
             region: region.x,
             depth: stack.depth(region.mid_row()),
@@ -127,7 +129,7 @@ impl<'a> Problem<'a> {
     /// Whether the fan for plano-convex lenses on the axis serves.
     pub(super) fn is_fast(&self) -> bool {
         self.sheet.is_some()
-            && self.family == Family::PlanoConvex
+            && self.family.row().has_fan
             && self.axis == 0.0
             && self.window == [0.0, self.stack.half_width]
             && self.symmetry == Symmetry::Plane
@@ -143,29 +145,34 @@ impl<'a> Problem<'a> {
         Surrounds { speeds, half_width: self.stack.half_width, end }
     }
 
-    pub(super) fn place(&self, rows: [u32; 2]) -> Place {
+    pub(super) fn place(&self, rows: [u32; 2]) -> Place<'_> {
         Place {
             depth: rows.map(|row| self.stack.depth(f64::from(row))),
             spacing: self.stack.spacing,
             window: self.window,
             axis: self.axis,
             focus: self.depth,
-            speeds: self.graded_speeds(),
+            speeds: self.mixed_speeds(),
             max_angle: self.max_angle,
-            stages: self.stages,
+            values: &self.values,
             others: self.others.len() as u32,
         }
     }
 
-    /// Host and lens; of a graded lens the slowest of all.
-    fn graded_speeds(&self) -> [f64; 2] {
+    /// Host and lens; of a mixture the slowest of all.
+    fn mixed_speeds(&self) -> [f64; 2] {
         let slowest = self.others.iter().copied().fold(self.speeds[1], f64::min);
-        if self.family == Family::Graded { [self.speeds[0], slowest] } else { self.speeds }
+        if self.family.row().is_mixed { [self.speeds[0], slowest] } else { self.speeds }
+    }
+
+    /// The family's parameters by the names that results have.
+    pub(super) fn parameters(&self) -> BTreeMap<String, f64> {
+        self.family.parameters().iter().map(Parameter::key).zip(self.values.iter().copied()).collect()
     }
 
     /// The form between two rows; none if there is none within the limits.
     pub(super) fn form(&self, rows: [u32; 2], curvature: f64) -> Option<Form> {
-        if rows[1] - rows[0] < self.family.least_span(self.stages) {
+        if rows[1] - rows[0] < self.family.least_span(&self.values) {
             return None;
         }
         self.family.form(&self.place(rows), curvature)
@@ -182,7 +189,7 @@ impl<'a> Problem<'a> {
             rays,
             self.symmetry,
         );
-        if self.family == Family::Shield { 1.0 - passing } else { passing }
+        if self.family.spares() { 1.0 - passing } else { passing }
     }
 
     /// Number of sites that a form covers; in space, where there are none yet, that that they are on average.
@@ -205,7 +212,7 @@ impl<'a> Problem<'a> {
     /// Fraction without a lens.
     pub(super) fn without(&self) -> f64 {
         let passing = without(&[self.region], self.window, self.symmetry);
-        if self.family == Family::Shield { 1.0 - passing } else { passing }
+        if self.family.spares() { 1.0 - passing } else { passing }
     }
 
     /// Whether a lens does more than none.
@@ -215,7 +222,7 @@ impl<'a> Problem<'a> {
 
     /// Whether a lens of these materials may serve at all: what gathers does so only if it is slower than its host.
     pub(super) fn may_gain(&self) -> bool {
-        matches!(self.family, Family::PlanoConcave | Family::Prism | Family::Shield) || self.speeds[1] < self.speeds[0]
+        !self.family.row().gathers || self.speeds[1] < self.speeds[0]
     }
 
     /// Apex and back rows that may be tried.

@@ -1,6 +1,6 @@
 //! The lens that was found: its data of first order, its sites, its rays.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::first_order::{FirstOrder, Prescription};
 use super::form::{Form, Surrounds};
@@ -87,7 +87,7 @@ impl Found<'_> {
         let Self { problem, shape, form, foci } = self;
         let [low, high] = problem.window;
         let [_, thickness] = form.extent(problem.axis, problem.stack.half_width);
-        let aimed = problem.family != Family::Prism && (low..=high).contains(&problem.axis);
+        let aimed = problem.family.has_axis() && (low..=high).contains(&problem.axis);
         Part {
             foci: foci.clone(),
             window: problem.window,
@@ -95,6 +95,7 @@ impl Found<'_> {
                 apex_row: shape.apex_row,
                 back_row: shape.back_row,
                 radius: problem.family.radius().map(|_| shape.radius),
+                parameters: problem.parameters(),
                 axis: problem.axis,
                 rim_angle: form.steepest(),
                 aperture: form.covered(problem.window),
@@ -143,7 +144,7 @@ impl Lens {
         let fraction_without = without(&goals.iter().map(|goal| goal.1).collect::<Vec<_>>(), whole, problem.symmetry);
         let protected = [share(&[goal(&target.protect)]), without(&[target.protect.x], whole, problem.symmetry)];
         let palette: Vec<Material> = [host, &request.material].into_iter().chain(&request.others).cloned().collect();
-        let rule = request.raster.unwrap_or(if family == Family::Graded { Raster::Diffused } else { Raster::Nearest });
+        let rule = request.raster.unwrap_or(family.row().raster);
         let materials = sites(lattice, problem, &form, &palette, rule, request.seed, constants);
         let [_, thickness] = form.extent(problem.axis, half_width);
         let aperture = found.iter().map(|part| part.form.extent(part.problem.axis, half_width)[0]).fold(0.0, f64::max);
@@ -170,7 +171,7 @@ impl Lens {
             let bench = shape.bench(lattice, problem.speeds);
             let paraxial = shape.paraxial_crossing(lattice, problem.speeds).filter(|&depth| depth <= bench.end);
             [paraxial, bench.trace(bench.aperture()).ok().and_then(|path| path.axis_crossing())]
-        } else if problem.axis > 0.0 || family == Family::Prism || !one {
+        } else if problem.axis > 0.0 || !family.has_axis() || !one {
             // Off the axis, or all one way: no ray is the innermost.
             [None, None]
         } else {
@@ -197,11 +198,12 @@ impl Lens {
                 apex_row: rows.clone().map(|of| of.apex_row).min().unwrap_or(shape.apex_row),
                 back_row: rows.map(|of| of.back_row).max().unwrap_or(shape.back_row),
                 radius: family.radius().filter(|_| one).map(|_| shape.radius),
+                parameters: if one { problem.parameters() } else { BTreeMap::new() },
                 axis: problem.axis,
                 rim_angle: if by_fan { shape.rim_angle(lattice) } else { form.steepest() },
                 aperture,
                 thickness,
-                focal_length: if family == Family::Prism || !one { None } else { focal_length(&*optics, problem.axis) },
+                focal_length: if !family.has_axis() || !one { None } else { focal_length(&*optics, problem.axis) },
             },
             host_speed: problem.speeds[0],
             lens_speed: problem.speeds[1],

@@ -11,7 +11,6 @@ use std::rc::Rc;
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::goldensectionsearch::GoldenSectionSearch;
 
-use super::Family;
 use super::fraction::Fan;
 use super::plano_convex::Shape;
 use super::problem::{Candidate, Problem};
@@ -70,7 +69,7 @@ impl Grid {
                 curvature: CURVATURE,
             },
             // A ray takes many steps through a graded slab.
-            Family::Graded => {
+            family if family.row().is_mixed => {
                 Self { scan_rays: 17, rays: 65, curvatures: 8, rows: 6, refine: true, most: 3, curvature: 1e-2 }
             }
             // Rays through any form take some hundred times as long as those of the fan.
@@ -175,7 +174,7 @@ impl Search<'_> {
 
     fn scan_anew(&self, rows: [u32; 2]) -> Option<Scan> {
         let problem = self.problem;
-        if rows[1] - rows[0] < problem.family.least_span(problem.stages) {
+        if rows[1] - rows[0] < problem.family.least_span(&problem.values) {
             return None;
         }
         let place = problem.place(rows);
@@ -315,11 +314,11 @@ impl Search<'_> {
         best.map(|(_, candidate)| candidate)
     }
 
-    /// Number of spheres, if it grows or falls with the curvature alone; a Fresnel lens's zones come and go, and so it is none.
+    /// Number of spheres, if it grows or falls with the curvature alone; otherwise none.
     fn count(&self, [apex_row, back_row]: [u32; 2], curvature: f64) -> usize {
-        match self.problem.family {
-            Family::Fresnel => 0,
-            _ => self.problem.count(&Shape { apex_row, back_row, radius: 1.0 / curvature }),
+        match self.problem.family.row().is_monotonic {
+            true => self.problem.count(&Shape { apex_row, back_row, radius: 1.0 / curvature }),
+            false => 0,
         }
     }
 

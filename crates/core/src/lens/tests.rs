@@ -1,4 +1,5 @@
 use super::fraction::Fan;
+use super::problem::LEAST_GAIN;
 use super::*;
 use crate::material::find;
 use crate::target::{Focus, Region};
@@ -500,4 +501,48 @@ fn the_focus_that_cannot_be_served_is_named() {
 
 fn thesis_two() -> Target {
     two([([30, 34], [0.0, 2.5], 0.5), ([30, 34], [14.0, 16.5], 0.5)])
+}
+
+/// What a family has of its own is sought, kept where it is given, and told. A conic front with terms of higher order can be what a circle is, so that it serves no
+/// less, or as much with fewer spheres; and where the region is so narrow that the circle's rim misses it, it serves more.
+#[test]
+fn parameters_of_a_family_are_sought_or_kept() {
+    let even = LensRequest { family: Family::EvenAsphere, ..request() };
+    let narrow = target([30, 34], [0.0, 0.5]);
+    for target in [thesis_target(), narrow.clone()] {
+        let [circle, best] = [&request(), &even].map(|request| solve(request, &target).unwrap());
+        println!("{} {} {} {} {:?}", circle.fraction, circle.spheres, best.fraction, best.spheres, best.prescription);
+        // Both by some hundred rays of their own: to one of them.
+        assert!(best.fraction > circle.fraction - 1.0 / 128.0, "{} {}", best.fraction, circle.fraction);
+        assert_eq!(best.prescription.parameters.keys().collect::<Vec<_>>(), ["conic", "sag_4_m", "sag_6_m"]);
+    }
+    let [circle, best] = [&request(), &even].map(|request| solve(request, &narrow).unwrap());
+    assert!(best.fraction > circle.fraction + LEAST_GAIN, "{} {}", best.fraction, circle.fraction);
+
+    let Prescription { apex_row, back_row, radius, parameters, .. } = best.prescription.clone();
+    let given = |names: &[(&str, f64)]| names.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+    let fixed = LensRequest {
+        apex_row: Some(apex_row),
+        back_row: Some(back_row),
+        radius,
+        parameters: given(&[
+            ("conic", parameters["conic"]),
+            ("sag_4", parameters["sag_4_m"]),
+            ("sag_6", parameters["sag_6_m"]),
+        ]),
+        ..even.clone()
+    };
+    assert_eq!(solve(&fixed, &narrow).unwrap().form, best.form);
+    // One of them given: it stays, and the others are still sought.
+    let half = LensRequest { parameters: given(&[("conic", -1.0)]), ..even.clone() };
+    let parabola = solve(&half, &narrow).unwrap();
+    assert_eq!(parabola.prescription.parameters["conic"], -1.0);
+    assert!(parabola.fraction > circle.fraction, "{} {}", parabola.fraction, circle.fraction);
+
+    for (name, value) in [("stages", 3.0), ("conic", 11.0), ("sag_4", 21.0 * DIAMETER), ("conic", f64::NAN)] {
+        let wrong = LensRequest { parameters: given(&[(name, value)]), ..even.clone() };
+        assert!(matches!(solve(&wrong, &narrow), Err(LensError::Parameter { .. })), "{name} {value}");
+    }
+    let halves = LensRequest { family: Family::Stages, parameters: given(&[("stages", 2.5)]), ..request() };
+    assert!(matches!(solve(&halves, &thesis_target()), Err(LensError::Parameter { .. })));
 }

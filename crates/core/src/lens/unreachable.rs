@@ -52,7 +52,9 @@ impl fmt::Display for Limit {
             }
             Self::Rows { rows: [first, last], .. } => write!(f, "the lens may only lie in rows {first} to {last}"),
             Self::Fixed => f.write_str("the apex_row, back_row or radius given"),
-            Self::Region(Family::Shield) => f.write_str("no shield in front of the region turns rays away from it"),
+            Self::Region(family) if family.spares() => {
+                f.write_str("no shield in front of the region turns rays away from it")
+            }
             Self::Region(family) => write!(f, "no {} lens in front of the region sends rays there", family.name()),
         }
     }
@@ -116,15 +118,15 @@ impl fmt::Display for Unreachable {
             f,
             "unreachable: no allowed {} of {} sends at least {:.0} % more of {} {} {low} to {high} off the axis at row {} than \
              straight rays do ({:.1} %",
-            match (self.family, self.focus) {
-                (Family::Shield, _) => "shield",
+            match (self.family.spares(), self.focus) {
+                (true, _) => "shield",
                 (_, None) => "lens",
                 (_, Some(_)) => "part of a lens",
             },
             self.material,
             100.0 * LEAST_GAIN,
             if self.focus.is_some() { "its strip" } else { "the struck width" },
-            if self.family == Family::Shield { "past" } else { "through" },
+            if self.family.spares() { "past" } else { "through" },
             self.mid_row,
             100.0 * self.fraction_without
         )?;

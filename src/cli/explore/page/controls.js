@@ -65,12 +65,22 @@ function build(form, regions) {
     [`${key}.rows`, `${named(key, k)} rows`, REGION],
     [`${key}.x`, `${named(key, k)} x`, { ends: true }],
   ])];
-  const groups = [GROUPS[0], GROUPS[1], target, ...GROUPS.slice(2)];
+  const groups = [GROUPS[0], GROUPS[1], target, ...GROUPS.slice(2).map(([title, list]) => [title, title === "Lens" ? [...list, ...ownParameters()] : list])];
   form.replaceChildren(
     ...groups.map(([title, list]) => make("fieldset", {}, make("legend", {}, title), ...list.map(([key, label, kind]) => control(key, label, kind)))),
     textPanel(),
   );
 }
+
+/// The parameters that families have of their own, each name once; stages have a key that is older.
+function ownParameters() {
+  const all = state.about.families.flatMap((family) => family.parameters).filter((own) => own.name !== "stages");
+  const once = all.filter((own, k) => all.findIndex((other) => other.name === own.name) === k);
+  return once.map((own) => [`lens.parameters.${own.name}`, own.name.replaceAll("_", " "), { number: own.quantity === "number", whole: own.quantity === "count", optional: true, hint: "sought" }]);
+}
+
+/// Whether a family has what a key of the lens asks for.
+const has = (family, key) => !!family?.parameters.some((own) => own.name === key.split(".").at(-1));
 
 let serial = 0;
 
@@ -138,7 +148,7 @@ function control(key, label, kind) {
     show = (value) => {
       set(field, value ?? "");
       const family = state.about.families.find((family) => family.name === state.keys["lens.family"]);
-      if (key === "lens.stages") row.hidden = family?.name !== "stages";
+      if (key === "lens.stages" || key.startsWith("lens.parameters.")) row.hidden = !has(family, key);
       if (key === "lens.radius") row.hidden = !family?.radius;
       if (key === "lens.axis") row.hidden = !family?.has_axis;
     };
@@ -156,7 +166,7 @@ function family(name) {
   leave("lens.others", !next.takes_others);
   leave("lens.radius", true);
   leave("lens.axis", !next.has_axis);
-  leave("lens.stages", name !== "stages");
+  for (const key of Object.keys(state.keys)) leave(key, (key === "lens.stages" || key.startsWith("lens.parameters.")) && !has(next, key));
   state.change(edits);
 }
 

@@ -86,6 +86,7 @@ function rays() {
     ["Bound holds", of.validity],
     ["Rows", `${of.apex_row} to ${of.back_row}`],
     ["Radius", inD(of.radius_m)],
+    ...Object.entries(of.parameters ?? {}).map(([name, value]) => (name.endsWith("_m") ? [name.slice(0, -2).replaceAll("_", " "), inD(value)] : [name, digits(value, 3)])),
     ["Axis, half aperture", `${inD(of.axis_m)}, ${inD(of.aperture_m)}`],
     ["Steepest face", of.rim_angle_rad === undefined ? "–" : `${digits((of.rim_angle_rad * 180) / Math.PI, 3)}°`],
     ["Rays to the focus", `${percent(of.fraction)} (${percent(of.fraction_without)} straight on)`],

@@ -57,7 +57,7 @@ function draw(show) {
   const take = (r) => {
     const family = state.about.families.find((family) => family.name === r.family);
     const edits = [{ key: "lens.family", value: r.family }, { key: "lens.material", value: r.material }];
-    for (const [key, leave] of [["lens.others", true], ["lens.radius", true], ["lens.axis", !family.has_axis], ["lens.stages", r.family !== "stages"]]) {
+    for (const [key, leave] of [["lens.others", true], ["lens.radius", true], ["lens.axis", !family.has_axis], ...Object.keys(state.keys).filter((key) => key === "lens.stages" || key.startsWith("lens.parameters.")).map((key) => [key, !family.parameters.some((own) => own.name === key.split(".").at(-1))])]) {
       if (leave && state.keys[key] !== undefined) edits.push({ key, value: null });
     }
     state.painted = null;
