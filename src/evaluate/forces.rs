@@ -80,6 +80,15 @@ impl Forces {
     }
 }
 
+impl Forces {
+    /// A load as it is, then with each of the strengths about its own.
+    pub fn with_own(self, load: ImpactLoad) -> Vec<ImpactLoad> {
+        let own = load.strike.strength();
+        let with = |strength| ImpactLoad { strike: load.strike.with_strength(strength), ..load };
+        std::iter::once(own).chain(self.about(own)).map(with).collect()
+    }
+}
+
 /// Pieces of one design, of one palette, under several forces: for each its scores under each, not yet related to uniform crystals.
 pub(super) fn under_forces(
     design: &Design,

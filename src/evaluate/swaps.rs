@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Evaluated, Evaluator, EvaluatorError, Forces, ImpactLoad, Overrides, Plan};
+use super::{Evaluated, Evaluator, EvaluatorError, Forces, Overrides, Plan};
 use crate::Context;
 use crate::design::Design;
 use crate::layout::Layout;
@@ -43,11 +43,7 @@ pub fn swaps(design: &Design, layout: &Layout, plan: &Plan, context: &Context) -
         window: Some(plan.window),
         first_seed: None,
     };
-    let own = design.impact.strength();
-    // The design's own force stands before those of the band.
-    let forces: Vec<f64> = std::iter::once(own).chain(Forces::USUAL.about(own)).collect();
-    let loads: Vec<ImpactLoad> =
-        forces.iter().map(|&force| ImpactLoad::from(design.impact.with_strength(force))).collect();
+    let loads = Forces::USUAL.with_own(design.impact.into());
     let contrast = |run: &Evaluated| run.scores.contrast.filter(|_| run.stop.is_none());
     let drawn = Evaluator::new(design, &loads, layout.palette.clone(), given, context)?
         .scores(std::slice::from_ref(&layout.materials), context)?;

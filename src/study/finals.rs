@@ -35,12 +35,7 @@ pub(super) fn evaluate(
     let layout = study.materials(assignment);
     let stats = study.counter.stats(&layout);
     // Of each impact the exact force, then those about it.
-    let under = |load: &ImpactLoad| -> Vec<ImpactLoad> {
-        let own = load.strike.strength();
-        let strengths = std::iter::once(own).chain(Forces::USUAL.about(own));
-        strengths.map(|strength| ImpactLoad { strike: load.strike.with_strength(strength), ..*load }).collect()
-    };
-    let loads: Vec<ImpactLoad> = study.impacts.iter().flat_map(under).collect();
+    let loads: Vec<ImpactLoad> = study.impacts.iter().flat_map(|&load| Forces::USUAL.with_own(load)).collect();
     let mut finals = Vec::new();
     for step in [step, 0.5 * step] {
         let overrides = Overrides { step: Some(step), window: study.window, ..Overrides::default() };
