@@ -257,8 +257,15 @@ fn parameter(key: &str, entry: &Entry, family: Family, diameter: f64) -> Result<
     };
     let value = match quantity {
         Quantity::Count => return Ok(f64::from(entry.whole(least as u32..=most as u32)?)),
-        Quantity::Number => entry.number()?,
-        Quantity::Length => entry.length(diameter)?,
+        Quantity::Number => {
+            entry.number().map_err(|_| entry.fail("must be a plain number", &format!("Write it like {key} = -0.5.")))?
+        }
+        Quantity::Length => entry.length(diameter).map_err(|_| {
+            let help = format!(
+                "Write it like {key} = \"0.2 D\", with D for the diameter of a sphere, or in another unit of length."
+            );
+            entry.fail("is no length", &help)
+        })?,
     };
     let unit = quantity.unit(diameter);
     // Lengths in other units are rounded.
