@@ -33,7 +33,8 @@ impl Peaks {
     }
 }
 
-/// Writes the tables of spheres, layers and contacts, and that of regions where there are any.
+/// Writes the tables of spheres, layers and contacts, and that of regions where there are any. Spheres and contacts may be many: their tables are never in
+/// memory as a whole.
 pub(super) fn write_all<const D: usize>(
     folder: &Path,
     prepared: &PreparedRig<D>,
@@ -41,7 +42,6 @@ pub(super) fn write_all<const D: usize>(
 ) -> Result<(), RunError> {
     let peaks = Peaks::of(simulation, prepared.record.arrivals.len());
     write_peaks(folder, prepared, &peaks, &|i| simulation.view().simulated_fraction(i))?;
-    // Contacts are many: their tables are never in memory as a whole.
     let labels = prepared.labels();
     keep_by(&folder.join("contacts-final.csv"), |file| {
         writeln!(file, "{}", contact_header::<D>())?;
@@ -63,7 +63,7 @@ pub(super) fn write_peaks<const D: usize>(
     peaks: &Peaks,
     part: &dyn Fn(usize) -> f64,
 ) -> Result<(), RunError> {
-    write(&folder.join("spheres-final.csv"), spheres(prepared, peaks).as_bytes())?;
+    keep_by(&folder.join("spheres-final.csv"), |file| spheres(prepared, peaks, file))?;
     write(&folder.join("layers-final.csv"), layers(prepared, peaks).as_bytes())?;
     if !prepared.record.regions.is_empty() {
         write(&folder.join("regions-final.csv"), regions(prepared, peaks, part).as_bytes())?;
@@ -91,14 +91,15 @@ fn contacts_ever<const D: usize>(
 }
 
 /// One line per sphere: where it lay, what it is, what it felt at most, when the wave came. Empty where it did not.
-fn spheres<const D: usize>(prepared: &PreparedRig<D>, peaks: &Peaks) -> String {
+fn spheres<const D: usize>(prepared: &PreparedRig<D>, peaks: &Peaks, file: &mut dyn io::Write) -> io::Result<()> {
     let (rig, Peaks { speed, force, dissipated, arrivals }) = (&prepared.rig, peaks);
     let mut text = "sphere,layer,column".to_owned();
     axes::<D>().iter().for_each(|axis| text += &format!(",{axis}_m"));
     text += ",diameter_m,material,max_speed_m_s,max_kinetic_J,max_force_N,dissipated_J";
     prepared.record.arrivals.iter().for_each(|arrival| text += &format!(",arrival_{}_s", threshold_name(*arrival)));
-    text.push('\n');
+    writeln!(file, "{text}")?;
     for (i, (sphere, site)) in rig.sample.spheres.iter().zip(&prepared.sites).enumerate() {
+        text.clear();
         let _ = write!(text, "{},{},{}", i + 1, site.layer, site.column);
         append(&mut text, sphere.centre);
         let _ = write!(text, ",{:?},{}", 2.0 * sphere.radius, rig.sample.materials[sphere.material].name);
@@ -109,9 +110,9 @@ fn spheres<const D: usize>(prepared: &PreparedRig<D>, peaks: &Peaks) -> String {
                 None => text.push(','),
             }
         }
-        text.push('\n');
+        writeln!(file, "{text}")?;
     }
-    text
+    Ok(())
 }
 
 /// One line per layer: how many spheres it has, what they dissipated, the fastest of them, and the mean of the arrivals that
