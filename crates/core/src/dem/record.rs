@@ -1,5 +1,7 @@
 //! What each sphere felt, and when.
 
+use serde::{Deserialize, Serialize};
+
 use super::body::{Grains, square};
 use crate::real::Lanes;
 
@@ -25,13 +27,13 @@ pub(super) struct Peaks<const D: usize> {
 }
 
 /// A sphere's speed at the accepted steps at which it was greater than ever before, as far as they can still matter.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct ArrivalTracker {
     pub points: Vec<Point>,
     pub previous: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Point {
     pub time: f64,
     pub speed: f64,

@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Rig;
 use crate::dem::Integrator;
+use crate::dem::record::ArrivalTracker;
 
 const MAGIC: &[u8; 20] = b"granulens checkpoint";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// The whole state of a run, flattened to numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,11 +21,10 @@ pub(super) struct State {
     pub digest: u32,
     pub step: f64,
     pub count: u64,
-    /// Arrays of spheres and flats, in the order of `engine`.
-    pub bodies: Vec<Vec<f64>>,
+    pub motion: Motion,
     pub integrator: Integrator,
-    /// Accelerations one and two steps ago, where the scheme asks for them, in the order of `machine/past`.
-    pub past: Vec<Vec<f64>>,
+    /// Accelerations of earlier states, where the scheme asks for them.
+    pub past: Option<Accelerations>,
     pub work_in: f64,
     pub absorbed: f64,
     pub at_hand: f64,
@@ -40,7 +40,47 @@ pub(super) struct State {
     pub kept_faces: Vec<((u32, bool, u32), Vec<f64>)>,
     pub lost: [f64; 2],
     pub lost_by_sphere: Vec<f64>,
-    pub peaks: Option<Vec<Vec<f64>>>,
+    pub peaks: Option<PeaksSoFar>,
+}
+
+/// How bodies move, what acts on them, and where near pairs were last looked for; vectors one after the other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Motion {
+    pub displacement: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub acceleration: Vec<f64>,
+    pub spin: Vec<f64>,
+    pub spin_rate: Vec<f64>,
+    pub flat_moved: Vec<f64>,
+    pub flat_velocity: Vec<f64>,
+    pub flat_acceleration: Vec<f64>,
+    pub seen: Vec<f64>,
+    pub flat_seen: Vec<f64>,
+    pub skin: Vec<f64>,
+    pub force: Vec<f64>,
+    pub torque: Vec<f64>,
+    pub flat_force: Vec<f64>,
+    /// The numbers of each cluster, one after the other.
+    pub clusters: Vec<f64>,
+}
+
+/// Accelerations one and two steps ago.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Accelerations {
+    pub spheres: [Vec<f64>; 2],
+    pub spins: [Vec<f64>; 2],
+    pub flats: [Vec<f64>; 2],
+    pub clusters: [Vec<f64>; 2],
+}
+
+/// What spheres had at most, and when they moved; see [`Peaks`](super::peaks::Peaks).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct PeaksSoFar {
+    pub speed_squared: Vec<f64>,
+    pub force_squared: Vec<f64>,
+    pub moved: Vec<Vec<f64>>,
+    pub moved_before: Vec<f64>,
+    pub trackers: Vec<ArrivalTracker>,
 }
 
 /// Why a checkpoint cannot be taken up.

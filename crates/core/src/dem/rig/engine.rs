@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::bodies::Bodies;
-use super::checkpoint::State;
+use super::checkpoint::{Motion, State};
 use super::cluster::ClusterState;
 use super::contacts::{Account, Facing, Kept, NearFace, Strain, Sums};
 use super::law::{ContactLaw, LawMaker};
@@ -224,25 +224,25 @@ impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Engine<D> for Machine<D, L, 
         State {
             step: self.step,
             count: self.count,
-            bodies: vec![
-                flat(&b.displacement),
-                flat(&b.velocity),
-                flat(&b.acceleration),
-                b.spin.numbers().to_vec(),
-                b.spin_rate.numbers().to_vec(),
-                flat(&b.flat_moved),
-                flat(&b.flat_velocity),
-                flat(&b.flat_acceleration),
-                flat(&self.seen),
-                flat(&self.flat_seen),
-                self.finder.skin.clone(),
-                flat(&self.sums.force),
-                self.sums.torque.numbers().to_vec(),
-                flat(&self.sums.flat),
-                b.clusters.iter().flat_map(ClusterState::numbers).collect(),
-            ],
+            motion: Motion {
+                displacement: flat(&b.displacement),
+                velocity: flat(&b.velocity),
+                acceleration: flat(&b.acceleration),
+                spin: b.spin.numbers().to_vec(),
+                spin_rate: b.spin_rate.numbers().to_vec(),
+                flat_moved: flat(&b.flat_moved),
+                flat_velocity: flat(&b.flat_velocity),
+                flat_acceleration: flat(&b.flat_acceleration),
+                seen: flat(&self.seen),
+                flat_seen: flat(&self.flat_seen),
+                skin: self.finder.skin.clone(),
+                force: flat(&self.sums.force),
+                torque: self.sums.torque.numbers().to_vec(),
+                flat_force: flat(&self.sums.flat),
+                clusters: b.clusters.iter().flat_map(ClusterState::numbers).collect(),
+            },
             integrator: self.integrator(),
-            past: self.past.as_ref().map_or(Vec::new(), Past::numbers),
+            past: self.past.as_ref().map(Past::accelerations),
             work_in: self.work_in,
             absorbed: self.absorbed,
             at_hand: self.at_hand,
@@ -334,25 +334,26 @@ impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Engine<D> for Machine<D, L, 
         (self.count, self.at_hand) = (state.count, state.at_hand);
         (self.work_in, self.absorbed, self.held_back) = (state.work_in, state.absorbed, state.held_back);
         let b = &mut self.bodies;
-        let mut arrays = [
-            b.displacement.as_flattened_mut(),
-            b.velocity.as_flattened_mut(),
-            b.acceleration.as_flattened_mut(),
-            b.spin.numbers_mut(),
-            b.spin_rate.numbers_mut(),
-            b.flat_moved.as_flattened_mut(),
-            b.flat_velocity.as_flattened_mut(),
-            b.flat_acceleration.as_flattened_mut(),
-            self.seen.as_flattened_mut(),
-            self.flat_seen.as_flattened_mut(),
-            &mut self.finder.skin[..],
-            self.sums.force.as_flattened_mut(),
-            self.sums.torque.numbers_mut(),
-            self.sums.flat.as_flattened_mut(),
+        let m = &state.motion;
+        let clusters = &m.clusters;
+        let arrays = [
+            (b.displacement.as_flattened_mut(), &m.displacement),
+            (b.velocity.as_flattened_mut(), &m.velocity),
+            (b.acceleration.as_flattened_mut(), &m.acceleration),
+            (b.spin.numbers_mut(), &m.spin),
+            (b.spin_rate.numbers_mut(), &m.spin_rate),
+            (b.flat_moved.as_flattened_mut(), &m.flat_moved),
+            (b.flat_velocity.as_flattened_mut(), &m.flat_velocity),
+            (b.flat_acceleration.as_flattened_mut(), &m.flat_acceleration),
+            (self.seen.as_flattened_mut(), &m.seen),
+            (self.flat_seen.as_flattened_mut(), &m.flat_seen),
+            (&mut self.finder.skin[..], &m.skin),
+            (self.sums.force.as_flattened_mut(), &m.force),
+            (self.sums.torque.numbers_mut(), &m.torque),
+            (self.sums.flat.as_flattened_mut(), &m.flat_force),
         ];
-        let Some((clusters, rows)) = state.bodies.split_last() else { return false };
-        fits &= rows.len() == arrays.len() && clusters.len() == b.clusters.len() * ClusterState::<D>::NUMBERS;
-        for (array, numbers) in arrays.iter_mut().zip(rows) {
+        fits &= clusters.len() == b.clusters.len() * ClusterState::<D>::NUMBERS;
+        for (array, numbers) in arrays {
             fits &= array.len() == numbers.len();
             if fits {
                 array.copy_from_slice(numbers);
@@ -363,8 +364,8 @@ impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Engine<D> for Machine<D, L, 
             b.clusters = parts.map(ClusterState::from_numbers).collect();
         }
         match &mut self.past {
-            Some(past) => fits && past.restore(&state.past),
-            None => fits && state.past.is_empty(),
+            Some(past) => fits && state.past.as_ref().is_some_and(|accelerations| past.restore(accelerations)),
+            None => fits && state.past.is_none(),
         }
     }
 }

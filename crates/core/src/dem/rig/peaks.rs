@@ -1,8 +1,9 @@
 //! What each sphere of a rig felt at most, and when it was first reached.
 
 use super::bodies::{Bodies, dot};
+use super::checkpoint::PeaksSoFar;
 use super::contacts::Sums;
-use crate::dem::record::{ArrivalTracker, Point};
+use crate::dem::record::ArrivalTracker;
 
 /// When a sphere counts as reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,40 +123,36 @@ impl Peaks {
         self.trackers.iter().map(of).collect()
     }
 
-    /// As numbers, for a checkpoint.
-    pub fn numbers(&self) -> Vec<Vec<f64>> {
-        let mut rows = vec![self.speed_squared.clone(), self.force_squared.clone(), self.moved_before.clone()];
-        rows.extend(self.moved.iter().cloned());
-        for tracker in &self.trackers {
-            let mut row = vec![tracker.previous];
-            row.extend(tracker.points.iter().flat_map(|point| [point.time, point.speed, point.before]));
-            rows.push(row);
+    /// For a checkpoint.
+    pub fn so_far(&self) -> PeaksSoFar {
+        PeaksSoFar {
+            speed_squared: self.speed_squared.clone(),
+            force_squared: self.force_squared.clone(),
+            moved: self.moved.clone(),
+            moved_before: self.moved_before.clone(),
+            trackers: self.trackers.clone(),
         }
-        rows
     }
 
-    /// Takes up numbers from a checkpoint; false if they are not of this shape.
-    pub fn restore(&mut self, rows: Vec<Vec<f64>>) -> bool {
-        let mut rows = rows.into_iter();
-        let same = |old: &mut Vec<f64>, new: Option<Vec<f64>>| match new {
-            Some(new) if new.len() == old.len() => {
-                *old = new;
-                true
-            }
-            _ => false,
-        };
-        let mut fits = same(&mut self.speed_squared, rows.next());
-        fits &= same(&mut self.force_squared, rows.next());
-        fits &= same(&mut self.moved_before, rows.next());
-        for times in &mut self.moved {
-            fits &= same(times, rows.next());
+    /// Takes them up from a checkpoint; false if they are not of these spheres and arrivals.
+    pub fn restore(&mut self, from: PeaksSoFar) -> bool {
+        let fits = self.speed_squared.len() == from.speed_squared.len()
+            && self.force_squared.len() == from.force_squared.len()
+            && self.moved_before.len() == from.moved_before.len()
+            && self.trackers.len() == from.trackers.len()
+            && self.moved.len() == from.moved.len()
+            && self.moved.iter().zip(&from.moved).all(|(a, b)| a.len() == b.len());
+        if fits {
+            let PeaksSoFar { speed_squared, force_squared, moved, moved_before, trackers } = from;
+            *self = Self {
+                arrivals: std::mem::take(&mut self.arrivals),
+                speed_squared,
+                force_squared,
+                trackers,
+                moved,
+                moved_before,
+            };
         }
-        for tracker in &mut self.trackers {
-            let row = rows.next().unwrap_or_default();
-            let [previous, points @ ..] = row.as_slice() else { return false };
-            tracker.previous = *previous;
-            tracker.points = points.chunks_exact(3).map(|p| Point { time: p[0], speed: p[1], before: p[2] }).collect();
-        }
-        fits && rows.next().is_none()
+        fits
     }
 }

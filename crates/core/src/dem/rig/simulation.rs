@@ -208,7 +208,7 @@ impl<const D: usize> Simulation<D> {
     /// The whole state as bytes.
     pub fn checkpoint(&self) -> Vec<u8> {
         let state =
-            State { digest: digest(&self.rig), peaks: self.peaks.as_ref().map(Peaks::numbers), ..self.engine.save() };
+            State { digest: digest(&self.rig), peaks: self.peaks.as_ref().map(Peaks::so_far), ..self.engine.save() };
         state.to_bytes()
     }
 

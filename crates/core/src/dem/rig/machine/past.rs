@@ -11,6 +11,7 @@ use super::motion::strayed;
 use super::{Machine, flat_weight};
 use crate::dem::Integrator;
 use crate::dem::rig::Rig;
+use crate::dem::rig::checkpoint::Accelerations;
 use crate::dem::rig::cluster::Ahead;
 use crate::dem::rig::law::{ContactLaw, LawMaker};
 use crate::dem::rig::spins::Spins;
@@ -69,22 +70,36 @@ pub(in crate::dem::rig) struct Past {
 }
 
 impl Past {
-    /// The numbers that a run that is taken up needs besides its bodies'.
-    pub fn numbers(&self) -> Vec<Vec<f64>> {
-        let tracks = [&self.spheres, &self.spins, &self.flats, &self.clusters];
-        tracks.iter().flat_map(|track| [track.one.clone(), track.two.clone()]).collect()
+    /// What a run that is taken up needs besides its bodies' state.
+    pub fn accelerations(&self) -> Accelerations {
+        let of = |track: &Track| [track.one.clone(), track.two.clone()];
+        Accelerations {
+            spheres: of(&self.spheres),
+            spins: of(&self.spins),
+            flats: of(&self.flats),
+            clusters: of(&self.clusters),
+        }
     }
 
-    /// Takes up [`numbers`](Self::numbers); whether they fit.
-    pub fn restore(&mut self, numbers: &[Vec<f64>]) -> bool {
-        let tracks = [&mut self.spheres, &mut self.spins, &mut self.flats, &mut self.clusters];
-        let mut places: Vec<&mut Vec<f64>> =
-            tracks.into_iter().flat_map(|track| [&mut track.one, &mut track.two]).collect();
-        let fits = places.len() == numbers.len() && places.iter().zip(numbers).all(|(a, b)| a.len() == b.len());
-        if fits {
-            places.iter_mut().zip(numbers).for_each(|(place, row)| place.copy_from_slice(row));
+    /// Takes these up again; whether they fit.
+    pub fn restore(&mut self, from: &Accelerations) -> bool {
+        let tracks = [
+            (&mut self.spheres, &from.spheres),
+            (&mut self.spins, &from.spins),
+            (&mut self.flats, &from.flats),
+            (&mut self.clusters, &from.clusters),
+        ];
+        let fits = |(track, [one, two]): &(&mut Track, &[Vec<f64>; 2])| {
+            track.one.len() == one.len() && track.two.len() == two.len()
+        };
+        let all = tracks.iter().all(fits);
+        if all {
+            for (track, [one, two]) in tracks {
+                track.one.copy_from_slice(one);
+                track.two.copy_from_slice(two);
+            }
         }
-        fits
+        all
     }
 
     /// What is added to a cluster's drift.
