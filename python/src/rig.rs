@@ -204,7 +204,7 @@ fn follow<const D: usize>(
     let words = |error: &granulens::dem::rig::RigError| {
         Failure::input(format!("{}: {}", prepared.path.display(), error.words(&|body| prepared.name_of(body))))
     };
-    let mut simulation = Simulation::new(prepared.rig.clone(), prepared.plan.step).map_err(|error| words(&error))?;
+    let mut simulation = prepared.simulation().map_err(|error| words(&error))?;
     let mut left = prepared.plan.steps();
     loop {
         look(&simulation);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use granulens::dem::rig::{RigStop, Simulation};
+use granulens::dem::rig::RigStop;
 use granulens::design::Design;
 use granulens::measured::{
     Channel, Comparison, Data, DataError, Fit, Input, InputError, PredictError, compare, curves_csv, fit, page, predict,
@@ -97,8 +97,7 @@ impl Measured {
         note(common, &prepared.method().words());
         prepared.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if common.dry_run {
-            let mut simulation =
-                Simulation::new(prepared.rig.clone(), prepared.plan.step).map_err(PredictError::Rig)?;
+            let mut simulation = prepared.simulation().map_err(PredictError::Rig)?;
             let alone = cost::rig(&mut simulation, prepared.plan.steps());
             // A step takes two runs for each input's slope and one to try it; two rounds settle in some five steps each.
             let count = 1 + 10 * (2 * inputs.len() as u64 + u64::from(!inputs.is_empty()));

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use granulens::dem::rig::{Modes as NormalModes, Simulation};
+use granulens::dem::rig::Modes as NormalModes;
 use granulens::report;
 use granulens::setup::{PreparedRig, Setup};
 use serde_json::json;
@@ -83,7 +83,8 @@ impl Modes {
         let blame = |message: String, help: &str| {
             Failure::input_with_help(format!("{}: {message}", prepared.path.display()), help)
         };
-        let simulation = Simulation::new(prepared.rig.clone(), prepared.plan.step)
+        let simulation = prepared
+            .simulation()
             .map_err(|error| blame(error.words(&|body| prepared.name_of(body)), "Change the rig file."))?;
         let modes = NormalModes::of(&simulation).map_err(|error| blame(error.to_string(), "Leave it out."))?;
         let highest = modes.frequencies().last().copied().unwrap_or(0.0);

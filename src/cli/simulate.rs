@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use granulens::Progress;
-use granulens::dem::rig::Simulation;
 use granulens::design::Design;
 use granulens::output;
 use granulens::report;
@@ -99,8 +98,7 @@ impl Simulate {
         }
         prepared.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         if common.dry_run {
-            let mut simulation = Simulation::new(prepared.rig.clone(), prepared.plan.step)
-                .map_err(|error| failure(prepared, &RunError::Rig(error)))?;
+            let mut simulation = prepared.simulation().map_err(|error| failure(prepared, &RunError::Rig(error)))?;
             let seconds = cost::rig(&mut simulation, prepared.plan.steps());
             let what = format!("{} steps of {} spheres, without records", prepared.plan.steps(), prepared.sites.len());
             return cost::tell(common, &[cost::Part::new(what, 1, Some(seconds))]);

@@ -43,7 +43,7 @@ pub fn predict<const D: usize>(
     let step = prepared.plan.step;
     let steps = prepared.plan.steps();
     let every = steps.div_ceil(MOST).max(1);
-    let mut simulation = Simulation::new(prepared.rig.clone(), step)?;
+    let mut simulation = prepared.simulation()?;
     let mut values = vec![Vec::new(); channels.len()];
     for _ in 0..steps.div_ceil(every) {
         see(&simulation, channels, &prepared, &mut values);

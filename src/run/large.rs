@@ -9,22 +9,22 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read as _, Write as _};
-use std::path::Path;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::is_of;
+use super::course::{self, Advanced, Course};
 use super::streams::{ENERGIES, Stream, append, energies, layer_header, region_header};
 use super::summary::Reached;
 use super::tables::{Peaks, write_peaks};
 use super::{CHECKPOINT, Ending, Halved, Keeping, RunError, SUMMARY, Summary, begin, write};
+use crate::Context;
 use crate::dem::bulk::{Arrivals, Bulk, MANY, Recording};
 use crate::dem::rig::{Arrival, Body, Curve, EnergyLedger, Law, LawBook, LoadKind, RigStop, sealed, unsealed};
-use crate::dem::{ForcePulse, Impact, Integrator, Period, Stop};
+use crate::dem::{ForcePulse, Impact, Period, Stop};
 use crate::real::Width;
 use crate::setup::{Contacts, PreparedRig, Quantity};
-use crate::{Context, Progress};
 
 /// First line of the checkpoint of such a run.
 const OPENING: &[u8] = b"granulens large trial checkpoint 1\n";
@@ -90,7 +90,7 @@ pub fn impact_of(prepared: &PreparedRig<3>) -> Option<Impact> {
         moving,
         projectile: None,
         exit: Vec::new(),
-        integrator: Integrator::Verlet,
+        integrator: prepared.plan.integrator,
         step: prepared.plan.step,
         window: prepared.plan.window,
     })
@@ -324,7 +324,7 @@ pub fn run<const D: usize>(
     let path = folder.join(CHECKPOINT);
     let mut layer_sizes = vec![0.0; prepared.layers as usize];
     prepared.sites.iter().for_each(|site| layer_sizes[site.layer as usize - 1] += 1.0);
-    let mut streams = if keeping.resume {
+    let streams = if keeping.resume {
         match restore(folder, &path, prepared, &mut bulk)? {
             Some(streams) => streams,
             None => return Ok(None),
@@ -336,45 +336,13 @@ pub fn run<const D: usize>(
         keep(&path, prepared, &bulk, halved, &mut streams)?;
         streams
     };
-    let (total, every) = (prepared.plan.steps(), prepared.record.every);
-    let mut kept = Instant::now();
-    let mut ending = Ending::Complete;
-    while bulk.steps() < total {
-        let done = bulk.steps();
-        let sample = (done / every + 1) * every;
-        let until = sample.min((done / CHUNK + 1) * CHUNK).min(total);
-        let advanced = bulk.advance(until - done, context);
-        // The end of the window is a sample too.
-        let ledger = match bulk.steps() == sample || bulk.steps() == total {
-            true => Some(streams.sample(prepared, &bulk, &layer_sizes)?),
-            false => None,
-        };
-        match advanced {
-            Ok(()) => {}
-            Err(Stop::Interrupted { time_s }) => {
-                keep(&path, prepared, &bulk, halved, &mut streams)?;
-                ending = Ending::Interrupted { time: time_s };
-                break;
-            }
-            Err(Stop::Met { .. } | Stop::Leap { .. }) => {
-                std::fs::remove_file(&path).map_err(|error| RunError::File { path, error })?;
-                return Ok(None);
-            }
-            Err(stop) => {
-                ending = Ending::Stopped(as_of_rigs(&stop, bulk.time()));
-                break;
-            }
-        }
-        if let Some(stop) = inaccurate(prepared, &bulk, ledger.as_ref()) {
-            ending = Ending::Stopped(stop);
-            break;
-        }
-        if kept.elapsed() >= keeping.every {
-            keep(&path, prepared, &bulk, halved, &mut streams)?;
-            kept = Instant::now();
-        }
-        context.tell(Progress::Steps { done: bulk.steps(), of: total });
-    }
+    let length = [prepared.plan.steps(), prepared.record.every, CHUNK];
+    let mut course = ByRows { prepared, bulk, streams, layer_sizes, halved, path: path.clone(), sampled: None };
+    let Some(ending) = course::follow(&mut course, length, keeping.every, context)? else {
+        std::fs::remove_file(&path).map_err(|error| RunError::File { path, error })?;
+        return Ok(None);
+    };
+    let ByRows { bulk, mut streams, .. } = course;
     streams.all().try_for_each(|(_, stream)| stream.flush())?;
     let speed = bulk.max_speed();
     let reached = Reached {
@@ -392,6 +360,47 @@ pub fn run<const D: usize>(
     let summary = Summary::of(prepared, &reached, &ending);
     write(&folder.join(SUMMARY), summary.json().as_bytes())?;
     Ok(Some((summary, ending)))
+}
+
+/// A crystal on its way.
+struct ByRows<'a> {
+    prepared: &'a PreparedRig<3>,
+    bulk: Bulk,
+    streams: Streams,
+    layer_sizes: Vec<f64>,
+    halved: &'a Halved,
+    path: PathBuf,
+    /// Where the energy was at the sample that has just been taken.
+    sampled: Option<EnergyLedger>,
+}
+
+impl Course for ByRows<'_> {
+    fn steps(&self) -> u64 {
+        self.bulk.steps()
+    }
+
+    fn advance(&mut self, steps: u64, context: &Context) -> Result<Advanced, RunError> {
+        self.sampled = None;
+        Ok(match self.bulk.advance(steps, context) {
+            Ok(()) => Advanced::All,
+            Err(Stop::Interrupted { time_s }) => Advanced::Interrupted(time_s),
+            Err(Stop::Met { .. } | Stop::Leap { .. }) => Advanced::Unfit,
+            Err(stop) => Advanced::Stopped(as_of_rigs(&stop, self.bulk.time())),
+        })
+    }
+
+    fn sample(&mut self) -> Result<(), RunError> {
+        self.sampled = Some(self.streams.sample(self.prepared, &self.bulk, &self.layer_sizes)?);
+        Ok(())
+    }
+
+    fn keep(&mut self) -> Result<(), RunError> {
+        keep(&self.path, self.prepared, &self.bulk, self.halved, &mut self.streams)
+    }
+
+    fn guarded(&mut self) -> Option<RigStop> {
+        inaccurate(self.prepared, &self.bulk, self.sampled.as_ref())
+    }
 }
 
 /// A guard as other rigs have it.

@@ -7,10 +7,11 @@
 //! - `streams`: samples over time; `events`: what happens, when it happens; `tables`: what is written at the end; `series`: files read back, a column at a time
 //! - `frames`: every body and contact at every sample
 //! - `checkpoint`: state and lengths of the streams in one file
-//! - `large`: large crystals in space, followed by their rows
+//! - `large`: large crystals in space, followed by their rows; `course`: the loop of both
 //! - `summary`: what a run came to
 
 mod checkpoint;
+mod course;
 mod events;
 mod frames;
 mod large;
@@ -22,7 +23,7 @@ mod tables;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -30,11 +31,12 @@ pub use large::is_large;
 pub use series::{Series, SeriesError};
 pub use summary::{BodySummary, Recorded, Summary};
 
+use crate::Context;
 use crate::dem::rig::{RigError, RigStop, Simulation};
 use crate::output::{self, OutputError};
 use crate::setup::PreparedRig;
-use crate::{Context, Progress};
 use checkpoint::Checkpoint;
+use course::{Advanced, Course};
 use streams::Streams;
 
 /// The file by which a folder of a run is recognised.
@@ -219,10 +221,9 @@ fn once<const D: usize>(
     keep_every: Duration,
     context: &Context,
 ) -> Result<(Summary, Ending), RunError> {
-    let mut simulation =
-        Simulation::new(prepared.rig.clone(), prepared.plan.step)?.recording(prepared.record.arrivals.clone());
+    let mut simulation = prepared.simulation()?.recording(prepared.record.arrivals.clone());
     let path = folder.join(CHECKPOINT);
-    let mut streams = if let Some(checkpoint) = begun {
+    let streams = if let Some(checkpoint) = begun {
         let damaged = |reason: String| RunError::Checkpoint { path: path.clone(), reason };
         simulation.restore(&checkpoint.state).map_err(|error| damaged(error.to_string()))?;
         Streams::restore(folder, prepared, &checkpoint.lengths, checkpoint.events)?
@@ -235,39 +236,11 @@ fn once<const D: usize>(
         streams
     };
 
-    let (total, every) = (prepared.plan.steps(), prepared.record.every);
-    let mut kept = Instant::now();
-    let mut ending = Ending::Complete;
-    while simulation.steps() < total {
-        let done = simulation.steps();
-        let sample = (done / every + 1) * every;
-        let until = sample.min((done / CHUNK + 1) * CHUNK).min(total);
-        match advance(&mut simulation, until - done, context, &mut streams)? {
-            Ok(()) => {}
-            Err(RigStop::Interrupted { time }) => {
-                // The request may have been seen just where a sample is due.
-                if simulation.steps() == sample || simulation.steps() == total {
-                    streams.sample(&simulation)?;
-                }
-                Checkpoint::of(prepared, &simulation, &mut streams, halved)?.write(&path)?;
-                ending = Ending::Interrupted { time };
-                break;
-            }
-            Err(stop) => {
-                ending = Ending::Stopped(stop);
-                break;
-            }
-        }
-        // The end of the window is a sample too.
-        if simulation.steps() == sample || simulation.steps() == total {
-            streams.sample(&simulation)?;
-        }
-        if kept.elapsed() >= keep_every {
-            Checkpoint::of(prepared, &simulation, &mut streams, halved)?.write(&path)?;
-            kept = Instant::now();
-        }
-        context.tell(Progress::Steps { done: simulation.steps(), of: total });
-    }
+    let length = [prepared.plan.steps(), prepared.record.every, CHUNK];
+    let mut course = OfRig { prepared, simulation, streams, halved, path };
+    // Whatever a rig does, it is followed.
+    let ending = course::follow(&mut course, length, keep_every, context)?.unwrap_or(Ending::Complete);
+    let OfRig { simulation, mut streams, .. } = course;
     streams.flush()?;
     let complete = !matches!(ending, Ending::Interrupted { .. });
     if complete {
@@ -278,22 +251,50 @@ fn once<const D: usize>(
     Ok((summary, ending))
 }
 
-/// Goes on by so many steps; events are written as they happen.
-fn advance<const D: usize>(
-    simulation: &mut Simulation<D>,
-    steps: u64,
-    context: &Context,
-    streams: &mut Streams,
-) -> Result<Result<(), RigStop>, RunError> {
-    let step = simulation.step();
-    let Some(events) = streams.events() else { return Ok(simulation.advance(steps, context)) };
-    let mut written = Ok(());
-    let advanced = simulation.follow(steps, context, |view| {
-        if written.is_ok() {
-            written = events.see(view, step);
-        }
-    });
-    written.map(|()| advanced)
+/// A rig on its way.
+struct OfRig<'a, const D: usize> {
+    prepared: &'a PreparedRig<D>,
+    simulation: Simulation<D>,
+    streams: Streams,
+    halved: &'a Halved,
+    path: PathBuf,
+}
+
+impl<const D: usize> Course for OfRig<'_, D> {
+    fn steps(&self) -> u64 {
+        self.simulation.steps()
+    }
+
+    /// Events are written as they happen.
+    fn advance(&mut self, steps: u64, context: &Context) -> Result<Advanced, RunError> {
+        let step = self.simulation.step();
+        let advanced = match self.streams.events() {
+            None => self.simulation.advance(steps, context),
+            Some(events) => {
+                let mut written = Ok(());
+                let advanced = self.simulation.follow(steps, context, |view| {
+                    if written.is_ok() {
+                        written = events.see(view, step);
+                    }
+                });
+                written?;
+                advanced
+            }
+        };
+        Ok(match advanced {
+            Ok(()) => Advanced::All,
+            Err(RigStop::Interrupted { time }) => Advanced::Interrupted(time),
+            Err(stop) => Advanced::Stopped(stop),
+        })
+    }
+
+    fn sample(&mut self) -> Result<(), RunError> {
+        self.streams.sample(&self.simulation)
+    }
+
+    fn keep(&mut self) -> Result<(), RunError> {
+        Checkpoint::of(self.prepared, &self.simulation, &mut self.streams, self.halved)?.write(&self.path)
+    }
 }
 
 /// Makes the folder of a new run. What stands there is replaced only where it is a run that came to its end.

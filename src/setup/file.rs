@@ -61,7 +61,7 @@ section!(FrictionFile: Written { coefficient, spring, damping, rolling });
 section!(GravityFile: Written { acceleration });
 section!(PreloadFile: Written { force, strain, tolerance });
 // `squeezed` is as 0.1 and 0.2 wrote it.
-section!(RunFile: Written { window, step, accuracy, drag, #[serde(alias = "squeezed")] precompressed, leave });
+section!(RunFile: Written { window, integrator, step, accuracy, drag, #[serde(alias = "squeezed")] precompressed, leave });
 section!(RecordFile: Written {
     every, quantities, contacts, frames, events, events_of, arrivals, pictures, layers, columns, x, y, z
 });
@@ -164,6 +164,7 @@ pub(crate) const EXAMPLES: &[&str] = &[
     "preload.strain = \"0.1 %\"",
     "preload.tolerance = 1e-7",
     "run.precompressed = true",
+    "run.integrator = \"adams\"",
     "run.leave = \"20 D\"",
     "record.every = \"1 us\"",
     "record.quantities = [\"displacement\", \"velocity\"]",

@@ -83,6 +83,7 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
         warnings.push(NO_CHANCE.to_owned());
     }
     let plan = RunPlan {
+        integrator: crate::dem::Integrator::Verlet,
         step: plan.step,
         step_reason: plan.step_reason,
         window: plan.window,

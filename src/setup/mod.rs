@@ -39,8 +39,7 @@ pub use preload::Preload;
 pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region, SPACE};
 pub use step::dividing_step;
 
-use crate::dem::Integrator;
-use crate::dem::rig::{Body, Law, LawBook, PairRule, Rig};
+use crate::dem::rig::{Body, Law, LawBook, PairRule, Rig, RigError, Simulation};
 use crate::design::Design;
 use crate::document::{self, DocumentError};
 use crate::layout::Layout;
@@ -142,14 +141,22 @@ impl<const D: usize> PreparedRig<D> {
         }
     }
 
-    /// With what, and how, it is run: rigs are advanced with velocity Verlet.
+    /// The rig at its start, to be run by the plan's scheme and step.
+    ///
+    /// # Errors
+    /// See [`RigError`].
+    pub fn simulation(&self) -> Result<Simulation<D>, RigError> {
+        Simulation::by(self.plan.integrator, self.rig.clone(), self.plan.step)
+    }
+
+    /// With what, and how, it is run.
     pub fn method(&self) -> Method {
         Method {
             version: VERSION.to_owned(),
             commit: COMMIT.to_owned(),
             law: self.law_name(),
             constants: self.constants_name(),
-            integrator: Integrator::Verlet.to_string(),
+            integrator: self.plan.integrator.to_string(),
             step_s: self.plan.step,
             step_reason: self.plan.step_reason.clone(),
             window_s: self.plan.window,

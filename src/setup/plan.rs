@@ -2,6 +2,7 @@
 
 use super::file::RunFile;
 use super::step::{dividing_step, needed, resolution};
+use crate::dem::Integrator;
 use crate::dem::rig::Rig;
 use crate::design::Accuracy;
 use crate::document::{DocumentError, Scope};
@@ -10,6 +11,8 @@ use crate::units::Dimension;
 /// How a rig is run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunPlan {
+    /// The scheme in time: Verlet's or Adams's.
+    pub integrator: Integrator,
     /// The step (s).
     pub step: f64,
     /// Why this step.
@@ -78,7 +81,13 @@ pub(super) fn plan<const D: usize>(
         },
         None => Accuracy::default(),
     };
-    let needed = needed(rig, crystal, length, accuracy);
+    let schemes = [Integrator::Verlet, Integrator::Adams].map(|scheme| (scheme.to_string(), scheme));
+    let schemes = [(&*schemes[0].0, schemes[0].1), (&*schemes[1].0, schemes[1].1)];
+    let integrator = match scope.optional("integrator", &file.integrator) {
+        Some(entry) => entry.choice("integrator of rigs", &schemes)?,
+        None => Integrator::Verlet,
+    };
+    let needed = needed(rig, crystal, length, accuracy, integrator);
     let mut warnings = Vec::new();
     // A run errs by no more than its class, in its energy too; but the jumps of dashpots are resolved to some percent of what they
     // take, as in beds.
@@ -108,5 +117,5 @@ pub(super) fn plan<const D: usize>(
     if length / step > MOST_STEPS {
         return Err(window.fail("would take more than 1e12 steps", "Check its unit, and that of run.step."));
     }
-    Ok(RunPlan { step, step_reason, window: length, window_reason: "given".to_owned(), warnings })
+    Ok(RunPlan { integrator, step, step_reason, window: length, window_reason: "given".to_owned(), warnings })
 }

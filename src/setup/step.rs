@@ -77,7 +77,13 @@ struct Kind {
 }
 
 /// The step for a rig whose first `crystal` spheres are those of its crystal, over a window (s).
-pub(super) fn needed<const D: usize>(rig: &Rig<D>, crystal: usize, window: f64, accuracy: Accuracy) -> Needed {
+pub(super) fn needed<const D: usize>(
+    rig: &Rig<D>,
+    crystal: usize,
+    window: f64,
+    accuracy: Accuracy,
+    integrator: Integrator,
+) -> Needed {
     let class = crate::units::Dimension::Fraction.show(accuracy.fraction());
     let mut needed = Needed { step: f64::INFINITY, reason: "nothing acts".to_owned() };
     let LawBook::Materials { law, .. } = &rig.laws else { return needed };
@@ -103,7 +109,7 @@ pub(super) fn needed<const D: usize>(rig: &Rig<D>, crystal: usize, window: f64, 
             place(a).zip(place(b)).map_or(0.0, |(a, b)| laws.between(a, b).stiffness_max(force))
         },
     );
-    let parts = divisor(accuracy, Integrator::Verlet);
+    let parts = divisor(accuracy, integrator);
     if force > 0.0 {
         needed.at_most(stiffest.limit / parts, || format!("{class} class: {} over {parts}", stiffest.words()));
     }

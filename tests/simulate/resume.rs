@@ -1,6 +1,8 @@
 //! Runs that are killed, interrupted and taken up.
 
 use granulens::Context;
+use granulens::dem::Integrator;
+use granulens::dem::rig::Simulation;
 use granulens::run::RunError;
 
 use super::*;
@@ -116,7 +118,7 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
     for stop in places(6, prepared.plan.steps()) {
         let killed = tempfile::tempdir().unwrap();
         let copy = tempfile::tempdir().unwrap();
-        let keeping = Keeping { resume: false, every: Duration::ZERO };
+        let keeping = Keeping { resume: false, every: NEVER };
         let [from, to] = [&killed, &copy].map(|folder| folder.path().to_owned());
         let killing = Context::default().telling(move |progress| {
             let there = matches!(*progress, Progress::Steps { done, .. } if done >= stop);
@@ -256,6 +258,40 @@ fn a_guard_keeps_what_was_computed() {
     assert!(words.contains("unstable") || words.contains("overlap") || words.contains("ledger"), "{words}");
 }
 
+/// A rig file chooses its scheme: it stands in the summary, the run is that of the library by it, and one that was interrupted goes on to the same bits.
+#[test]
+fn a_rig_is_run_by_the_scheme_that_it_asks_for() {
+    let [verlet, adams] = ["verlet", "adams"].map(|scheme| {
+        let text = RIG.replace("[run]\n", &format!("[run]\nintegrator = \"{scheme}\"\n"));
+        assert!(text.contains(scheme));
+        sheet(&format!("{HEAD}{text}"))
+    });
+    let [by_verlet, by_adams] = [&verlet, &adams].map(Ran::of);
+    assert_eq!(by_adams.summary.method.integrator, "adams");
+    assert_eq!(by_verlet.summary.method.integrator, "verlet");
+    let plain = Ran::of(&sheet(&format!("{HEAD}{RIG}")));
+    let ends = |ran: &Ran| std::fs::read(ran.folder.path().join("spheres-final.csv")).unwrap();
+    assert!(ends(&plain) == ends(&by_verlet) && ends(&by_verlet) != ends(&by_adams));
+
+    let mut simulation = Simulation::by(Integrator::Adams, adams.rig.clone(), adams.plan.step).unwrap();
+    simulation = simulation.recording(adams.record.arrivals.clone());
+    simulation.advance(adams.plan.steps(), &Context::default()).unwrap();
+    let speeds = by_adams.spheres("max_speed_m_s");
+    for (i, speed) in speeds.iter().enumerate() {
+        assert_eq!(*speed, simulation.greatest_speed()[i], "{i}");
+    }
+
+    let folder = tempfile::tempdir().unwrap();
+    let half = adams.plan.steps() / 2;
+    let keeping = |resume| Keeping { resume, every: NEVER };
+    let (_, ending) = run::run(&adams, folder.path(), keeping(false), &until(move |done, _| done >= half)).unwrap();
+    assert!(matches!(ending, Ending::Interrupted { .. }), "{ending:?}");
+    // The other scheme's file is another file.
+    assert!(matches!(refused(&verlet, folder.path(), true), RunError::Checkpoint { .. }));
+    run::run(&adams, folder.path(), keeping(true), &Context::default()).unwrap();
+    assert!(std::fs::read(folder.path().join("spheres-final.csv")).unwrap() == ends(&by_adams));
+}
+
 /// What 0.1 and 0.2 call `run.squeezed` is `run.precompressed`: by either name a sphere that is too large for its place is let in, and without
 /// it is not.
 #[test]
@@ -266,7 +302,7 @@ fn keys_of_older_files_are_read() {
              [law]\nkind = \"hertz\"\n[run]\nwindow = \"1 us\"\n{key}"
         );
         let prepared = chain(&text);
-        granulens::dem::rig::Simulation::new(prepared.rig.clone(), prepared.plan.step).map(|_| prepared.rig)
+        Simulation::new(prepared.rig.clone(), prepared.plan.step).map(|_| prepared.rig)
     };
     let [now, before] = ["precompressed = true\n", "squeezed = true\n"].map(|key| rig(key).unwrap());
     assert!(now.precompressed && before.precompressed);
