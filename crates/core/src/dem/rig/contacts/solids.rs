@@ -163,9 +163,7 @@ fn group<V: Lanes, const GROUPS: usize>(rows: &[&Rows<GROUPS>; 8], group: usize)
 #[inline(always)]
 fn vector<V: Lanes, const D: usize>(wide: &[V; 4]) -> [V; D] {
     let mut vector = [wide[0]; D];
-    for k in 0..D {
-        vector[k] = wide[k];
-    }
+    vector.copy_from_slice(&wide[..D]);
     vector
 }
 
