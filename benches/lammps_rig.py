@@ -48,7 +48,7 @@ kind = "hertz"
 [run]
 window = "{window} us"
 step = "1e-7 s"
-squeezed = true
+precompressed = true
 [record]
 every = "{window} us"
 pictures = []

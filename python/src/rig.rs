@@ -24,8 +24,8 @@ pub struct Rig {
     setup: Setup,
 }
 
-/// Runs a piece of code with the bench of whatever dimension.
-macro_rules! with_bench {
+/// Runs a piece of code with the prepared rig of whatever dimension.
+macro_rules! with_rig {
     ($setup:expr, $prepared:ident => $code:expr) => {
         match $setup {
             Setup::One($prepared) => $code,
@@ -60,7 +60,7 @@ impl Rig {
     /// Name, fit for files and folders.
     #[getter]
     fn name(&self) -> &str {
-        with_bench!(&self.setup, prepared => &prepared.name)
+        with_rig!(&self.setup, prepared => &prepared.name)
     }
     /// Number of dimensions, 1 to 3.
     #[getter]
@@ -74,22 +74,22 @@ impl Rig {
     /// Number of spheres.
     #[getter]
     fn spheres(&self) -> usize {
-        with_bench!(&self.setup, prepared => prepared.rig.sample.spheres.len())
+        with_rig!(&self.setup, prepared => prepared.rig.sample.spheres.len())
     }
     /// The step that is chosen (s).
     #[getter]
     fn step_s(&self) -> f64 {
-        with_bench!(&self.setup, prepared => prepared.plan.step)
+        with_rig!(&self.setup, prepared => prepared.plan.step)
     }
     /// How long the run lasts (s).
     #[getter]
     fn window_s(&self) -> f64 {
-        with_bench!(&self.setup, prepared => prepared.plan.window)
+        with_rig!(&self.setup, prepared => prepared.plan.window)
     }
     /// What the user should know about these choices.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        with_bench!(&self.setup, prepared => prepared.plan.warnings.clone())
+        with_rig!(&self.setup, prepared => prepared.plan.warnings.clone())
     }
 
     /// The spheres at rest, as a table.
@@ -97,7 +97,7 @@ impl Rig {
     /// Columns, shape (spheres,): layer, column (int64; 0 for those of intruders); radius_m, mass_kg (float64); material (str);
     /// position_m (float64), shape (spheres, dimension).
     fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        with_bench!(&self.setup, prepared => table(py, prepared))
+        with_rig!(&self.setup, prepared => table(py, prepared))
     }
 
     /// Runs it in memory and keeps every sphere's motion over time.
@@ -122,7 +122,7 @@ impl Rig {
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let every = every.map(|time| time.seconds("every")).transpose()?;
-        with_bench!(&self.setup, prepared => histories(py, prepared, every, threads))
+        with_rig!(&self.setup, prepared => histories(py, prepared, every, threads))
     }
 
     /// Runs it in memory and keeps every body and closed contact at moments; of rigs in the plane and chains.
@@ -141,7 +141,7 @@ impl Rig {
     #[pyo3(signature = (*, every = None, threads = None))]
     fn frames<'py>(&self, py: Python<'py>, every: Option<Time>, threads: Option<usize>) -> PyResult<Bound<'py, PyAny>> {
         let every = every.map(|time| time.seconds("every")).transpose()?;
-        with_bench!(&self.setup, prepared => frames_of(py, prepared, every, threads))
+        with_rig!(&self.setup, prepared => frames_of(py, prepared, every, threads))
     }
 
     /// Runs it into a folder of records, as granulens simulate does; gives what trial.json holds.
@@ -156,11 +156,11 @@ impl Rig {
         force: bool,
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        with_bench!(&self.setup, prepared => to_folder(py, prepared, folder, resume, force, threads))
+        with_rig!(&self.setup, prepared => to_folder(py, prepared, folder, resume, force, threads))
     }
 
     fn __repr__(&self) -> String {
-        with_bench!(&self.setup, prepared => format!("<Rig {}: {} spheres, {} layers>", prepared.name, prepared.rig.sample.spheres.len(), prepared.layers))
+        with_rig!(&self.setup, prepared => format!("<Rig {}: {} spheres, {} layers>", prepared.name, prepared.rig.sample.spheres.len(), prepared.layers))
     }
 }
 

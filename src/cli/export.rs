@@ -170,8 +170,9 @@ impl Export {
 
     /// A rig is run as its file says, but for the step and window of the command line.
     fn rig<const D: usize>(&self, common: &Common, prepared: &PreparedRig<D>) -> Result<(), Failure> {
-        if self.motion.integrator.is_some_and(|integrator| integrator != Integrator::Verlet) {
-            return Err(Failure::input_with_help(VERLET_ALONE, "Leave it out."));
+        if self.motion.integrator.unwrap_or(prepared.plan.integrator) != Integrator::Verlet {
+            let help = "Leave --integrator out, or take a rig file whose run.integrator is \"verlet\".";
+            return Err(Failure::input_with_help(VERLET_ALONE, help));
         }
         prepared.plan.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         let window = self.motion.window.unwrap_or(prepared.plan.window);

@@ -104,6 +104,9 @@ pub(super) fn failure(error: &SensitivityError) -> Failure {
         SensitivityError::Gradient(granulens::dem::GradientError::RungeKutta) => {
             "Leave --integrator out, or name adams or verlet."
         }
+        SensitivityError::Gradient(granulens::dem::GradientError::Projectile) => {
+            "Take a design whose impact is a force pulse."
+        }
         SensitivityError::Measure(_) => "Ask for focal_mean, protected_mean, contrast, focal_gain or protection.",
         SensitivityError::Gradient(_) | SensitivityError::Batch(_) | SensitivityError::Stopped(_) => {
             "granulens check says what stops the run."

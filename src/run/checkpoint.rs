@@ -33,7 +33,7 @@ pub(super) struct Checkpoint {
     pub state: Vec<u8>,
 }
 
-/// Whether a run with this checksum and these seeds is one of the bench; if not, why.
+/// Whether a run with this checksum and these seeds is one of the prepared rig; if not, why.
 pub(super) fn is_of<const D: usize>(text: u32, seeds: &[u64], prepared: &PreparedRig<D>) -> Result<(), String> {
     if text != crc32fast::hash(prepared.text.as_bytes()) {
         return Err("the file of the rig has changed since; what was begun cannot be gone on with".to_owned());

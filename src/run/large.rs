@@ -31,7 +31,7 @@ const OPENING: &[u8] = b"granulens large trial checkpoint 1\n";
 /// Most steps between two looks at the clock.
 const CHUNK: u64 = 16;
 
-/// The impact on a bench that is one large crystal in space: equal free spheres, one law without friction, no flats, walls, bars or gravity; one
+/// The impact on a prepared rig that is one large crystal in space: equal free spheres, one law without friction, no flats, walls, bars or gravity; one
 /// square force along z from the start on, spheres that move along z, or both; samples of motion alone. None of all others.
 pub fn impact_of(prepared: &PreparedRig<3>) -> Option<Impact> {
     let (rig, record) = (&prepared.rig, &prepared.record);

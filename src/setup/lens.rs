@@ -77,7 +77,7 @@ pub(super) fn of_layout(design: &Design, layout: &Layout, first_seed: Option<u64
     rig.strike(design.impact.of_part(halves), struck, -0.5 * lattice.row_diameter(1));
     let mut warnings = plan.warnings;
     if design.integrator == crate::dem::Integrator::Rk4 {
-        warnings.push("rigs are always advanced with verlet; run.integrator is not used here".to_owned());
+        warnings.push("a design is simulated as a rig by verlet; its run.integrator is not used here".to_owned());
     }
     if first_seed.is_some() {
         warnings.push(NO_CHANCE.to_owned());

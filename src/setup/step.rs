@@ -5,7 +5,7 @@
 //! over a divisor, as for lenses); in a blow it is the contact of two bodies that meet at the greatest speed. Speeds are bounded from
 //! above: given ones, those of prescribed motion, of bars, of a fall, and of what a force drives across a gap. Bounds cost
 //! little, since K grows with the speed to the power 2/5 at most. What they miss is seen in the run, which is then begun again
-//! with half the step (`run`). A crystal under a pulse has the step that a lens design of the same crystal has with Verlet.
+//! with half the step (`run`). A crystal under a pulse has the step that a lens design of the same crystal has with the same scheme.
 
 use crate::contact::{AnyLaw, Dashpot, History, LawKind, NormalLaw, Pair};
 use crate::dem::Integrator;

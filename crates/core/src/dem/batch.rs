@@ -69,7 +69,7 @@ pub enum BatchError {
 /// side (designs with more than 16 kinds of pairs of materials together) is simulated one by one.
 ///
 /// # Errors
-/// See [`BatchError`]. A run that a guard stops is no error: its brief says why.
+/// See [`BatchError`]. A run that a guard stops is no error: its result says why.
 pub fn simulate_batch<const D: usize>(
     samples: &[Sample<D>],
     impact: &Impact,

@@ -1,6 +1,6 @@
 //! Search on discrete designs by ask and tell. Numbers only: what a letter means and where a loss comes from is the caller's.
 //!
-//! A [`Assignment`] gives each of a [`Space`]'s sites one letter of a small alphabet. A [`Search`] is asked for assignments and told
+//! An [`Assignment`] gives each of a [`Space`]'s sites one letter of a small alphabet. A [`Search`] is asked for assignments and told
 //! their losses, of which less is better. Everything follows from the seed and the losses told: neither threads nor a
 //! clock have a say.
 //!
