@@ -286,7 +286,9 @@ impl From<WorkshopError> for Failure {
         match error {
             WorkshopError::Evaluator(error) => error.into(),
             WorkshopError::Held(error) => error.into(),
-            WorkshopError::Records(_) | WorkshopError::Halves => Self::input(error.to_string()),
+            WorkshopError::Records(_) | WorkshopError::Halves | WorkshopError::Projectile => {
+                Self::input(error.to_string())
+            }
         }
     }
 }

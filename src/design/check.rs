@@ -293,6 +293,7 @@ fn read_impact((scope, file): &(Scope, &ImpactFile)) -> Result<Strike, DesignErr
         return Ok(Strike::Projectile(Projectile {
             mass: scope.required("mass", &file.mass)?.positive(Dimension::Mass)?,
             speed: scope.required("speed", &file.speed)?.positive(Dimension::Speed)?,
+            front: None,
         }));
     }
     scope.forbid(&[("mass", &file.mass), ("speed", &file.speed)], "a force pulse", "It has force and duration.")?;

@@ -181,7 +181,7 @@ pub fn held_energies(
                 duration: load.strike.duration().unwrap_or(0.0),
             },
         }),
-        Some(Projectile { mass, speed }) => {
+        Some(Projectile { mass, speed, .. }) => {
             // It arrives as it touches the first of the spheres that it strikes.
             let top = front.iter().map(|s| s.centre[1] - 0.5 * s.diameter).fold(f64::INFINITY, f64::min);
             let radius = 0.5 * design.lattice.diameter();

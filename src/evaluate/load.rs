@@ -1,7 +1,7 @@
 //! What strikes a crystal and what is built of a drawing: the members of a set that a layout is judged by.
 
 use crate::contact::LawKind;
-use crate::dem::{ForcePulse, Impact, Mirror, Strike};
+use crate::dem::{ForcePulse, Impact, Mirror, Projectile, Strike};
 use crate::design::{Design, SpaceDesign};
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
@@ -132,6 +132,7 @@ impl Field {
             Strike::Pulse(pulse) => Strike::Pulse(ForcePulse { force: pulse.force * load.angle.cos(), ..pulse }),
             flat => flat,
         };
+        let along = facing(along, -0.5 * lattice.row_diameter(1));
         if load.is_symmetric() && !whole {
             impact = impact.struck_by(along.of_part(0.5));
             let spheres = sites.iter().enumerate().map(|(i, site)| ([site.x, site.z], i)).collect();
@@ -175,11 +176,20 @@ impl Field<3> {
         let mut impact = super::impact_in_space(design, plan);
         impact.law = load.law.unwrap_or(design.law);
         impact.step = plan.step_under(impact.law);
-        impact = impact.struck_by(load.strike.of_part(0.5));
+        let strike = facing(load.strike, -0.5 * design.lattice.diameter());
+        impact = impact.struck_by(strike.of_part(0.5));
         let sites = design.lattice.sites();
         let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();
         let radii = vec![0.5 * design.lattice.diameter(); sites.len()];
         Self { impact, friction: None, spheres, radii, images: (0..sites.len()).map(|i| [i, i]).collect() }
+    }
+}
+
+/// A projectile whose face lies before the first layer as it is drawn, however pieces of it are made.
+fn facing(strike: Strike, front: f64) -> Strike {
+    match strike {
+        Strike::Projectile(flat) => Strike::Projectile(Projectile { front: Some(front), ..flat }),
+        pulse => pulse,
     }
 }
 

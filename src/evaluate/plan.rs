@@ -154,6 +154,8 @@ pub fn common_plan<'d>(
             let durations: Vec<f64> = of_law.iter().filter_map(Strike::duration).collect();
             dividing(most * (1.0 + 1e-9), &durations).unwrap_or(most)
         };
+        // A step that is chosen is stable under its law; one that follows from a given step may not be.
+        under_law(design, Some(law), &of_law, Overrides { step: Some(step), ..overrides }, palette)?;
         if step != common.step {
             common.step_reason += &format!("; under {law} {}", Time.show(step));
             common.own_steps.push((law, step));

@@ -34,7 +34,8 @@ pub fn lattice_of(path: &Path) -> Result<HexagonalSheet, LayoutFileError> {
             let wanted = HEADER.join(",");
             return Err(fail(format!("line {line} is not {wanted} in numbers and metres.")));
         };
-        if *diameter.get_or_insert(d) != d {
+        // As exact as layouts are read.
+        if (d / *diameter.get_or_insert(d) - 1.0).abs() > 1e-6 {
             return Err(fail("has rows of several diameters, which only a design can lay.".to_owned()));
         }
         if row == 2.0 && x.abs() < 0.25 * d {

@@ -109,7 +109,8 @@ pub(super) fn needed<const D: usize>(
             place(a).zip(place(b)).map_or(0.0, |(a, b)| laws.between(a, b).stiffness_max(force))
         },
     );
-    let parts = divisor(accuracy, integrator);
+    // Where friction's springs act every scheme is of second order.
+    let parts = divisor(accuracy, if rig.has_friction() { Integrator::Verlet } else { integrator });
     if force > 0.0 {
         needed.at_most(stiffest.limit / parts, || format!("{class} class: {} over {parts}", stiffest.words()));
     }

@@ -3,7 +3,9 @@
 use super::{Entry, Stage, Study, Work};
 use crate::contact::LawKind;
 use crate::dem::Strike;
+use crate::design::DesignRef;
 use crate::evaluate::{Detail, Plan};
+use crate::lattice::BlockSide;
 use crate::search::Assignment;
 
 /// Where FNV-1a begins.
@@ -51,6 +53,12 @@ impl Key {
         for case in study.cases().into_iter().skip(study.impacts.len() * study.forces.count()) {
             key.add(format!("{:?}", case.imperfection.wrong).as_bytes());
             case.imperfection.radii.iter().for_each(|radius| key.add(&radius.to_bits().to_le_bytes()));
+        }
+        // Spheres that touch a wall and lie on the plane of symmetry met it twice as stiff in 0.2.
+        if let DesignRef::Space(design) = study.design()
+            && matches!(design.lattice.sides()[1], BlockSide::Wall | BlockSide::Mirror)
+        {
+            key.add(b"walled corners");
         }
         if study.detail() == Detail::Everything {
             key.add(b"felt");

@@ -263,7 +263,7 @@ fn read_impact(scope: &Scope, file: &ImpactFile, layout: &Layout) -> Result<Impa
                 let fail = || entry.fail("must be greater than zero", &entry.write_it_like());
                 if value > 0.0 { Ok(value) } else { Err(fail()) }
             };
-            Some(Projectile { mass: above_zero(&mass, Mass)?, speed: above_zero(&speed, Speed)? })
+            Some(Projectile { mass: above_zero(&mass, Mass)?, speed: above_zero(&speed, Speed)?, front: None })
         }
         (Some(one), None) => {
             return Err(one.fail("asks for projectile_speed beside it", "Add projectile_speed = \"20 m/s\"."));

@@ -258,6 +258,9 @@ fn refusal(workshop: &Workshop) -> Option<&'static str> {
         State::NominalSites if workshop.subject().left.is_some() => {
             Some("derivatives are those of a half, and the halves of this piece differ")
         }
+        State::NominalSites if workshop.design().impact.projectile().is_some() => {
+            Some("derivatives are those under a force pulse")
+        }
         State::NominalSites => None,
     }
 }

@@ -38,6 +38,12 @@ pub enum WorkshopError {
         "halves = \"alike\" is for pieces whose halves are drawn alike, and those of this layout differ; leave it out"
     )]
     Halves,
+    /// A design's projectile is to come slanted, beside the axis, or for some time.
+    #[error(
+        "the design's projectile is a flat that strikes all of row 1 straight: impact.angle, impact.off_centre and impact.duration are those of a pulse; leave them \
+         out"
+    )]
+    Projectile,
 }
 
 /// What a piece does.
@@ -75,6 +81,10 @@ impl<'a> Workshop<'a> {
     ) -> Result<Self, WorkshopError> {
         if subject.left.is_some() && tolerances.halves_alike {
             return Err(WorkshopError::Halves);
+        }
+        let of_pulse = [tolerances.impact.duration, tolerances.impact.angle, tolerances.impact.off_centre];
+        if design.impact.projectile().is_some() && of_pulse.iter().any(|&limit| limit != 0.0) {
+            return Err(WorkshopError::Projectile);
         }
         let records = asked.iter().find(|measure| measure.needs() == Needs::Records);
         let detail = match records {

@@ -259,7 +259,8 @@ fn as_json(value: &toml_edit::Value) -> Value {
 fn told(design: &Design, known: &str) -> Value {
     let lattice = &design.lattice;
     let diameter = lattice.diameter();
-    let (packing, sizes) = (lattice.packing().name(), lattice.diameters());
+    let sizes: Vec<f64> = (1..=lattice.rows()).map(|row| lattice.row_diameter(row)).collect();
+    let packing = lattice.packing().name();
     let crystal = format!("{packing}/{diameter}/{sizes:?}/{}/{}", lattice.rows(), lattice.half_width());
     let sites = (crystal != known).then(|| {
         let sites = lattice.sites();

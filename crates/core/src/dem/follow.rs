@@ -63,7 +63,9 @@ impl<'a, const D: usize> Group<'a, D> {
         );
         let mut mirrors = impact.mirrors.clone();
         if is_flat {
-            mirrors.push(front(samples, &impact.struck));
+            let front = strikes[0].projectile().and_then(|flat| flat.front);
+            let position = front.unwrap_or_else(|| first_top(samples, &impact.struck));
+            mirrors.push(Mirror { axis: D - 1, position, inward: 1.0 });
         }
         let mut strangers = Strangers::new(samples, &mirrors, &impact.periods, is_flat);
         let touching = Touching::find(samples, (&mirrors, &impact.periods), &mut |i, j| strangers.tell(i, j))?;
@@ -79,11 +81,11 @@ impl<'a, const D: usize> Group<'a, D> {
     }
 }
 
-/// The face that touches the first of the struck spheres.
-fn front<const D: usize>(samples: &[&Sample<D>], struck: &[usize]) -> Mirror {
+/// Where a face touches the first of the struck spheres (m).
+fn first_top<const D: usize>(samples: &[&Sample<D>], struck: &[usize]) -> f64 {
     let spheres = samples.iter().flat_map(|sample| struck.iter().map(|&i| &sample.spheres[i]));
     let tops = spheres.filter(|sphere| sphere.radius > 0.0).map(|sphere| sphere.centre[D - 1] - sphere.radius);
-    Mirror { axis: D - 1, position: tops.fold(f64::INFINITY, f64::min), inward: 1.0 }
+    tops.fold(f64::INFINITY, f64::min)
 }
 
 /// A run that has ended.
@@ -155,7 +157,7 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
         };
         contacts.plate = group.plate(&grains);
         let strike = group.strikes[0].projectile();
-        let flat = strike.map_or(0.0, |Projectile { mass, speed }| 0.5 * mass * speed * speed);
+        let flat = strike.map_or(0.0, |Projectile { mass, speed, .. }| 0.5 * mass * speed * speed);
         let work = impact.moving.iter().fold(flat, brought);
         let mut drive = Drive::new(&group.strikes, impact.slope, &impact.struck, work);
         let mut stepper = Stepper::new(impact.integrator, accept, impact.step, spheres);

@@ -37,6 +37,10 @@ pub struct Projectile {
     pub mass: f64,
     /// Speed (m/s) with which it arrives.
     pub speed: f64,
+    /// Where its face lies along the last axis as it arrives (m); if none, where it touches the first of the spheres that it strikes. Pieces of several sizes are judged
+    /// before one face, so that none depends on those beside it.
+    #[serde(skip)]
+    pub front: Option<f64>,
 }
 
 /// What strikes the first layer.
@@ -67,7 +71,7 @@ impl fmt::Display for Strike {
             Self::Pulse(ForcePulse { force, duration }) => {
                 write!(f, "{} for {}", Dimension::Force.show(*force), Dimension::Time.show(*duration))
             }
-            Self::Projectile(Projectile { mass, speed }) => {
+            Self::Projectile(Projectile { mass, speed, .. }) => {
                 write!(f, "a projectile of {} at {}", Dimension::Mass.show(*mass), Dimension::Speed.show(*speed))
             }
         }

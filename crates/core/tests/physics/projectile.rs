@@ -48,7 +48,7 @@ fn a_flat_hands_a_sphere_what_an_elastic_collision_does() {
     for (of_sphere, speed) in [(20.0, 2.0), (3.0, 2.0), (0.4, 5.0)] {
         let mass = of_sphere * m;
         for integrator in [Integrator::Verlet, Integrator::Adams, Integrator::Rk4] {
-            let projectile = Projectile { mass, speed };
+            let projectile = Projectile { mass, speed, front: None };
             let impact = Impact { law: LawKind::Hertz, integrator, ..impact(vec![0], projectile) };
             let record = run(&sample, &Impact { window: 100e-6, ..impact });
             assert_eq!(record.stop, None);
@@ -81,7 +81,7 @@ fn a_heavy_flat_drives_a_wave_of_its_own_speed() {
         let (mass, speed) = (1e7 * sample.mass(0), 3.0);
         let wave = bound(Dimension::One, [&of; 2], DIAMETER, Constants::Code).speed;
         let window = 150.0 * DIAMETER / wave;
-        let impact = impact(vec![0], Projectile { mass, speed });
+        let impact = impact(vec![0], Projectile { mass, speed, front: None });
         let record = run(&sample, &Impact { law: LawKind::LinearStatic, window, ..impact });
         let time = record.steps as f64 * 1e-7;
         let force = mass * (speed - record.projectile.unwrap()[1]) / time;
@@ -109,7 +109,7 @@ fn sheet() -> (Sample<2>, Impact) {
         Mirror { axis: 0, position: 0.0, inward: 1.0 },
         Mirror { axis: 0, position: 5.5 * DIAMETER, inward: -1.0 },
     ];
-    let impact = Impact { mirrors, ..impact(struck, Projectile { mass: 10e-3, speed: 15.0 }) };
+    let impact = Impact { mirrors, ..impact(struck, Projectile { mass: 10e-3, speed: 15.0, front: None }) };
     (sample, impact)
 }
 
@@ -121,13 +121,14 @@ fn block() -> (Block, Sample<3>, Impact) {
     let spheres = block.sites().iter().map(|site| sphere(site.centre, brass(site))).collect();
     let sample = Sample { materials: vec![material("440c"), material("brass")], spheres };
     let mirrors = vec![Mirror { axis: 0, position: 0.0, inward: 1.0 }];
-    let impact = Impact { mirrors, ..impact(block.layer(1).collect(), Projectile { mass: 30e-3, speed: 15.0 }) };
+    let impact =
+        Impact { mirrors, ..impact(block.layer(1).collect(), Projectile { mass: 30e-3, speed: 15.0, front: None }) };
     (block, sample, impact)
 }
 
 /// Momentum along the axis: what the flat has lost the simulated parts of the spheres have, by Newton's third law, to rounding; and energy.
 fn conserves<const D: usize>(sample: &Sample<D>, impact: &Impact, record: &Record<D>) {
-    let Projectile { mass, speed } = impact.projectile.unwrap();
+    let Projectile { mass, speed, .. } = impact.projectile.unwrap();
     let part = |i: usize| {
         let on = impact.mirrors.iter().filter(|mirror| mirror.carries(&sample.spheres[i].centre, 1e-3)).count();
         0.5_f64.powi(on as i32)
@@ -186,7 +187,7 @@ fn flats_in_lanes_and_on_the_whole_crystal_are_those_of_the_half() {
     let never = Context::default();
     let (sample, impact) = sheet();
     let speeds: Vec<Projectile> =
-        (0..5).map(|k| Projectile { mass: 10e-3, speed: 12.0 + 1.5 * f64::from(k) }).collect();
+        (0..5).map(|k| Projectile { mass: 10e-3, speed: 12.0 + 1.5 * f64::from(k), front: None }).collect();
     let samples = vec![sample.clone(); speeds.len()];
     for width in [Width::Scalar, Width::widest()] {
         let briefs = simulate_batch_under(&samples, &impact, &speeds, None, None, width, &never).unwrap();

@@ -434,14 +434,16 @@ pub(super) fn inverse_inertias(sample: &Sample<2>, frame: &Frame, grains: &Grain
 /// The kinds of contacts; the frame learns which contact is of which.
 pub(super) fn kinds(sample: &Sample<2>, impact: &Impact, frame: &mut Frame) -> Vec<Kind> {
     let mut kinds = Vec::new();
-    let mut seen: Vec<([usize; 2], [f64; 2], [f64; 2])> = Vec::new();
+    let mut seen: Vec<(bool, [usize; 2], [f64; 2], [f64; 2])> = Vec::new();
     for (c, place) in frame.places.iter().enumerate() {
         let spheres = frame.ends[c].map(|i| &sample.spheres[i]);
         let geometry = match place {
             Place::Pair(touch) => [gap_squared(sample, touch.pair, &touch.offset), touch.reach],
             Place::Image(touch) => [image_of(impact, touch.axis, touch.inward, sample, touch.sphere), touch.reach],
         };
-        let one = (spheres.map(|sphere| sphere.material), spheres.map(|sphere| sphere.radius), geometry);
+        // A contact with an image has the numbers of one with an equal sphere, but its gap is a length.
+        let is_image = matches!(place, Place::Image(_));
+        let one = (is_image, spheres.map(|sphere| sphere.material), spheres.map(|sphere| sphere.radius), geometry);
         frame.kind[c] = seen.iter().position(|known| *known == one).unwrap_or_else(|| {
             kinds.push(Kind::new(sample, (impact, frame.friction), (place, frame.ends[c]), geometry));
             seen.push(one);

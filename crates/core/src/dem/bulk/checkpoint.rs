@@ -9,7 +9,7 @@ use super::Bulk;
 use super::section::{Arrivals, Section};
 use crate::dem::record::{ArrivalTracker, Point};
 
-const MAGIC: &[u8; 24] = b"granulens bulk version 1";
+const MAGIC: &[u8; 24] = b"granulens bulk version 2";
 
 /// Why a checkpoint cannot be written or taken up.
 #[derive(Debug, thiserror::Error)]

@@ -17,7 +17,7 @@ impl<const D: usize> Rig<D> {
                 let curve = Curve::Square { peak: force, start: 0.0, duration };
                 self.loads.push(Load { bodies: struck, direction: along, kind: LoadKind::Force, curve });
             }
-            Strike::Projectile(Projectile { mass, speed }) => {
+            Strike::Projectile(Projectile { mass, speed, .. }) => {
                 let held = std::array::from_fn(|axis| axis + 1 < D);
                 let (point, velocity) = (along.map(|along| top * along), along.map(|along| speed * along));
                 // Where spheres rub each other it is smooth all the same.
@@ -61,7 +61,8 @@ pub fn simulate_as_rig<const D: usize>(
         rig.loads.clear();
         let top = impact.struck.iter().map(|&i| &sample.spheres[i]).map(|s| s.centre[D - 1] - s.radius);
         let mass = flat.mass * 2.0_f64.powi(rig.mirrors.len() as i32);
-        rig.strike(Projectile { mass, ..flat }.into(), Vec::new(), top.fold(f64::INFINITY, f64::min));
+        let front = flat.front.unwrap_or_else(|| top.fold(f64::INFINITY, f64::min));
+        rig.strike(Projectile { mass, ..flat }.into(), Vec::new(), front);
     }
     for &(i, speed) in &impact.moving {
         rig.velocity[i][D - 1] = speed;

@@ -57,6 +57,8 @@ impl Looked {
         for (n, number) in numbers.enumerate() {
             looked.tables[n % NUMBERS][n / NUMBERS] = number;
         }
+        // The law's number is read where the first kind stands, which may be that of a flat, or of pairs that are no longer near.
+        looked.tables[0] = [kind.map_or(0.0, |kind| f64::from(kind as u8)); KINDS];
         looked.place = pair_law.iter().map(|&place| place as u8).collect();
         Some(looked)
     }

@@ -5,7 +5,7 @@ use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::dashpot::SpringDashpot;
 use crate::dem::rig::law::{ByDashpot, ByMaterial, ContactLaw as _, SolidLaw};
 use crate::dem::rig::pairs::Finder;
-use crate::dem::rig::{Arm, Friction, Law, LawBook, Loss, Rig, Spring};
+use crate::dem::rig::{Arm, Flat, FlatContact, Friction, Law, LawBook, Loss, Rig, Spring};
 use crate::real::Width;
 use crate::sample::{Sample, Sphere};
 
@@ -198,5 +198,53 @@ fn every_width_gives_the_same_forces_on_spheres() {
                 }
             }
         }
+    }
+}
+
+/// Two spheres that meet after the first list was made, above a flat with a law of its own: the pair has its own law, though the flat's stands first.
+#[test]
+fn a_flat_s_own_law_is_not_that_of_pairs() {
+    let book = LawBook::named(LawKind::Consistent);
+    let material = crate::material::find("440c", &[]).unwrap();
+    let at = |z: f64| Sphere { centre: [0.0, 0.0, z], radius: 3e-3, material: 0 };
+    let sample = Sample { materials: vec![material.clone()], spheres: vec![at(3e-3), at(30e-3)] };
+    let mut rig = Rig::new(sample, book);
+    let law = Some(Law::Named(LawKind::Hertz));
+    rig.flats.push(Flat {
+        contact: FlatContact { law, ..FlatContact::default() },
+        ..Flat::wall("floor", [0.0; 3], [0.0, 0.0, 1.0])
+    });
+    let named = Law::Named(LawKind::Consistent);
+    let maker = ByMaterial {
+        law: named,
+        constants: Constants::default(),
+        pairs: Vec::new(),
+        friction: None,
+        materials: vec![material],
+    };
+    let of = |width: Option<Width>| {
+        let (finder, mut bodies) = (Finder::new(&rig), Bodies::new(&rig));
+        let mut contacts = Contacts::<3, SolidLaw>::new(&rig, 2.0);
+        contacts.renew(&rig, &finder, &bodies, &maker);
+        assert_eq!((contacts.near.len(), contacts.faces.len()), (0, 1));
+        // The upper one has come down to the lower one.
+        bodies.displacement[1][2] = -21e-3 - 40e-6;
+        contacts.renew(&rig, &finder, &bodies, &maker);
+        contacts.width = width.unwrap_or(Width::Scalar);
+        assert!(contacts.near.len() == 1 && contacts.looked.is_some());
+        if width.is_none() {
+            contacts.looked = None;
+        }
+        let mut sums = Sums::new(2, 1);
+        let velocity = [[0.0; 3], [0.0, 0.0, -3.0]];
+        let turn = bodies.spin.times(&contacts.lever);
+        let predicted = Predicted { velocity: &velocity, turn: &turn, flat_velocity: &[[0.0; 3]], step: 1e-7 };
+        contacts.sweep(&rig, &bodies, predicted, &mut sums);
+        sums.force[1][2]
+    };
+    let one_at_a_time = of(None);
+    assert!(one_at_a_time > 100.0);
+    for width in Width::available() {
+        assert_eq!(of(Some(width)).to_bits(), one_at_a_time.to_bits(), "{width:?}");
     }
 }
