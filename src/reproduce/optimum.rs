@@ -34,6 +34,7 @@ const ONE: Files = files![
     "four-rows-5-29-basin-2.csv",
     "four-rows-5-29-basin-3.csv",
     "four-rows-5-29-first.csv",
+    "four-rows-5-29-from-lens.csv",
     "four-rows-5-29-protected-2.csv",
     "four-rows-5-29-protected-3.csv",
     "four-rows-5-29-protected.csv",
