@@ -202,7 +202,7 @@ mod tests {
             (
                 "four-materials-tolerance",
                 "662cf2b51e234d5887261b16a9e77d33",
-                "79ac267f27bcf8537f0fcc9a617b4739",
+                "2e96663bf3a88dc433052f9e6c43bc8b",
                 &["7f95ef958f2c63ffe1c4a2cb46867754"],
             ),
             (
