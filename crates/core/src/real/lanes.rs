@@ -84,8 +84,8 @@ impl Width {
     /// Runs a kernel at this width, or one design at a time where the processor lacks it. The bits are the same.
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
-        if self.is_available() {
-            return x86::run(self, kernel);
+        if self.is_available() && self != Self::Scalar {
+            return x86::run_side_by_side(self, kernel);
         }
         kernel.run::<f64>()
     }
@@ -104,11 +104,6 @@ mod x86 {
 
     use super::{Kernel, Width};
     use crate::real::{Job, Lanes, Number, functions_of_lanes};
-
-    /// The caller has asked the processor for this width.
-    pub fn run<K: Kernel>(width: Width, kernel: K) -> K::Output {
-        if width == Width::Scalar { kernel.run::<f64>() } else { run_side_by_side(width, kernel) }
-    }
 
     /// The caller has asked the processor for this width, which is not one.
     pub fn run_side_by_side<K: Kernel>(width: Width, kernel: K) -> K::Output {

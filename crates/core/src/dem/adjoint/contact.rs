@@ -67,19 +67,27 @@ pub(super) struct Answer<N> {
     pub memory: Memory<N>,
 }
 
-/// What a contact answers. The two laws that lenses are designed with are compiled into the loop around, others stand apart.
+/// What a contact answers. The two laws that lenses are designed with are compiled into the loop around where it is `QUICK`, others stand apart: with as
+/// many slopes as friction has they would be a third of a megabyte of the program.
 #[inline(always)]
-fn under<N: Number>(law: &AnyLaw<N>, overlap: N, closing_speed: N, history: &History<N>) -> (N, History<N>) {
+fn under<N: Number, const QUICK: bool>(
+    law: &AnyLaw<N>,
+    overlap: N,
+    closing_speed: N,
+    history: &History<N>,
+) -> (N, History<N>) {
     match law {
-        AnyLaw::Thesis(law) | AnyLaw::ThesisStatic(law) => law.respond(overlap, closing_speed, history),
-        AnyLaw::Consistent(law) | AnyLaw::ConsistentStatic(law) => law.respond(overlap, closing_speed, history),
+        AnyLaw::Thesis(law) | AnyLaw::ThesisStatic(law) if QUICK => law.respond(overlap, closing_speed, history),
+        AnyLaw::Consistent(law) | AnyLaw::ConsistentStatic(law) if QUICK => {
+            law.respond(overlap, closing_speed, history)
+        }
         other => other.respond(overlap, closing_speed, history),
     }
 }
 
 /// What it does in this state. None while it is open. The same operations in the same order as the sweep of a run, so that their bits are the same.
 #[inline(always)]
-pub(super) fn respond<N: Number>(
+pub(super) fn respond<N: Number, const QUICK: bool>(
     place: &Place,
     make: &Make<N>,
     motion: &Motion<N>,
@@ -88,11 +96,11 @@ pub(super) fn respond<N: Number>(
 ) -> Option<Answer<N>> {
     let zero = N::splat(0.0);
     let Memory { history, spring } = memory;
-    match place {
+    let mut between = [zero; 2];
+    let (overlap, closing_speed) = match place {
         Place::Pair(touch) => {
             let least = N::splat(2.0 * closed) * make.reach * make.reach;
             let mut excess = -make.gap;
-            let mut between = [zero; 2];
             for k in 0..2 {
                 let shift = motion.shift[k];
                 excess = excess - shift * (N::splat(2.0 * touch.offset[k]) + shift);
@@ -111,29 +119,7 @@ pub(super) fn respond<N: Number>(
                 between[k] = between[k] * inverse;
                 closing_speed = closing_speed + motion.approach[k] * between[k];
             }
-            let (push, history) = under(&make.law, overlap, closing_speed, history);
-            let across = [push * between[0], push * between[1]];
-            let Some(Rub { coefficient, step, radii, stiffness }) = make.rub else {
-                let memory = Memory { history, spring: *spring };
-                return Some(Answer { push: across, drag: [zero; 2], couple: [zero; 2], memory });
-            };
-            let tangent = [-between[1], between[0]];
-            let slide = Slide {
-                overlap,
-                closing_speed,
-                push,
-                across: motion.approach[0] * tangent[0] + motion.approach[1] * tangent[1],
-                radii,
-                spins: motion.spins,
-                stiffness,
-            };
-            let Slid { force, arms, spring, .. } = slide.under(coefficient, Some(step), spring);
-            Some(Answer {
-                push: across,
-                drag: [force * tangent[0], force * tangent[1]],
-                couple: [arms[0] * force, arms[1] * force],
-                memory: Memory { history, spring },
-            })
+            (overlap, closing_speed)
         }
         Place::Image(touch) => {
             let (two, inward) = (N::splat(2.0), N::splat(touch.inward));
@@ -141,14 +127,40 @@ pub(super) fn respond<N: Number>(
             if !N::all((N::splat(closed) * make.reach).lt(overlap)) {
                 return None;
             }
-            let closing_speed = -(two * inward * motion.approach[touch.axis]);
-            let (push, history) = under(&make.law, overlap, closing_speed, history);
-            let mut force = [zero; 2];
-            force[touch.axis] = inward * push;
-            let memory = Memory { history, spring: *spring };
-            Some(Answer { push: force, drag: [zero; 2], couple: [zero; 2], memory })
+            (overlap, -(two * inward * motion.approach[touch.axis]))
         }
-    }
+    };
+    // Once for both: laws are long in numbers with slopes.
+    let (push, history) = under::<N, QUICK>(&make.law, overlap, closing_speed, history);
+    let unrubbed = Memory { history, spring: *spring };
+    let across = match place {
+        Place::Pair(_) => [push * between[0], push * between[1]],
+        Place::Image(touch) => {
+            let mut force = [zero; 2];
+            force[touch.axis] = N::splat(touch.inward) * push;
+            return Some(Answer { push: force, drag: [zero; 2], couple: [zero; 2], memory: unrubbed });
+        }
+    };
+    let Some(Rub { coefficient, step, radii, stiffness }) = make.rub else {
+        return Some(Answer { push: across, drag: [zero; 2], couple: [zero; 2], memory: unrubbed });
+    };
+    let tangent = [-between[1], between[0]];
+    let slide = Slide {
+        overlap,
+        closing_speed,
+        push,
+        across: motion.approach[0] * tangent[0] + motion.approach[1] * tangent[1],
+        radii,
+        spins: motion.spins,
+        stiffness,
+    };
+    let Slid { force, arms, spring, .. } = slide.under(coefficient, Some(step), spring);
+    Some(Answer {
+        push: across,
+        drag: [force * tangent[0], force * tangent[1]],
+        couple: [arms[0] * force, arms[1] * force],
+        memory: Memory { history, spring },
+    })
 }
 
 /// Quantities of each sphere that a contact depends on: density, Young's modulus, yield stress and radius, each as its logarithm.
@@ -230,8 +242,10 @@ pub(super) fn slopes<const W: usize, const O: usize>(
             force: Sloped::constant(spring.force),
         },
     };
-    let Answer { push, drag, couple, memory: Memory { history, spring } } =
-        respond(place, make, &motion, &memory, closed)?;
+    let Answer { push, drag, couple, memory: Memory { history, spring } } = match rubs {
+        true => respond::<_, false>(place, make, &motion, &memory, closed)?,
+        false => respond::<_, true>(place, make, &motion, &memory, closed)?,
+    };
     let force = [push[0] + drag[0], push[1] + drag[1]];
     let all = [force[0], force[1], history.overlap_max, history.force_max, history.own].into_iter().chain([
         couple[0],

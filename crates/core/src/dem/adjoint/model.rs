@@ -230,7 +230,7 @@ impl Frame {
             let (place, [a, b]) = (&self.places[c], self.ends[c]);
             let motion = motion(place, [a, b], &state.displacement, (predicted, spins));
             let make = &model.makes[self.kind[c]];
-            let Some(answer) = respond(place, make, &motion, &memory(state, c), CLOSED) else {
+            let Some(answer) = respond::<_, true>(place, make, &motion, &memory(state, c), CLOSED) else {
                 // An open contact forgets its spring.
                 state.turning.spring.iter_mut().skip(c).take(1).for_each(|spring| *spring = Spring::none());
                 continue;
@@ -434,7 +434,7 @@ pub(super) fn inverse_inertias(sample: &Sample<2>, frame: &Frame, grains: &Grain
 /// The kinds of contacts; the frame learns which contact is of which.
 pub(super) fn kinds(sample: &Sample<2>, impact: &Impact, frame: &mut Frame) -> Vec<Kind> {
     let mut kinds = Vec::new();
-    let mut seen: Vec<(bool, [usize; 2], [f64; 2], [f64; 2])> = Vec::new();
+    let mut seen = Vec::new();
     for (c, place) in frame.places.iter().enumerate() {
         let spheres = frame.ends[c].map(|i| &sample.spheres[i]);
         let geometry = match place {

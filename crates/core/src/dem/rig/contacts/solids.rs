@@ -9,7 +9,7 @@ use crate::dem::rig::law::{PairLaw, Slip, SolidLaw};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::spins;
 use crate::dem::share::rows;
-use crate::real::{Kernel, Lanes};
+use crate::real::{Job, Kernel, Lanes};
 
 use super::friction::{Coulomb, coulomb};
 use super::react::{CLOSED, Meeting, Predicted, between, meet, since, slid};
@@ -131,14 +131,25 @@ impl<const D: usize, const GROUPS: usize> Kernel for Sweep<'_, D, GROUPS> {
         let count = self.piece.account.overlap.len();
         let mut own = vec![[0.0; KINDS]; if self.looked.tables.is_empty() { NUMBERS } else { 0 }];
         let mut n = 0;
-        while n + V::LANES <= count {
+        while V::LANES > 1 && n + V::LANES <= count {
             self.react::<V>(n, &mut own);
             n += V::LANES;
         }
         while n < count {
-            self.react::<f64>(n, &mut own);
+            self.react_one(n, &mut own);
             n += 1;
         }
+    }
+}
+
+/// The law of contacts side by side, compiled once for each width and not in every sweep.
+struct Responded<'a, V: Lanes>(Asked<'a, V>);
+
+impl<V: Lanes> Job for Responded<'_, V> {
+    type Output = (V, History<V>);
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        AnyLaw::respond_at(&self.0)
     }
 }
 
@@ -190,6 +201,12 @@ fn together<V: Lanes>(arms: &[V; 2], first: &[V; 3], second: &[V; 3]) -> [V; 3] 
 }
 
 impl<const D: usize, const GROUPS: usize> Sweep<'_, D, GROUPS> {
+    /// The contact in place n of the section, in code that all widths share.
+    #[inline(never)]
+    fn react_one(&mut self, n: usize, own: &mut [[f64; KINDS]]) {
+        self.react::<f64>(n, own);
+    }
+
     /// Contacts from place n of the section on.
     #[inline(always)]
     fn react<V: Lanes>(&mut self, n: usize, own: &mut [[f64; KINDS]]) {
@@ -234,7 +251,7 @@ impl<const D: usize, const GROUPS: usize> Sweep<'_, D, GROUPS> {
         let [overlap_max, force_max, own_memory] = V::load_threes(memories.as_flattened());
         let history = History { overlap_max, force_max, own: own_memory };
         let asked = Asked { tables, place, overlap, closing_speed, history: &history };
-        let (push, after) = AnyLaw::respond_at(&asked);
+        let (push, after) = V::outlined(Responded(asked));
         // Only closed contacts change their memories.
         let after = [
             V::select(closed, after.overlap_max, overlap_max),
