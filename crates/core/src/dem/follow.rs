@@ -82,7 +82,7 @@ impl<'a, const D: usize> Group<'a, D> {
 }
 
 /// Where a face touches the first of the struck spheres (m).
-fn first_top<const D: usize>(samples: &[&Sample<D>], struck: &[usize]) -> f64 {
+pub(super) fn first_top<const D: usize>(samples: &[&Sample<D>], struck: &[usize]) -> f64 {
     let spheres = samples.iter().flat_map(|sample| struck.iter().map(|&i| &sample.spheres[i]));
     let tops = spheres.filter(|sphere| sphere.radius > 0.0).map(|sphere| sphere.centre[D - 1] - sphere.radius);
     tops.fold(f64::INFINITY, f64::min)

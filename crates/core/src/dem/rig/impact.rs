@@ -4,6 +4,7 @@ use super::{
     Arrival, Body, Curve, Flat, FlatContact, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, RigStop, Simulation,
 };
 use crate::Context;
+use crate::dem::follow::first_top;
 use crate::dem::{ForcePulse, Impact, Integrator, Ledger, Projectile, Record, Stop, Strike, steps_in};
 use crate::sample::Sample;
 
@@ -59,9 +60,8 @@ pub fn simulate_as_rig<const D: usize>(
     }];
     if let Some(flat) = impact.projectile {
         rig.loads.clear();
-        let top = impact.struck.iter().map(|&i| &sample.spheres[i]).map(|s| s.centre[D - 1] - s.radius);
         let mass = flat.mass * 2.0_f64.powi(rig.mirrors.len() as i32);
-        let front = flat.front.unwrap_or_else(|| top.fold(f64::INFINITY, f64::min));
+        let front = flat.front.unwrap_or_else(|| first_top(&[sample], &impact.struck));
         rig.strike(Projectile { mass, ..flat }.into(), Vec::new(), front);
     }
     for &(i, speed) in &impact.moving {
