@@ -6,6 +6,7 @@ use std::time::Duration;
 use granulens::Context;
 use granulens::bed::{FRAME_SI, Frame};
 use granulens::dem::rig::{EnergyLedger, RigStop, Simulation};
+use granulens::dem::{MoveIn, Spheres};
 use granulens::run::{self, Ending, Keeping};
 use granulens::setup::{PreparedRig, Setup};
 use granulens::{input, output, report};
@@ -200,7 +201,10 @@ fn follow<const D: usize>(
     every: u64,
     context: &Context,
     mut look: impl FnMut(&Simulation<D>),
-) -> Result<(Simulation<D>, Option<RigStop>)> {
+) -> Result<(Simulation<D>, Option<RigStop>)>
+where
+    Spheres: MoveIn<D>,
+{
     let words = |error: &granulens::dem::rig::RigError| {
         Failure::input(format!("{}: {}", prepared.path.display(), error.words(&|body| prepared.name_of(body))))
     };
@@ -222,7 +226,10 @@ fn follow<const D: usize>(
     }
 }
 
-fn keep<const D: usize>(prepared: &PreparedRig<D>, every: u64, context: &Context) -> Result<Kept> {
+fn keep<const D: usize>(prepared: &PreparedRig<D>, every: u64, context: &Context) -> Result<Kept>
+where
+    Spheres: MoveIn<D>,
+{
     let count = prepared.rig.sample.spheres.len();
     let mut kept = Kept::default();
     let (simulation, stop) = follow(prepared, every, context, |simulation| {
@@ -251,7 +258,10 @@ fn frames_of<'py, const D: usize>(
     prepared: &PreparedRig<D>,
     every: Option<f64>,
     threads: Option<usize>,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyAny>>
+where
+    Spheres: MoveIn<D>,
+{
     if D > 2 {
         let message = "frames are of what lies in the plane, and this rig has three dimensions";
         return Err(Failure::with_help(message, "Take histories().").into());
@@ -276,7 +286,10 @@ fn histories<'py, const D: usize>(
     prepared: &PreparedRig<D>,
     every: Option<f64>,
     threads: Option<usize>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyDict>>
+where
+    Spheres: MoveIn<D>,
+{
     let (steps, frames) = moments(prepared, every);
     let count = prepared.rig.sample.spheres.len();
     let bytes = frames as f64 * (count * D * 3 * 8) as f64;
@@ -316,7 +329,10 @@ fn to_folder<'py, const D: usize>(
     resume: bool,
     force: bool,
     threads: Option<usize>,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyAny>>
+where
+    Spheres: MoveIn<D>,
+{
     // Each call is a command of its own.
     input::forget();
     input::remember(&prepared.path);

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use granulens::Context;
 use granulens::dem::rig::Simulation;
-use granulens::dem::{Impact, Stop, simulate};
+use granulens::dem::{Impact, MoveIn, Spheres, Stop, simulate};
 use granulens::outcome::FORMAT;
 use granulens::sample::Sample;
 use serde::Serialize;
@@ -73,7 +73,10 @@ pub fn tell(common: &Common, parts: &[Part]) -> Result<(), Failure> {
 }
 
 /// Time of one core (s) for a lens or another arrangement with full records.
-pub fn arrangement<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Result<f64, Failure> {
+pub fn arrangement<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Result<f64, Failure>
+where
+    Spheres: MoveIn<D>,
+{
     let over = Context::default();
     let ends = over.clone();
     std::thread::spawn(move || {

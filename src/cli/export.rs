@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use granulens::bed::read_frame;
 use granulens::contact::LawKind;
 use granulens::dem::rig::{Rig, RigError, RigStop, Simulation};
-use granulens::dem::{Integrator, steps_in};
+use granulens::dem::{Integrator, MoveIn, Spheres, steps_in};
 use granulens::design::Design;
 use granulens::evaluate::{Overrides, Plan, method};
 use granulens::export;
@@ -169,7 +169,10 @@ impl Export {
     }
 
     /// A rig is run as its file says, but for the step and window of the command line.
-    fn rig<const D: usize>(&self, common: &Common, prepared: &PreparedRig<D>) -> Result<(), Failure> {
+    fn rig<const D: usize>(&self, common: &Common, prepared: &PreparedRig<D>) -> Result<(), Failure>
+    where
+        Spheres: MoveIn<D>,
+    {
         if self.motion.integrator.unwrap_or(prepared.plan.integrator) != Integrator::Verlet {
             let help = "Leave --integrator out, or take a rig file whose run.integrator is \"verlet\".";
             return Err(Failure::input_with_help(VERLET_ALONE, help));
@@ -200,7 +203,10 @@ impl Export {
         &self,
         common: &Common,
         run: impl Fn(Option<LawKind>) -> Result<Run<D>, Failure>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Failure>
+    where
+        Spheres: MoveIn<D>,
+    {
         if common.dry_run {
             let mut parts = Vec::new();
             for (asked, law, what) in [
@@ -320,7 +326,10 @@ struct Run<const D: usize> {
     method: Method,
 }
 
-fn begin<const D: usize>(rig: Rig<D>, step: f64) -> Result<Simulation<D>, Failure> {
+fn begin<const D: usize>(rig: Rig<D>, step: f64) -> Result<Simulation<D>, Failure>
+where
+    Spheres: MoveIn<D>,
+{
     Simulation::new(rig, step).map_err(|error: RigError| Failure::input(error.to_string()))
 }
 
@@ -330,7 +339,10 @@ fn follow<const D: usize>(
     run: Run<D>,
     every: u64,
     mut frame: impl FnMut(&Simulation<D>),
-) -> Result<(), Failure> {
+) -> Result<(), Failure>
+where
+    Spheres: MoveIn<D>,
+{
     let mut simulation = begin(run.rig, run.method.step_s)?;
     let context = context();
     let bar = Count::new(common, (run.steps / every) as usize, "frames");

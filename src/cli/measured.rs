@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use granulens::dem::rig::RigStop;
+use granulens::dem::{MoveIn, Spheres};
 use granulens::design::Design;
 use granulens::measured::{
     Channel, Comparison, Data, DataError, Fit, Input, InputError, PredictError, compare, curves_csv, fit, page, predict,
@@ -85,7 +86,10 @@ impl Measured {
         data: &Data,
         inputs: &[Input],
         common: &Common,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Failure>
+    where
+        Spheres: MoveIn<D>,
+    {
         let mut channels = Vec::new();
         for record in &data.records {
             let channel = Channel::find(&record.name, prepared);

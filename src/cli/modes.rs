@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use granulens::dem::rig::Modes as NormalModes;
+use granulens::dem::{MoveIn, Spheres};
 use granulens::report;
 use granulens::setup::{PreparedRig, Setup};
 use serde_json::json;
@@ -70,7 +71,10 @@ impl Modes {
         }
     }
 
-    fn prepared<const D: usize>(&self, prepared: &PreparedRig<D>, common: &Common) -> Result<(), Failure> {
+    fn prepared<const D: usize>(&self, prepared: &PreparedRig<D>, common: &Common) -> Result<(), Failure>
+    where
+        Spheres: MoveIn<D>,
+    {
         let out = match &common.out {
             Some(path) => Some((path, Kind::of(path)?)),
             None => None,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use granulens::Progress;
+use granulens::dem::{MoveIn, Spheres};
 use granulens::design::Design;
 use granulens::output;
 use granulens::report;
@@ -78,7 +79,10 @@ impl Simulate {
             && Summary::read(folder).is_ok_and(|kept| kept.seeds == prepared.seeds)
     }
 
-    fn prepared<const D: usize>(&self, prepared: &PreparedRig<D>, common: &Common) -> Result<(), Failure> {
+    fn prepared<const D: usize>(&self, prepared: &PreparedRig<D>, common: &Common) -> Result<(), Failure>
+    where
+        Spheres: MoveIn<D>,
+    {
         if self.frames && D == 3 {
             let message = "--frames: frames are kept of chains and sheets, and this crystal is in space";
             return Err(Failure::input_with_help(message, SPACE));

@@ -6,7 +6,8 @@ use super::load::{AnyField, Field, ImpactLoad, Imperfection, LoadCase};
 use super::{EvaluateError, Overrides, Plan, PlanError, common_plan};
 use crate::Context;
 use crate::dem::{
-    BatchError, Limit, OverlapAtRest, Record, Stop, Strike, simulate, simulate_batch_under, simulate_with_friction,
+    BatchError, Limit, MoveIn, OverlapAtRest, Record, Spheres, Stop, Strike, simulate, simulate_batch_under,
+    simulate_with_friction,
 };
 use crate::design::DesignRef;
 use crate::material::Material;
@@ -334,7 +335,10 @@ impl Evaluator {
         most: Option<&[Vec<f64>]>,
         context: &Context,
         recorded: impl Fn(&Sample<D>) -> Result<Record<D>, OverlapAtRest>,
-    ) -> Result<Vec<Evaluated>, EvaluatorError> {
+    ) -> Result<Vec<Evaluated>, EvaluatorError>
+    where
+        Spheres: MoveIn<D>,
+    {
         let sample =
             |&(case, layout): &(usize, usize)| field.sample(&self.palette, &layouts[layout], &self.cases[case].1);
         let samples: Vec<_> = group.iter().map(sample).collect();

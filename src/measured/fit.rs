@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::{Channel, Data, Input, PredictError, Prediction, align, compare, predict};
 use crate::Context;
+use crate::dem::{MoveIn, Spheres};
 use crate::setup::PreparedRig;
 use crate::stats::student;
 
@@ -80,7 +81,10 @@ pub fn fit<const D: usize>(
     inputs: &[Input],
     offset: Option<f64>,
     context: &Context,
-) -> Result<Option<Fit>, PredictError> {
+) -> Result<Option<Fit>, PredictError>
+where
+    Spheres: MoveIn<D>,
+{
     let problem = Problem { prepared, data, channels, inputs, free_offset: offset.is_none(), context };
     let mut scales = compare::peaks(data);
     let start: Vec<f64> = inputs.iter().map(|input| input.start(&prepared.rig)).collect();
@@ -136,7 +140,10 @@ pub fn fit<const D: usize>(
     }))
 }
 
-impl<const D: usize> Problem<'_, D> {
+impl<const D: usize> Problem<'_, D>
+where
+    Spheres: MoveIn<D>,
+{
     fn run(&self, values: &[f64]) -> Result<Prediction, PredictError> {
         let inputs: Vec<(Input, f64)> = self.inputs.iter().cloned().zip(values.iter().copied()).collect();
         predict(self.prepared, self.channels, &inputs, self.context)

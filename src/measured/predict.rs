@@ -3,6 +3,7 @@
 use super::{Channel, Input};
 use crate::Context;
 use crate::dem::rig::{RigError, RigStop, Simulation};
+use crate::dem::{MoveIn, Spheres};
 use crate::setup::PreparedRig;
 
 /// What the channels of a rig show, sample by sample.
@@ -37,7 +38,10 @@ pub fn predict<const D: usize>(
     channels: &[Channel],
     inputs: &[(Input, f64)],
     context: &Context,
-) -> Result<Prediction, PredictError> {
+) -> Result<Prediction, PredictError>
+where
+    Spheres: MoveIn<D>,
+{
     let mut prepared = prepared.clone();
     inputs.iter().for_each(|(input, value)| input.set(&mut prepared.rig, *value));
     let step = prepared.plan.step;

@@ -4,6 +4,7 @@ use super::RowError;
 use crate::Context;
 use crate::contact::{LawKind, Pair};
 use crate::dem::rig::{Arrival, Body, Curve, LawBook, Load, LoadKind, Rig, Simulation};
+use crate::dem::{MoveIn, Spheres};
 use crate::lattice::{Cell, Crystal, Outline, Width};
 use crate::material::{Material, find};
 use crate::pattern::{Build, Pattern, Selection};
@@ -78,7 +79,10 @@ impl<const D: usize> Stack<D> {
     }
 
     /// The crystal, ready to be struck, watching for the arrivals named.
-    pub fn struck(&self, loading: Loading, arrivals: Vec<Arrival>) -> Result<Simulation<D>, RowError> {
+    pub fn struck(&self, loading: Loading, arrivals: Vec<Arrival>) -> Result<Simulation<D>, RowError>
+    where
+        Spheres: MoveIn<D>,
+    {
         let crystal = self.crystal()?;
         let mut build = Build::new(crystal.clone(), self.materials.clone());
         let palette: Vec<usize> = (0..self.materials.len()).collect();
@@ -123,13 +127,19 @@ impl<const D: usize> Stack<D> {
 
     /// When each layer was reached (s) by a wave after a blow: its speed there is 1 % of the greatest of the first sphere
     /// (section 2.1.2).
-    pub fn arrivals(&self, loading: Loading, last: u32, context: &Context) -> Result<Vec<f64>, RowError> {
+    pub fn arrivals(&self, loading: Loading, last: u32, context: &Context) -> Result<Vec<f64>, RowError>
+    where
+        Spheres: MoveIn<D>,
+    {
         let mut simulation = self.struck(loading, vec![Arrival::FirstSphere(0.01)])?;
         reach(&mut simulation, last, context)
     }
 
     /// Mean speed of the wave (m/s) between two layers.
-    pub fn speed(&self, loading: Loading, between: [u32; 2], context: &Context) -> Result<f64, RowError> {
+    pub fn speed(&self, loading: Loading, between: [u32; 2], context: &Context) -> Result<f64, RowError>
+    where
+        Spheres: MoveIn<D>,
+    {
         let times = self.arrivals(loading, between[1], context)?;
         let spacing = self.cell.layer_spacing() * DIAMETER;
         let [a, b] = between.map(|layer| layer as usize - 1);

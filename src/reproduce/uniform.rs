@@ -5,6 +5,7 @@ use super::crystals::{DIAMETER, Loading, Stack, exponent, material, model, sprea
 use super::{Part, Row, RowError, Verdict};
 use crate::Context;
 use crate::contact::{Constants, LawKind};
+use crate::dem::{MoveIn, Spheres};
 use crate::lattice::Cell;
 use crate::material::Material;
 use crate::wave::{Dimension, bound};
@@ -72,7 +73,10 @@ fn speed(
     between: [u32; 2],
     context: &Context,
 ) -> Result<f64, RowError> {
-    fn of<const D: usize>(stack: &Stack<D>, between: [u32; 2], context: &Context) -> Result<f64, RowError> {
+    fn of<const D: usize>(stack: &Stack<D>, between: [u32; 2], context: &Context) -> Result<f64, RowError>
+    where
+        Spheres: MoveIn<D>,
+    {
         stack.speed(Loading::Force(2.0 * stack.pair().plastic_force(), 100e-6), between, context)
     }
     let materials = materials.to_vec();

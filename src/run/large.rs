@@ -4,7 +4,6 @@
 //! Which rigs these are, [`impact_of`] says. Where such a crystal turns out to be none, because spheres meet that are no neighbours, the run is begun
 //! anew as any other rig's.
 
-use std::any::Any;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::File;
@@ -22,7 +21,7 @@ use super::{CHECKPOINT, Ending, Halved, Keeping, RunError, SUMMARY, Summary, beg
 use crate::Context;
 use crate::dem::bulk::{Arrivals, Bulk, MANY, Recording};
 use crate::dem::rig::{Arrival, Body, Curve, EnergyLedger, Law, LawBook, LoadKind, RigStop, sealed, unsealed};
-use crate::dem::{ForcePulse, Impact, Period, Stop};
+use crate::dem::{ForcePulse, Impact, InAny, MoveIn, Period, Spheres, Stop};
 use crate::real::Width;
 use crate::setup::{Contacts, PreparedRig, Quantity};
 
@@ -96,10 +95,11 @@ pub fn impact_of(prepared: &PreparedRig<3>) -> Option<Impact> {
     })
 }
 
-/// A bench of any dimension, where it is one in space.
-fn in_space<const D: usize>(prepared: &PreparedRig<D>) -> Option<&PreparedRig<3>> {
-    let any: &dyn Any = prepared;
-    any.downcast_ref()
+/// Prepared rigs, of which some are in space.
+struct Prepared;
+
+impl InAny for Prepared {
+    type In<const D: usize> = PreparedRig<D>;
 }
 
 /// The crystal of such a bench, at its start.
@@ -115,8 +115,11 @@ fn crystal_of(prepared: &PreparedRig<3>) -> Option<Bulk> {
 }
 
 /// Whether a bench is followed by its rows.
-pub fn is_large<const D: usize>(prepared: &PreparedRig<D>) -> bool {
-    in_space(prepared).is_some_and(|prepared| impact_of(prepared).is_some())
+pub fn is_large<const D: usize>(prepared: &PreparedRig<D>) -> bool
+where
+    Spheres: MoveIn<D>,
+{
+    Spheres::in_space::<Prepared>(prepared).is_some_and(|prepared| impact_of(prepared).is_some())
 }
 
 /// What stands before the state in a checkpoint.
@@ -318,8 +321,11 @@ pub fn run<const D: usize>(
     keeping: Keeping,
     halved: &Halved,
     context: &Context,
-) -> Result<Option<(Summary, Ending)>, RunError> {
-    let Some(prepared) = in_space(prepared) else { return Ok(None) };
+) -> Result<Option<(Summary, Ending)>, RunError>
+where
+    Spheres: MoveIn<D>,
+{
+    let Some(prepared) = Spheres::in_space::<Prepared>(prepared) else { return Ok(None) };
     let Some(mut bulk) = crystal_of(prepared) else { return Ok(None) };
     let path = folder.join(CHECKPOINT);
     let mut layer_sizes = vec![0.0; prepared.layers as usize];

@@ -33,6 +33,7 @@ pub use summary::{BodySummary, Recorded, Summary};
 
 use crate::Context;
 use crate::dem::rig::{RigError, RigStop, Simulation};
+use crate::dem::{MoveIn, Spheres};
 use crate::output::{self, OutputError};
 use crate::setup::PreparedRig;
 use checkpoint::Checkpoint;
@@ -150,7 +151,10 @@ pub fn run<const D: usize>(
     folder: &Path,
     keeping: Keeping,
     context: &Context,
-) -> Result<(Summary, Ending), RunError> {
+) -> Result<(Summary, Ending), RunError>
+where
+    Spheres: MoveIn<D>,
+{
     let path = folder.join(CHECKPOINT);
     // What was begun by rows is gone on with by rows.
     let by_rows = if keeping.resume { large::halved(&path)? } else { None };
@@ -220,7 +224,10 @@ fn once<const D: usize>(
     halved: &Halved,
     keep_every: Duration,
     context: &Context,
-) -> Result<(Summary, Ending), RunError> {
+) -> Result<(Summary, Ending), RunError>
+where
+    Spheres: MoveIn<D>,
+{
     let mut simulation = prepared.simulation()?.recording(prepared.record.arrivals.clone());
     let path = folder.join(CHECKPOINT);
     let streams = if let Some(checkpoint) = begun {

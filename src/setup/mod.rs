@@ -40,6 +40,7 @@ pub use record::{Contacts, Event, Picture, Quantity, RecordPlan, Region, SPACE};
 pub use step::dividing_step;
 
 use crate::dem::rig::{Body, Law, LawBook, PairRule, Rig, RigError, Simulation};
+use crate::dem::{MoveIn, Spheres};
 use crate::design::Design;
 use crate::document::{self, DocumentError};
 use crate::layout::Layout;
@@ -145,7 +146,10 @@ impl<const D: usize> PreparedRig<D> {
     ///
     /// # Errors
     /// See [`RigError`].
-    pub fn simulation(&self) -> Result<Simulation<D>, RigError> {
+    pub fn simulation(&self) -> Result<Simulation<D>, RigError>
+    where
+        Spheres: MoveIn<D>,
+    {
         Simulation::by(self.plan.integrator, self.rig.clone(), self.plan.step)
     }
 

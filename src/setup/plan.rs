@@ -2,8 +2,8 @@
 
 use super::file::RunFile;
 use super::step::{dividing_step, needed, resolution};
-use crate::dem::Integrator;
 use crate::dem::rig::Rig;
+use crate::dem::{Integrator, MoveIn, Spheres};
 use crate::design::Accuracy;
 use crate::document::{DocumentError, Scope};
 use crate::units::Dimension;
@@ -43,7 +43,10 @@ pub(super) fn plan<const D: usize>(
     (diameter, crystal): (f64, usize),
     scope: &Scope,
     file: &RunFile,
-) -> Result<RunPlan, DocumentError> {
+) -> Result<RunPlan, DocumentError>
+where
+    Spheres: MoveIn<D>,
+{
     let window = scope.required("window", &file.window)?;
     let length = window.positive(Dimension::Time)?;
     if let Some(entry) = scope.optional("drag", &file.drag) {

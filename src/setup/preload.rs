@@ -4,6 +4,7 @@ use super::file::PreloadFile;
 use super::place::along_wave;
 use crate::Context;
 use crate::dem::rig::{Precompressed, PreloadError, Rig, Squeeze, precompress};
+use crate::dem::{MoveIn, Spheres};
 use crate::document::{DocumentError, Entry, Scope};
 use crate::units::Dimension;
 
@@ -43,7 +44,10 @@ pub(super) fn preload<const D: usize>(
     crystal: usize,
     scope: &Scope,
     file: &PreloadFile,
-) -> Result<Preload, DocumentError> {
+) -> Result<Preload, DocumentError>
+where
+    Spheres: MoveIn<D>,
+{
     if rig.sample.spheres.len() > crystal {
         return Err(scope.fail("does not go with intruders", "Strike by [[moving]], [[load]] or a [[flat]]."));
     }

@@ -7,6 +7,7 @@ use super::crystal::Seeds;
 use super::file::{EXAMPLES, RigFile};
 use super::{NO_CHANCE, PreparedRig, Setup, SphereSite, crystal, intruder, laws, place, plan, preload, record};
 use crate::dem::rig::Rig;
+use crate::dem::{MoveIn, Spheres};
 use crate::document::{self, DocumentError, Scope, Source, Written, is_plain_name};
 use crate::lattice::Cell;
 use crate::material::Material;
@@ -89,7 +90,10 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    fn prepared<const D: usize>(&self, cell: Cell<D>) -> Result<PreparedRig<D>, DocumentError> {
+    fn prepared<const D: usize>(&self, cell: Cell<D>) -> Result<PreparedRig<D>, DocumentError>
+    where
+        Spheres: MoveIn<D>,
+    {
         let Self { top, file, own, .. } = *self;
         let section = top.required_section("crystal", &file.crystal, "")?;
         let patterns = top.sections("pattern", &file.pattern);

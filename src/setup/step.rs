@@ -8,10 +8,10 @@
 //! with half the step (`run`). A crystal under a pulse has the step that a lens design of the same crystal has with the same scheme.
 
 use crate::contact::{AnyLaw, Dashpot, History, LawKind, NormalLaw, Pair};
-use crate::dem::Integrator;
 use crate::dem::rig::{
     Body, Curve, Face, Flat, FlatContact, Law, LawBook, Load, LoadKind, Loss, Rig, Simulation, Spring,
 };
+use crate::dem::{Integrator, MoveIn, Spheres};
 use crate::design::Accuracy;
 use crate::evaluate::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 use crate::material::Material;
@@ -83,7 +83,10 @@ pub(super) fn needed<const D: usize>(
     window: f64,
     accuracy: Accuracy,
     integrator: Integrator,
-) -> Needed {
+) -> Needed
+where
+    Spheres: MoveIn<D>,
+{
     let class = crate::units::Dimension::Fraction.show(accuracy.fraction());
     let mut needed = Needed { step: f64::INFINITY, reason: "nothing acts".to_owned() };
     let LawBook::Materials { law, .. } = &rig.laws else { return needed };
@@ -279,7 +282,10 @@ fn along<const D: usize>(vector: &[f64; D], direction: &[f64; D]) -> f64 {
 
 /// The greatest force (N) that contacts are pressed with from outside: by loads, bars, the weight of a column of spheres, and what is
 /// squeezed from the start.
-fn greatest_force<const D: usize>(rig: &Rig<D>) -> f64 {
+fn greatest_force<const D: usize>(rig: &Rig<D>) -> f64
+where
+    Spheres: MoveIn<D>,
+{
     let loads = rig.loads.iter().filter(|load| load.kind == LoadKind::Force);
     let loads = loads.map(|load| load.curve.peak() * handed_on(rig, load));
     let bars = rig.bars.iter().filter_map(|bar| Some(2.0 * bar.incident.as_ref()?.peak()));

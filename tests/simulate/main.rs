@@ -26,6 +26,7 @@ mod steps;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use granulens::dem::{MoveIn, Spheres};
 use granulens::run::{self, Ending, Keeping, Series, Summary};
 use granulens::setup::{PreparedRig, Setup};
 use granulens::{Context, Progress};
@@ -55,7 +56,10 @@ struct Ran {
 
 impl Ran {
     #[track_caller]
-    fn of<const D: usize>(prepared: &PreparedRig<D>) -> Self {
+    fn of<const D: usize>(prepared: &PreparedRig<D>) -> Self
+    where
+        Spheres: MoveIn<D>,
+    {
         let folder = tempfile::tempdir().unwrap();
         let keeping = Keeping { resume: false, every: Duration::from_secs(3600) };
         let (summary, ending) = run::run(prepared, folder.path(), keeping, &Context::default()).unwrap();

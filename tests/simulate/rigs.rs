@@ -212,7 +212,10 @@ fn the_drop_tower_keeps_its_symmetry() {
 }
 
 /// Mean speed of the wave between two layers, by 1 % of each sphere's greatest velocity.
-fn speed<const D: usize>(prepared: &PreparedRig<D>, from: u32, to: u32) -> f64 {
+fn speed<const D: usize>(prepared: &PreparedRig<D>, from: u32, to: u32) -> f64
+where
+    Spheres: MoveIn<D>,
+{
     let ran = Ran::of(prepared);
     let (layer, z) = (ran.spheres("layer"), ran.spheres("z_m"));
     let arrival = ran.spheres("arrival_0.01_of_own_s");

@@ -2,6 +2,7 @@
 
 use granulens::contact::{Constants, Dashpot, LawKind, Pair};
 use granulens::dem::rig::{Loss, Rig, RigStop, Simulation, SpringDashpot};
+use granulens::dem::{MoveIn, Spheres};
 use granulens::material::find;
 use rayon::prelude::*;
 
@@ -38,7 +39,10 @@ struct Collision {
 }
 
 /// Follows a blow of two spheres, or of one and a flat, that touch after `free` (s).
-fn blow<const D: usize>(rig: Rig<D>, step: f64, steps: u64, free: f64) -> Result<Collision, RigStop> {
+fn blow<const D: usize>(rig: Rig<D>, step: f64, steps: u64, free: f64) -> Result<Collision, RigStop>
+where
+    Spheres: MoveIn<D>,
+{
     let mut simulation = Simulation::new(rig, step).unwrap();
     let mut peak = 0.0_f64;
     // Every law of a file remembers its greatest force, though the contact may open between two looks.
@@ -221,7 +225,10 @@ impl Trial {
             prepared: &PreparedRig<D>,
             free: f64,
             residual: Option<f64>,
-        ) -> (Result<Collision, RigStop>, Collision) {
+        ) -> (Result<Collision, RigStop>, Collision)
+        where
+            Spheres: MoveIn<D>,
+        {
             let (step, steps) = (prepared.plan.step, prepared.plan.steps());
             let mut rig = prepared.rig.clone();
             rig.residual_limit = residual.unwrap_or(rig.residual_limit);

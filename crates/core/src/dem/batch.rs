@@ -5,11 +5,10 @@
 //! asks for: each sphere's greatest kinetic energy. The bits are those of [`simulate`](super::simulate), whatever the width and
 //! whichever designs stand together.
 
-use std::any::Any;
-
 use super::Integrator;
 use super::clock::{Clock, Phase, Phases};
 use super::contacts::{Laws, Sweep};
+use super::dimension::{MoveIn, Spheres};
 use super::follow::{Group, Terms, follow};
 use super::guard::Stop;
 use super::impact::{Alone, Impact, alone, laid_in_plane};
@@ -75,8 +74,11 @@ pub fn simulate_batch<const D: usize>(
     impact: &Impact,
     width: Width,
     context: &Context,
-) -> Result<Vec<PeakEnergies>, BatchError> {
-    Ok(dispatch(samples, width, &terms(impact, context))?.0)
+) -> Result<Vec<PeakEnergies>, BatchError>
+where
+    Spheres: MoveIn<D>,
+{
+    Ok(Spheres::follow(samples, width, &terms(impact, context))?.0)
 }
 
 /// As [`simulate_batch`], where a run ends with [`Stop::Beyond`] once it is above its limit; what it says up to then are lower
@@ -93,9 +95,12 @@ pub fn simulate_batch_within<const D: usize>(
     limit: &Limit,
     width: Width,
     context: &Context,
-) -> Result<Vec<PeakEnergies>, BatchError> {
+) -> Result<Vec<PeakEnergies>, BatchError>
+where
+    Spheres: MoveIn<D>,
+{
     Limit::assert_each(Some(limit), samples.len());
-    Ok(dispatch(samples, width, &Terms { limit: Some(limit), ..terms(impact, context) })?.0)
+    Ok(Spheres::follow(samples, width, &Terms { limit: Some(limit), ..terms(impact, context) })?.0)
 }
 
 /// As [`simulate_batch`], and what its parts took. Runge-Kutta's sweeps count as motion.
@@ -107,8 +112,11 @@ pub fn simulate_batch_timed<const D: usize>(
     impact: &Impact,
     width: Width,
     context: &Context,
-) -> Result<(Vec<PeakEnergies>, Phases), BatchError> {
-    dispatch(samples, width, &Terms { timed: true, ..terms(impact, context) })
+) -> Result<(Vec<PeakEnergies>, Phases), BatchError>
+where
+    Spheres: MoveIn<D>,
+{
+    Spheres::follow(samples, width, &Terms { timed: true, ..terms(impact, context) })
 }
 
 /// As [`simulate_batch`], with Coulomb's friction; see [`simulate_with_friction`](super::simulate_with_friction). A limit ends runs as in
@@ -147,46 +155,50 @@ pub fn simulate_batch_under<const D: usize, S: Copy + Into<Strike>>(
     limit: Option<&Limit>,
     width: Width,
     context: &Context,
-) -> Result<Vec<PeakEnergies>, BatchError> {
+) -> Result<Vec<PeakEnergies>, BatchError>
+where
+    Spheres: MoveIn<D>,
+{
     assert!(strikes.len() >= samples.len(), "a strike for each of {} samples", samples.len());
     let strikes: Vec<Strike> = strikes.iter().map(|&strike| strike.into()).collect();
     Limit::assert_each(limit, samples.len());
     assert!(friction.is_none() || D == 2, "friction is written for the plane");
-    Ok(dispatch(samples, width, &Terms { strikes: &strikes, limit, friction, ..terms(impact, context) })?.0)
+    Ok(Spheres::follow(samples, width, &Terms { strikes: &strikes, limit, friction, ..terms(impact, context) })?.0)
 }
 
 fn terms<'a>(impact: &'a Impact, context: &'a Context) -> Terms<'a> {
     Terms { impact, strikes: &[], limit: None, friction: None, context, timed: false, dimension: 2 }
 }
 
-/// Compiled here for each dimension; see `dem::same`.
-fn dispatch<const D: usize>(
-    samples: &[Sample<D>],
-    width: Width,
-    terms: &Terms,
-) -> Result<(Vec<PeakEnergies>, Phases), BatchError> {
-    // Only what has a size can be told apart by its type: a vector of samples, copied in a millionth of the run's time.
-    let samples = samples.to_vec();
-    let dimension: &dyn Any = &samples;
-    let terms = Terms { dimension: D, ..*terms };
-    if let Some(samples) = dimension.downcast_ref::<Vec<Sample<1>>>() {
+/// Designs side by side, compiled here for each dimension.
+pub trait SideBySide<const D: usize> {
+    /// Each under its terms.
+    fn follow(samples: &[Sample<D>], width: Width, terms: &Terms) -> Followed;
+}
+
+/// What is kept of each design, and what the parts of the run took.
+type Followed = Result<(Vec<PeakEnergies>, Phases), BatchError>;
+
+impl SideBySide<1> for Spheres {
+    fn follow(samples: &[Sample<1>], width: Width, terms: &Terms) -> Followed {
         let samples: Vec<Sample<2>> = samples.iter().map(laid_in_plane).collect();
-        side_by_side(&samples, width, &Terms { impact: &terms.impact.in_plane(), ..terms })
-    } else if let Some(samples) = dimension.downcast_ref::<Vec<Sample<2>>>() {
-        side_by_side(samples, width, &terms)
-    } else if let Some(samples) = dimension.downcast_ref::<Vec<Sample<3>>>() {
-        side_by_side(samples, width, &terms)
-    } else {
-        const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
-        unreachable!("one of the three")
+        side_by_side(&samples, width, &Terms { impact: &terms.impact.in_plane(), dimension: 1, ..*terms })
     }
 }
 
-fn side_by_side<const D: usize>(
-    samples: &[Sample<D>],
-    width: Width,
-    terms: &Terms,
-) -> Result<(Vec<PeakEnergies>, Phases), BatchError> {
+impl SideBySide<2> for Spheres {
+    fn follow(samples: &[Sample<2>], width: Width, terms: &Terms) -> Followed {
+        side_by_side(samples, width, terms)
+    }
+}
+
+impl SideBySide<3> for Spheres {
+    fn follow(samples: &[Sample<3>], width: Width, terms: &Terms) -> Followed {
+        side_by_side(samples, width, &Terms { dimension: 3, ..*terms })
+    }
+}
+
+fn side_by_side<const D: usize>(samples: &[Sample<D>], width: Width, terms: &Terms) -> Followed {
     let width = if terms.impact.integrator == Integrator::Rk4 { Width::Scalar } else { width };
     let Some(first) = samples.first() else { return Ok((Vec::new(), Phases::default())) };
     if let Some(other) = samples.iter().position(|sample| !have_same_centres(sample, first)) {

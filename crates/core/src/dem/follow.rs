@@ -24,7 +24,7 @@ pub(super) const WATCH: u64 = 64;
 
 /// What is asked of a run.
 #[derive(Clone, Copy)]
-pub(super) struct Terms<'a> {
+pub struct Terms<'a> {
     pub impact: &'a Impact,
     /// One for each sample, all of one kind; the impact's own where there are none.
     pub strikes: &'a [Strike],

@@ -1,12 +1,11 @@
 //! One impact from start to end.
 
-use std::any::Any;
-
 use super::batch::PeakEnergies;
 use super::body::Grains;
 use super::boundary::{Mirror, Period};
 use super::clock::Phases;
 use super::contacts::Sweep;
+use super::dimension::{MoveIn, Spheres};
 use super::follow::{Group, Run, Terms, follow};
 use super::guard::{RESIDUAL_LIMIT, Stop};
 use super::ledger::Ledger;
@@ -16,7 +15,7 @@ use super::neighbour::OverlapAtRest;
 use super::plate::Plate;
 use super::record::Peaks;
 use super::table::LawTable;
-use super::{Integrator, bulk, same};
+use super::{Integrator, bulk};
 use crate::Context;
 use crate::contact::{Constants, LawKind};
 use crate::sample::{Sample, Sphere};
@@ -128,31 +127,39 @@ pub fn simulate<const D: usize>(
     sample: &Sample<D>,
     impact: &Impact,
     context: &Context,
-) -> Result<Record<D>, OverlapAtRest> {
-    fn in_line(sample: &Sample<1>, impact: &Impact, context: &Context) -> Result<Record<1>, OverlapAtRest> {
+) -> Result<Record<D>, OverlapAtRest>
+where
+    Spheres: MoveIn<D>,
+{
+    Spheres::simulate(sample, impact, context)
+}
+
+/// [`simulate`], compiled here for each dimension.
+pub trait Struck<const D: usize> {
+    /// As there.
+    fn simulate(sample: &Sample<D>, impact: &Impact, context: &Context) -> Result<Record<D>, OverlapAtRest>;
+}
+
+impl Struck<1> for Spheres {
+    fn simulate(sample: &Sample<1>, impact: &Impact, context: &Context) -> Result<Record<1>, OverlapAtRest> {
         recorded(&laid_in_plane(sample), &terms(&impact.in_plane(), context, 1)).map(Record::in_line)
     }
-    fn in_plane(sample: &Sample<2>, impact: &Impact, context: &Context) -> Result<Record<2>, OverlapAtRest> {
+}
+
+impl Struck<2> for Spheres {
+    fn simulate(sample: &Sample<2>, impact: &Impact, context: &Context) -> Result<Record<2>, OverlapAtRest> {
         recorded(sample, &terms(impact, context, 2))
     }
-    fn in_space(sample: &Sample<3>, impact: &Impact, context: &Context) -> Result<Record<3>, OverlapAtRest> {
+}
+
+impl Struck<3> for Spheres {
+    fn simulate(sample: &Sample<3>, impact: &Impact, context: &Context) -> Result<Record<3>, OverlapAtRest> {
         let by_rows = if sample.spheres.len() < bulk::MANY || impact.projectile.is_some() {
             None
         } else {
             bulk::recorded(sample, impact, context)
         };
         by_rows.map_or_else(|| recorded(sample, &terms(impact, context, 3)), Ok)
-    }
-    let dimension: &dyn Any = sample;
-    if let Some(sample) = dimension.downcast_ref() {
-        same(in_line(sample, impact, context))
-    } else if let Some(sample) = dimension.downcast_ref() {
-        same(in_plane(sample, impact, context))
-    } else if let Some(sample) = dimension.downcast_ref() {
-        same(in_space(sample, impact, context))
-    } else {
-        const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
-        unreachable!("one of the three")
     }
 }
 

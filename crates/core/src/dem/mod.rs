@@ -12,6 +12,7 @@
 //! - `record`, `ledger`: what was felt, where the energy went
 //! - `guard`: what stops a run; `clock`: where its time goes
 //! - `follow`: a run from start to end; `impact`: of one design, with what is recorded; `batch`: of many on one lattice at once
+//! - `dimension`: in how many dimensions all this is compiled
 //! - `adjoint`: how scores change with each sphere: derivatives of a run
 //! - `share`: long loops on several threads
 //! - `sheet`: large hexagonal sheets of elastic spheres, by a stencil in place of lists
@@ -27,6 +28,7 @@ mod boundary;
 pub mod bulk;
 mod clock;
 mod contacts;
+mod dimension;
 mod follow;
 mod friction;
 mod guard;
@@ -52,28 +54,17 @@ pub use batch::{
 };
 pub use boundary::{Mirror, Period};
 pub use clock::Phases;
+pub use dimension::{InAny, MoveIn, Spheres};
 pub use guard::{OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};
 pub use impact::{ContactRecord, Impact, Record, simulate, simulate_with_friction, steps_in};
 pub use ledger::Ledger;
 pub use load::{ForcePulse, Projectile, Strike};
 pub use neighbour::OverlapAtRest;
 
-use std::any::Any;
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-
-/// A value whose type is the same under two names, as that of a result in `D` dimensions once `D` is known.
-///
-/// What is generic in `D` is compiled anew in every crate that uses it, and the loops here take minutes to compile. So the
-/// public functions find out which `D` it is and call one that was compiled here.
-fn same<A: Any, B: Any>(value: A) -> B {
-    match (Box::new(value) as Box<dyn Any>).downcast() {
-        Ok(same) => *same,
-        Err(_) => unreachable!("the caller has compared the types"),
-    }
-}
 
 /// How positions and velocities are advanced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 use granulens_core::Context;
 use granulens_core::contact::{Constants, LawKind, Pair};
 use granulens_core::dem::rig::{Arrival, Body, Curve, LawBook, Load, LoadKind, Rig, Simulation};
+use granulens_core::dem::{MoveIn, Spheres};
 use granulens_core::lattice::{Cell, Crystal, Outline, Width};
 use granulens_core::material::Material;
 use granulens_core::sample::{Sample, Sphere};
@@ -18,7 +19,10 @@ fn simulated<const D: usize>(
     materials: [&Material; 2],
     diameter: f64,
     amplitude: f64,
-) -> f64 {
+) -> f64
+where
+    Spheres: MoveIn<D>,
+{
     let crystal = Crystal::new(cell, diameter, 32, widths, Outline::All).unwrap();
     let spheres = crystal
         .sites()

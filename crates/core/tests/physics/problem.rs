@@ -2,7 +2,7 @@
 
 use granulens_core::Context;
 use granulens_core::contact::{Constants, LawKind};
-use granulens_core::dem::{ForcePulse, Impact, Integrator, Mirror, Record, simulate};
+use granulens_core::dem::{ForcePulse, Impact, Integrator, Mirror, MoveIn, Record, Spheres, simulate};
 use granulens_core::lattice::{HexagonalSheet, Site};
 use granulens_core::layout::Layout;
 use granulens_core::sample::Sample;
@@ -52,6 +52,9 @@ pub fn impact(lattice: &HexagonalSheet) -> Impact {
     }
 }
 
-pub fn run<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Record<D> {
+pub fn run<const D: usize>(sample: &Sample<D>, impact: &Impact) -> Record<D>
+where
+    Spheres: MoveIn<D>,
+{
     simulate(sample, impact, &Context::default()).unwrap()
 }

@@ -4,7 +4,8 @@ use granulens_core::Context;
 use granulens_core::contact::{Constants, Hertz, LawKind, Pair};
 use granulens_core::dem::rig::simulate_as_rig;
 use granulens_core::dem::{
-    ForcePulse, Impact, Integrator, Mirror, Projectile, Record, simulate, simulate_batch, simulate_batch_under,
+    ForcePulse, Impact, Integrator, Mirror, MoveIn, Projectile, Record, Spheres, simulate, simulate_batch,
+    simulate_batch_under,
 };
 use granulens_core::lattice::{Block, BlockSide, Cell, Layered};
 use granulens_core::real::Width;
@@ -141,7 +142,10 @@ fn conserves<const D: usize>(sample: &Sample<D>, impact: &Impact, record: &Recor
 }
 
 /// As a rig with a flat, whose contacts are looked for and whose flat is a body of its own: the same table of coefficients, other orders of sums.
-fn moves_as_a_rig<const D: usize>(sample: &Sample<D>, impact: &Impact) {
+fn moves_as_a_rig<const D: usize>(sample: &Sample<D>, impact: &Impact)
+where
+    Spheres: MoveIn<D>,
+{
     for integrator in [Integrator::Verlet, Integrator::Adams] {
         let impact = Impact { integrator, ..impact.clone() };
         let never = Context::default();

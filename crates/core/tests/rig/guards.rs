@@ -5,10 +5,14 @@ use std::sync::Arc;
 use granulens_core::Context;
 use granulens_core::contact::{Constants, LawKind, Tabulated};
 use granulens_core::dem::rig::{Bar, Body, Curve, Flat, Law, LawBook, Load, LoadKind, RigError, RigStop, Simulation};
+use granulens_core::dem::{MoveIn, Spheres};
 
 use crate::rigs::{DIAMETER, GO, rig};
 
-fn stopped<const D: usize>(rig: granulens_core::dem::rig::Rig<D>, step: f64) -> RigStop {
+fn stopped<const D: usize>(rig: granulens_core::dem::rig::Rig<D>, step: f64) -> RigStop
+where
+    Spheres: MoveIn<D>,
+{
     Simulation::new(rig, step).unwrap().advance(20_000, &GO).unwrap_err()
 }
 

@@ -3,6 +3,7 @@
 use granulens_core::Context;
 use granulens_core::contact::LawKind;
 use granulens_core::dem::rig::{LawBook, Rig, Simulation};
+use granulens_core::dem::{MoveIn, Spheres};
 use granulens_core::sample::{Sample, Sphere};
 
 use crate::reference::material;
@@ -22,7 +23,10 @@ pub fn rig<const D: usize>(centres: &[[f64; D]], law: LawKind) -> Rig<D> {
 }
 
 /// Runs a rig for so many steps.
-pub fn run<const D: usize>(rig: Rig<D>, step: f64, steps: u64) -> Simulation<D> {
+pub fn run<const D: usize>(rig: Rig<D>, step: f64, steps: u64) -> Simulation<D>
+where
+    Spheres: MoveIn<D>,
+{
     let mut simulation = Simulation::new(rig, step).unwrap();
     simulation.advance(steps, &GO).unwrap();
     simulation

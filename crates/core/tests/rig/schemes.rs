@@ -5,10 +5,14 @@ use granulens_core::dem::Integrator::{self, Adams, Rk4, Verlet};
 use granulens_core::dem::rig::{
     Bar, Body, Cluster, Curve, Face, Flat, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, Simulation,
 };
+use granulens_core::dem::{MoveIn, Spheres};
 
 use crate::rigs::{DIAMETER, GO, rig};
 
-fn end<const D: usize>(integrator: Integrator, rig: &Rig<D>, step: f64, time: f64) -> Simulation<D> {
+fn end<const D: usize>(integrator: Integrator, rig: &Rig<D>, step: f64, time: f64) -> Simulation<D>
+where
+    Spheres: MoveIn<D>,
+{
     let mut simulation = Simulation::by(integrator, rig.clone(), step).unwrap();
     simulation.advance((time / step).round() as u64, &GO).unwrap();
     simulation

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::bodies::Bodies;
 use super::checkpoint::{Motion, State};
 use super::cluster::ClusterState;
-use super::contacts::{Account, Facing, Kept, NearFace, Strain, Sums};
-use super::law::{ContactLaw, LawMaker};
+use super::contacts::{Account, Facing, Kept, NearFace, Strain, Sums, Swept};
+use super::law::LawMaker;
 use super::ledger::EnergyLedger;
 use super::machine::{Machine, Past};
 use super::pairs::{Near, pair};
@@ -48,7 +48,7 @@ pub(super) trait Engine<const D: usize>: Send {
     fn load(&mut self, rig: &Rig<D>, state: State) -> bool;
 }
 
-impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Engine<D> for Machine<D, L, B> {
+impl<const D: usize, L: Swept<D>, B: LawMaker<L>> Engine<D> for Machine<D, L, B> {
     fn begin(&mut self, rig: &Rig<D>) {
         Machine::begin(self, rig);
     }

@@ -5,7 +5,7 @@ use super::{
 };
 use crate::Context;
 use crate::dem::follow::first_top;
-use crate::dem::{ForcePulse, Impact, Integrator, Ledger, Projectile, Record, Stop, Strike, steps_in};
+use crate::dem::{ForcePulse, Impact, Integrator, Ledger, MoveIn, Projectile, Record, Spheres, Stop, Strike, steps_in};
 use crate::sample::Sample;
 
 impl<const D: usize> Rig<D> {
@@ -40,7 +40,10 @@ pub fn simulate_as_rig<const D: usize>(
     impact: &Impact,
     friction: Option<Friction>,
     context: &Context,
-) -> Result<Record<D>, RigError> {
+) -> Result<Record<D>, RigError>
+where
+    Spheres: MoveIn<D>,
+{
     let laws =
         LawBook::Materials { law: Law::Named(impact.law), constants: impact.constants, pairs: Vec::new(), friction };
     let mut rig = Rig::new(sample.clone(), laws);

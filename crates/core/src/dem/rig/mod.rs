@@ -54,6 +54,7 @@ pub use ledger::{EnergyLedger, Gain};
 pub use modes::{Modes, ModesError};
 pub use peaks::Arrival;
 pub use preload::{Precompressed, PreloadError, Squeeze, precompress};
+pub(super) use simulation::Driven;
 pub use simulation::Simulation;
 pub use view::{FlatState, Touching, View};
 

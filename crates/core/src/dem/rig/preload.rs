@@ -5,6 +5,7 @@
 //! been opened, so that a plastic law stands on its loading curve.
 
 use crate::Context;
+use crate::dem::{MoveIn, Spheres};
 
 use super::flat::Face;
 use super::simulation::Simulation;
@@ -90,7 +91,10 @@ pub fn precompress<const D: usize>(
     along: [Option<Squeeze>; D],
     tolerance: f64,
     context: &Context,
-) -> Result<Precompressed<D>, PreloadError> {
+) -> Result<Precompressed<D>, PreloadError>
+where
+    Spheres: MoveIn<D>,
+{
     if !rig.clusters.is_empty() {
         return Err(PreloadError::Part("a rigid body of several spheres"));
     }
@@ -138,7 +142,10 @@ fn at_rest<const D: usize>(
     strain: [f64; D],
     tolerance: f64,
     context: &Context,
-) -> Result<Precompressed<D>, PreloadError> {
+) -> Result<Precompressed<D>, PreloadError>
+where
+    Spheres: MoveIn<D>,
+{
     let mut squeezed = shortened(rig, strain);
     let mut left = f64::INFINITY;
     for _ in 0..ROUNDS {
@@ -237,7 +244,10 @@ fn relaxed<const D: usize>(
     state: &State,
     tolerance: f64,
     context: &Context,
-) -> Result<Simulation<D>, PreloadError> {
+) -> Result<Simulation<D>, PreloadError>
+where
+    Spheres: MoveIn<D>,
+{
     let fastest = (state.stiffness / state.mass).sqrt();
     let longest = (0..D)
         .map(|k| {

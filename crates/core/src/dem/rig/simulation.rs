@@ -1,9 +1,9 @@
 //! A rig from start to end.
 
-use std::any::Any;
-
 use super::check::{RigError, check};
 use super::checkpoint::{CheckpointError, State, digest};
+use super::contacts::Swept;
+use super::dashpot::SpringDashpot;
 use super::engine::Engine;
 use super::guard::{RigStop, bearable, guard, lighter};
 use super::law::{ByDashpot, ByMaterial};
@@ -15,7 +15,7 @@ use super::view::View;
 use super::{Body, LawBook, Rig};
 use crate::Context;
 use crate::dem::share::MANY;
-use crate::dem::{ContactRecord, Integrator, same, stable_step};
+use crate::dem::{ContactRecord, Integrator, MoveIn, Spheres, stable_step};
 
 /// A rig in motion.
 pub struct Simulation<const D: usize> {
@@ -30,7 +30,10 @@ pub struct Simulation<const D: usize> {
 /// Steps between two looks at the guards.
 const WATCH: u64 = 64;
 
-impl<const D: usize> Simulation<D> {
+impl<const D: usize> Simulation<D>
+where
+    Spheres: MoveIn<D>,
+{
     /// Sets a rig in motion, with steps of `step` (s) of velocity Verlet.
     ///
     /// # Errors
@@ -51,7 +54,7 @@ impl<const D: usize> Simulation<D> {
             return Err(RigError::Scheme(integrator));
         }
         check(&rig, step)?;
-        let mut engine = engine(&rig, step);
+        let Still(mut engine) = Spheres::engine(&rig, step);
         engine.begin(&rig);
         engine.go_by(integrator);
         let slowed = step / integrator.stability();
@@ -79,6 +82,42 @@ impl<const D: usize> Simulation<D> {
         Ok(Self { rig, step, engine, peaks: None, balance: None })
     }
 
+    /// Takes up a run where [`checkpoint`](Self::checkpoint) left it: it goes on to the same bits. Rig, step, scheme and what is
+    /// watched must be the same.
+    ///
+    /// # Errors
+    /// See [`CheckpointError`].
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
+        let mut state = State::from_bytes(bytes)?;
+        if state.digest != digest(&self.rig) {
+            return Err(CheckpointError::Other("rig"));
+        }
+        if state.step != self.step {
+            return Err(CheckpointError::Other("step"));
+        }
+        if state.integrator != self.engine.integrator() {
+            return Err(CheckpointError::Other("scheme"));
+        }
+        let mut peaks = self.peaks.clone();
+        let watched = match (&mut peaks, state.peaks.take()) {
+            (None, None) => true,
+            (Some(peaks), Some(rows)) => peaks.restore(rows),
+            _ => false,
+        };
+        if !watched {
+            return Err(CheckpointError::Other("set of arrivals"));
+        }
+        let Still(mut engine) = Spheres::engine(&self.rig, self.step);
+        engine.go_by(state.integrator);
+        if !engine.load(&self.rig, state) {
+            return Err(CheckpointError::Damaged);
+        }
+        (self.engine, self.peaks, self.balance) = (engine, peaks, None);
+        Ok(())
+    }
+}
+
+impl<const D: usize> Simulation<D> {
     /// Keeps from here on each sphere's greatest speed and force and its first arrivals, by each of these thresholds.
     #[must_use]
     pub fn recording(mut self, arrivals: Vec<Arrival>) -> Self {
@@ -211,67 +250,40 @@ impl<const D: usize> Simulation<D> {
             State { digest: digest(&self.rig), peaks: self.peaks.as_ref().map(Peaks::so_far), ..self.engine.save() };
         state.to_bytes()
     }
+}
 
-    /// Takes up a run where [`checkpoint`](Self::checkpoint) left it: it goes on to the same bits. Rig, step, scheme and what is
-    /// watched must be the same.
-    ///
-    /// # Errors
-    /// See [`CheckpointError`].
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
-        let mut state = State::from_bytes(bytes)?;
-        if state.digest != digest(&self.rig) {
-            return Err(CheckpointError::Other("rig"));
-        }
-        if state.step != self.step {
-            return Err(CheckpointError::Other("step"));
-        }
-        if state.integrator != self.engine.integrator() {
-            return Err(CheckpointError::Other("scheme"));
-        }
-        let mut peaks = self.peaks.clone();
-        let watched = match (&mut peaks, state.peaks.take()) {
-            (None, None) => true,
-            (Some(peaks), Some(rows)) => peaks.restore(rows),
-            _ => false,
-        };
-        if !watched {
-            return Err(CheckpointError::Other("set of arrivals"));
-        }
-        let mut engine = engine(&self.rig, self.step);
-        engine.go_by(state.integrator);
-        if !engine.load(&self.rig, state) {
-            return Err(CheckpointError::Damaged);
-        }
-        (self.engine, self.peaks, self.balance) = (engine, peaks, None);
-        Ok(())
+/// An engine that has not begun.
+pub struct Still<const D: usize>(Box<dyn Engine<D>>);
+
+/// The engine of a rig, compiled here for each dimension.
+pub trait Driven<const D: usize> {
+    /// For its laws.
+    fn engine(rig: &Rig<D>, step: f64) -> Still<D>;
+}
+
+impl Driven<1> for Spheres {
+    fn engine(rig: &Rig<1>, step: f64) -> Still<1> {
+        engine(rig, step)
     }
 }
 
-/// The engine for a rig's dimension and laws, compiled here for each dimension; see `dem::same`.
-fn engine<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
-    fn in_line(rig: &Rig<1>, step: f64) -> Box<dyn Engine<1>> {
-        choose(rig, step)
-    }
-    fn in_plane(rig: &Rig<2>, step: f64) -> Box<dyn Engine<2>> {
-        choose(rig, step)
-    }
-    fn in_space(rig: &Rig<3>, step: f64) -> Box<dyn Engine<3>> {
-        choose(rig, step)
-    }
-    let dimension: &dyn Any = rig;
-    if let Some(rig) = dimension.downcast_ref() {
-        same(in_line(rig, step))
-    } else if let Some(rig) = dimension.downcast_ref() {
-        same(in_plane(rig, step))
-    } else if let Some(rig) = dimension.downcast_ref() {
-        same(in_space(rig, step))
-    } else {
-        const { assert!(D >= 1 && D <= 3, "there are one to three dimensions") };
-        unreachable!("one of the three")
+impl Driven<2> for Spheres {
+    fn engine(rig: &Rig<2>, step: f64) -> Still<2> {
+        engine(rig, step)
     }
 }
 
-fn choose<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
+impl Driven<3> for Spheres {
+    fn engine(rig: &Rig<3>, step: f64) -> Still<3> {
+        engine(rig, step)
+    }
+}
+
+/// The machine for its laws.
+fn engine<const D: usize>(rig: &Rig<D>, step: f64) -> Still<D>
+where
+    SpringDashpot: Swept<D>,
+{
     match &rig.laws {
         LawBook::Materials { law, constants, pairs, friction } => {
             let maker = ByMaterial {
@@ -281,11 +293,11 @@ fn choose<const D: usize>(rig: &Rig<D>, step: f64) -> Box<dyn Engine<D>> {
                 friction: *friction,
                 materials: rig.sample.materials.clone(),
             };
-            Box::new(Machine::new(rig, maker, 2.0, step))
+            Still(Box::new(Machine::new(rig, maker, 2.0, step)))
         }
         LawBook::Dashpot { stiffness, materials, cut, .. } => {
             let maker = ByDashpot { stiffness: *stiffness, materials: materials.clone(), cut: *cut };
-            Box::new(Machine::new(rig, maker, 1.0, step))
+            Still(Box::new(Machine::new(rig, maker, 1.0, step)))
         }
     }
 }

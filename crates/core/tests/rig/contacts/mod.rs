@@ -13,6 +13,7 @@ use granulens_core::dem::rig::{
     Body, Cluster, Curve, Face, Flat, Friction, Law, LawBook, Load, LoadKind, Loss, Rig, RigError, Simulation, Spring,
     SpringDashpot, Touching,
 };
+use granulens_core::dem::{MoveIn, Spheres};
 use granulens_core::material::Material;
 use granulens_core::sample::{Sample, Sphere};
 
@@ -323,7 +324,10 @@ fn swarm<const D: usize>(draw: &mut Draw, laws: LawBook) -> Rig<D> {
 /// among them.
 #[test]
 fn momentum_and_angular_momentum_are_kept() {
-    fn kept<const D: usize>(rig: Rig<D>, what: &str) {
+    fn kept<const D: usize>(rig: Rig<D>, what: &str)
+    where
+        Spheres: MoveIn<D>,
+    {
         let mut simulation = Simulation::new(rig, 2e-8).unwrap();
         let (linear, angular, size) = momenta(&simulation);
         simulation.advance(6000, &GO).unwrap();
@@ -358,7 +362,10 @@ fn momentum_and_angular_momentum_are_kept() {
 /// motion but for rounding, which grows some thousandfold over three blows.
 #[test]
 fn the_order_of_spheres_does_not_matter() {
-    fn alike<const D: usize>(rig: &Rig<D>, order: &[usize]) {
+    fn alike<const D: usize>(rig: &Rig<D>, order: &[usize])
+    where
+        Spheres: MoveIn<D>,
+    {
         let mut other = rig.clone();
         for (to, &from) in order.iter().enumerate() {
             other.sample.spheres[to] = rig.sample.spheres[from];

@@ -23,7 +23,10 @@ fn plate(name: &str, corners: Vec<[f64; 3]>) -> Flat<3> {
 }
 
 /// Greatest force, and the velocity after the blow.
-fn bounce<const D: usize>(rig: Rig<D>) -> (f64, [f64; D]) {
+fn bounce<const D: usize>(rig: Rig<D>) -> (f64, [f64; D])
+where
+    Spheres: MoveIn<D>,
+{
     let mut simulation = Simulation::new(rig, 5e-8).unwrap();
     let mut force = 0.0_f64;
     for _ in 0..1200 {

@@ -14,7 +14,7 @@ use crate::sample::Sphere;
 
 use super::Contacts;
 use super::react::CLOSED;
-use crate::dem::rig::law::ContactLaw;
+use super::swept::Swept;
 
 /// How a sphere stands to a face that it overlaps.
 #[derive(Clone, Copy, Debug)]
@@ -144,7 +144,7 @@ pub fn near_faces<const D: usize>(rig: &Rig<D>, finder: &Finder<D>, bodies: &Bod
     faces
 }
 
-impl<const D: usize, L: ContactLaw> Contacts<D, L> {
+impl<const D: usize, L: Swept<D>> Contacts<D, L> {
     /// How a sphere stands to one of the faces `all` that it is near, if it overlaps it and meets no neighbour in its place.
     pub fn stands(&mut self, face: usize, all: &Range<usize>, rig: &Rig<D>, bodies: &Bodies<D>) -> Option<Standing<D>> {
         let standing = self.faces[face].standing(rig, bodies)?;

@@ -1,22 +1,18 @@
 //! How the list of contacts changes: who is near whom now, under which law, and what of the old list stays.
 
-use std::any::Any;
-
 use super::Contacts;
 use super::account::Account;
 use super::faces::{Facing, NearFace, near_faces};
-use super::lanes::Lines;
 use super::sections::Sections;
-use super::solids::Looked;
+use super::swept::Swept;
 use super::{FaceKey, Kept};
 use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::Bodies;
-use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::{ContactLaw, End, LawMaker, PairLaw, SolidLaw, reduced_mass};
+use crate::dem::rig::law::{End, LawMaker, reduced_mass};
 use crate::dem::rig::pairs::{Finder, Near};
 use crate::dem::share::{parts, rows};
 
-impl<const D: usize, L: ContactLaw> Contacts<D, L> {
+impl<const D: usize, L: Swept<D>> Contacts<D, L> {
     /// Looks anew who is near whom; memories go with their contact.
     pub fn renew(&mut self, rig: &Rig<D>, finder: &Finder<D>, bodies: &Bodies<D>, maker: &impl LawMaker<L>) {
         let near = finder.find(rig, &bodies.displacement);
@@ -71,9 +67,7 @@ impl<const D: usize, L: ContactLaw> Contacts<D, L> {
             true => Vec::new(),
             false => rows(self.near.len(), |c| share_in_mirrors(rig, &self.near[c])),
         };
-        if let Some(disks) = (self as &mut dyn Any).downcast_mut::<Contacts<2, SpringDashpot>>() {
-            disks.lines = Lines::of(&disks.near);
-        }
+        self.beside = L::beside(&self.near, &self.pair_laws, &self.pair_law[..self.near.len()]);
         self.sections = Sections::of(&self.near, self.class.len());
     }
 
@@ -161,8 +155,6 @@ impl<const D: usize, L: ContactLaw> Contacts<D, L> {
             last = Some((key, place));
             self.pair_law.push(place);
         }
-        let of_materials = (&self.pair_laws as &dyn Any).downcast_ref::<Vec<PairLaw<SolidLaw>>>();
-        self.looked = of_materials.and_then(|laws| Looked::of(laws, &self.pair_law[..self.near.len()]));
     }
 }
 

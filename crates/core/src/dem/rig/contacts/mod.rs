@@ -6,6 +6,7 @@
 //!
 //! - `react`: what contacts do; `friction`: its tangential part; `faces`: contacts with flats and mirrors
 //! - `sweep`: forces on all bodies; several contacts side by side: `lanes` for disks with springs and dashpots, `solids` for spheres under laws of materials
+//! - `swept`: which of these a law has
 //! - `list`: how the list changes
 //! - `sections`: parts of the list of pairs that threads share out
 //! - `account`: what contacts have carried and lost
@@ -19,6 +20,7 @@ mod react;
 mod sections;
 mod solids;
 mod sweep;
+mod swept;
 #[cfg(test)]
 mod tests;
 
@@ -28,16 +30,16 @@ pub(super) use account::Account;
 pub(super) use faces::{Facing, NearFace};
 pub(super) use react::Predicted;
 pub(super) use sweep::{Excess, Sums};
+pub(super) use swept::Swept;
 
 use super::bodies::{Bodies, dot};
-use super::law::{ContactLaw, End, PairLaw};
+use super::law::{End, PairLaw};
 use super::pairs::Near;
 use super::{Arm, Body, Rig};
 use crate::dem::share::parts;
 use crate::real::Width;
 use account::Accounts;
 use friction::{More, Row};
-use lanes::Lines;
 use sections::Sections;
 
 /// A contact's memories that outlive its being near.
@@ -74,7 +76,7 @@ pub(super) type PairKey<const D: usize> = ([u32; 2], [i8; D]);
 pub(super) type FaceKey = (u32, Facing);
 
 /// Contacts as parallel arrays: row c of each is contact c, pairs first, then faces.
-pub(super) struct Contacts<const D: usize, L: ContactLaw> {
+pub(super) struct Contacts<const D: usize, L: Swept<D>> {
     pub near: Vec<Near<D>>,
     pub faces: Vec<NearFace>,
     /// Part of a pair that belongs to the simulated part of a symmetric rig; empty where all is simulated.
@@ -115,14 +117,12 @@ pub(super) struct Contacts<const D: usize, L: ContactLaw> {
     pub lever: Vec<f64>,
     /// All radii (m) where arms end in the contact, else none.
     radius: Vec<f64>,
-    /// For disks in lanes: the pairs as parallel arrays.
-    lines: Lines,
-    /// For spheres in lanes: the numbers of their laws, if all pairs have one law.
-    looked: Option<solids::Looked>,
+    /// What pairs side by side have besides.
+    beside: L::Beside,
     width: Width,
 }
 
-impl<const D: usize, L: ContactLaw> Contacts<D, L> {
+impl<const D: usize, L: Swept<D>> Contacts<D, L> {
     /// No contact yet. `face_factor` is 2 where a face stands for an equal sphere (Burgoyne 2016, appendix A.1), 1 where
     /// it is met as it is.
     pub fn new(rig: &Rig<D>, face_factor: f64) -> Self {
@@ -179,8 +179,7 @@ impl<const D: usize, L: ContactLaw> Contacts<D, L> {
             turning: rig.has_friction(),
             overlap_limit: rig.overlap_limit,
             sections: Sections::of(&[], count),
-            lines: Lines::default(),
-            looked: None,
+            beside: L::Beside::default(),
             width: Width::widest(),
         }
     }

@@ -1,7 +1,5 @@
 //! The force sweep over all contacts.
 
-use std::any::Any;
-
 use super::Contacts;
 use super::faces::{Facing, NearFace, Standing};
 use super::friction::Held;
@@ -9,9 +7,10 @@ use super::lanes::{Disks, Sweep};
 use super::react::{Arms, Meeting, Motion, Past, Predicted, Reaction, Rolls, react, react_pair, release, sliding};
 use super::sections::{Piece, Spill};
 use super::solids;
+use super::swept::Swept;
 use crate::dem::rig::bodies::{Bodies, dot};
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::{ContactLaw, SolidLaw};
+use crate::dem::rig::law::SolidLaw;
 use crate::dem::rig::spins::{self, Spins};
 use crate::dem::rig::{Body, Rig};
 
@@ -52,7 +51,7 @@ impl<const D: usize> Sums<D> {
     }
 }
 
-impl<const D: usize, L: ContactLaw> Contacts<D, L> {
+impl<const D: usize, L: Swept<D>> Contacts<D, L> {
     /// Adds up the forces on all spheres and flats at the given velocities; memories advance by one step.
     pub fn sweep(&mut self, rig: &Rig<D>, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
         if self.turning {
@@ -66,24 +65,16 @@ impl<const D: usize, L: ContactLaw> Contacts<D, L> {
 
     fn sweep_pairs<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
         sums.flat.fill([0.0; D]);
-        if let Some(solids) = (self as &mut dyn Any).downcast_mut::<Contacts<D, SolidLaw>>()
-            && solids.looked.is_some()
-            && !solids.radius.is_empty()
-        {
-            return solids.sweep_solids::<TURNING>(bodies, predicted, sums);
-        }
-        let in_lanes = self.share.is_empty() && self.radius.is_empty();
-        let (disks, flat_sums) = (self as &mut dyn Any, sums as &mut dyn Any);
-        match (disks.downcast_mut::<Contacts<2, SpringDashpot>>(), flat_sums.downcast_mut::<Sums<2>>()) {
-            (Some(disks), Some(sums)) if in_lanes => {
-                let at = (plane(&bodies.displacement), plane(predicted.velocity), predicted.turn.numbers());
-                disks.sweep_disks::<TURNING>(predicted.step, at, sums);
-            }
-            _ => self.sweep_any::<TURNING>(bodies, predicted, sums),
-        }
+        L::sweep::<TURNING>(self, bodies, predicted, sums);
     }
 
-    fn sweep_any<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
+    /// The pairs one by one.
+    pub(super) fn sweep_any<const TURNING: bool>(
+        &mut self,
+        bodies: &Bodies<D>,
+        predicted: Predicted<D>,
+        sums: &mut Sums<D>,
+    ) {
         let Self {
             near, share, pair_law, reduced, pair_laws, memory, stretch, account, lever, radius, sections, ..
         } = self;
@@ -309,14 +300,14 @@ fn spring_at<const D: usize, const TURNING: bool>(stretch: [&[f64]; D], c: usize
     std::array::from_fn(|k| if TURNING { stretch[k][c] } else { 0.0 })
 }
 
-/// Pairs of numbers of the plane, known to be so only where the law is.
-fn plane<const D: usize>(rows: &[[f64; D]]) -> &[[f64; 2]] {
-    rows.as_flattened().as_chunks().0
-}
-
 impl<const D: usize> Contacts<D, SolidLaw> {
     /// As `sweep_any`, in the lanes of vector registers.
-    fn sweep_solids<const TURNING: bool>(&mut self, bodies: &Bodies<D>, predicted: Predicted<D>, sums: &mut Sums<D>) {
+    pub(super) fn sweep_solids<const TURNING: bool>(
+        &mut self,
+        bodies: &Bodies<D>,
+        predicted: Predicted<D>,
+        sums: &mut Sums<D>,
+    ) {
         if TURNING {
             self.sweep_groups::<TURNING, { solids::TURNING }>(bodies, predicted, sums);
         } else {
@@ -330,7 +321,7 @@ impl<const D: usize> Contacts<D, SolidLaw> {
         predicted: Predicted<D>,
         sums: &mut Sums<D>,
     ) {
-        let Some(looked) = self.looked.as_ref() else { return };
+        let Some(looked) = self.beside.as_ref() else { return };
         let rows = solids::rows_of::<D, GROUPS>(bodies, &self.radius, predicted);
         let Self { near, share, lever, pair_law, reduced, memory, stretch, account, sections, width, .. } = self;
         let (near, share, pair_law, reduced) = (&near[..], &share[..], &pair_law[..], &reduced[..]);
@@ -343,13 +334,13 @@ impl<const D: usize> Contacts<D, SolidLaw> {
 
 impl Contacts<2, SpringDashpot> {
     /// As `sweep_any`, in the lanes of vector registers.
-    fn sweep_disks<const TURNING: bool>(
+    pub(super) fn sweep_disks<const TURNING: bool>(
         &mut self,
-        step: f64,
-        (at, velocity, turn): (&[[f64; 2]], &[[f64; 2]], &[f64]),
+        bodies: &Bodies<2>,
+        Predicted { velocity, turn, step, .. }: Predicted<2>,
         sums: &mut Sums<2>,
     ) {
-        let disks = Disks { at, velocity, turn };
+        let disks = Disks { at: &bodies.displacement, velocity, turn: turn.numbers() };
         if self.pair_laws.iter().any(|pair_law| pair_law.slip.stiffness > 0.0) {
             self.sweep_kind::<TURNING, true>(step, disks, sums);
         } else {
@@ -358,7 +349,9 @@ impl Contacts<2, SpringDashpot> {
     }
 
     fn sweep_kind<const TURNING: bool, const SPRING: bool>(&mut self, step: f64, disks: Disks<'_>, sums: &mut Sums<2>) {
-        let Self { lines, lever, pair_laws, pair_law, reduced, memory, stretch, account, sections, width, .. } = self;
+        let Self {
+            beside: lines, lever, pair_laws, pair_law, reduced, memory, stretch, account, sections, width, ..
+        } = self;
         let (lines, pair_laws, pair_law, reduced) = (&*lines, &pair_laws[..], &pair_law[..], &reduced[..]);
         sections.run::<_, TURNING>(memory, account.rows(), (stretch, &mut []), lever, sums, |piece| {
             width.run(Sweep::<TURNING, SPRING> { lines, disks, pair_laws, pair_law, reduced, piece, step });

@@ -149,9 +149,9 @@ fn jostled_solids<const D: usize>(
     contacts.renew(&rig, &finder, &bodies, &binder);
     contacts.sections = Sections::so_many(&contacts.near, count, sections);
     contacts.width = width.unwrap_or(Width::Scalar);
-    assert!(contacts.looked.is_some());
+    assert!(contacts.beside.is_some());
     if width.is_none() {
-        contacts.looked = None;
+        contacts.beside = None;
     }
     let (mut sums, mut felt, step) = (Sums::new(count, 0), Vec::new(), 1e-6);
     for _ in 0..12 {
@@ -231,9 +231,9 @@ fn a_flat_s_own_law_is_not_that_of_pairs() {
         bodies.displacement[1][2] = -21e-3 - 40e-6;
         contacts.renew(&rig, &finder, &bodies, &maker);
         contacts.width = width.unwrap_or(Width::Scalar);
-        assert!(contacts.near.len() == 1 && contacts.looked.is_some());
+        assert!(contacts.near.len() == 1 && contacts.beside.is_some());
         if width.is_none() {
-            contacts.looked = None;
+            contacts.beside = None;
         }
         let mut sums = Sums::new(2, 1);
         let velocity = [[0.0; 3], [0.0, 0.0, -3.0]];

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::{Machine, flat_weight};
-use crate::dem::rig::contacts::Excess;
-use crate::dem::rig::law::{ContactLaw, LawMaker};
+use crate::dem::rig::contacts::{Excess, Swept};
+use crate::dem::rig::law::LawMaker;
 use crate::dem::rig::{Body, LoadKind, Rig};
 
 /// What loads do to a body during a step.
@@ -54,7 +54,7 @@ pub fn loaded<const D: usize>(rig: &Rig<D>) -> Vec<Loaded> {
     all
 }
 
-impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
+impl<const D: usize, L: Swept<D>, B: LawMaker<L>> Machine<D, L, B> {
     /// What loads do during the step that begins now.
     pub fn plan_acts(&mut self, rig: &Rig<D>) {
         self.acts.clear();

@@ -18,8 +18,8 @@ pub(super) use past::Past;
 
 use super::bodies::{Bodies, dot};
 use super::cluster::Ahead;
-use super::contacts::{Contacts, Excess, Predicted, Sums};
-use super::law::{ContactLaw, LawMaker};
+use super::contacts::{Contacts, Excess, Predicted, Sums, Swept};
+use super::law::LawMaker;
 use super::ledger::EnergyLedger;
 use super::pairs::Finder;
 use super::spins::Spins;
@@ -27,7 +27,7 @@ use super::{Body, LoadKind, Rig};
 use crate::dem::share::parts;
 
 /// A rig in motion under laws of one type.
-pub(super) struct Machine<const D: usize, L: ContactLaw, B> {
+pub(super) struct Machine<const D: usize, L: Swept<D>, B> {
     pub bodies: Bodies<D>,
     pub contacts: Contacts<D, L>,
     pub maker: B,
@@ -57,7 +57,7 @@ pub(super) struct Machine<const D: usize, L: ContactLaw, B> {
     acts: Vec<Act<D>>,
 }
 
-impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
+impl<const D: usize, L: Swept<D>, B: LawMaker<L>> Machine<D, L, B> {
     pub fn new(rig: &Rig<D>, maker: B, face_factor: f64, step: f64) -> Self {
         let bodies = Bodies::new(rig);
         let finder = Finder::new(rig);
@@ -197,7 +197,7 @@ impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
     }
 }
 
-impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
+impl<const D: usize, L: Swept<D>, B: LawMaker<L>> Machine<D, L, B> {
     /// Draws the balance.
     pub fn ledger(&self, rig: &Rig<D>) -> EnergyLedger {
         let mut ledger = EnergyLedger {

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::{Machine, flat_weight};
 use crate::dem::rig::bodies::Bodies;
-use crate::dem::rig::law::{ContactLaw, LawMaker};
+use crate::dem::rig::contacts::Swept;
+use crate::dem::rig::law::LawMaker;
 use crate::dem::rig::spins::Spins;
 use crate::dem::rig::{Body, Rig};
 use crate::dem::share::{cut, pieces};
@@ -60,7 +61,7 @@ pub(super) fn strayed<const D: usize>(now: &[f64; D], seen: &[f64; D], skin: f64
     squared > skin * skin
 }
 
-impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
+impl<const D: usize, L: Swept<D>, B: LawMaker<L>> Machine<D, L, B> {
     /// Moves all bodies on and predicts their velocities; whether a sphere has moved so far that pairs may be near that were not when
     /// last looked for.
     pub(super) fn drift(&mut self, h: f64) -> bool {

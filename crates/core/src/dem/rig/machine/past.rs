@@ -13,7 +13,8 @@ use crate::dem::Integrator;
 use crate::dem::rig::Rig;
 use crate::dem::rig::checkpoint::Accelerations;
 use crate::dem::rig::cluster::Ahead;
-use crate::dem::rig::law::{ContactLaw, LawMaker};
+use crate::dem::rig::contacts::Swept;
+use crate::dem::rig::law::LawMaker;
 use crate::dem::rig::spins::Spins;
 use crate::dem::share::{cut, pieces};
 use crate::dem::step::Coefficients;
@@ -127,7 +128,7 @@ impl Past {
     }
 }
 
-impl<const D: usize, L: ContactLaw, B: LawMaker<L>> Machine<D, L, B> {
+impl<const D: usize, L: Swept<D>, B: LawMaker<L>> Machine<D, L, B> {
     /// Goes on by a scheme from here. Verlet remembers nothing; Runge-Kutta's, which a rig does not know, is refused before.
     pub fn go_by(&mut self, integrator: Integrator) {
         self.past = (integrator == Integrator::Adams).then(|| Past {
