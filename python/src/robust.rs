@@ -115,10 +115,10 @@ pub fn tolerance<'py>(
     let subject = Subject::from(&layout.inner);
     let mut design = Design::clone(&layout.design);
     // As on the command line: what Q refers to where the design does not say it.
-    let warnings: Vec<String> = refer(&mut design, subject).into_iter().collect();
+    let warnings: Vec<String> = refer(&mut design, &layout.inner.palette, &subject.drawn()).into_iter().collect();
     let (inner, design) = (&layout.inner, &design);
     let tolerances = match &tolerances {
-        Some(path) => Tolerances::read(path, inner).map_err(|error| Failure::input(error.to_string()))?,
+        Some(path) => Tolerances::read(path, (design, subject)).map_err(|error| Failure::input(error.to_string()))?,
         None => Tolerances::usual(),
     };
     let mut overrides = overrides(step.as_ref(), window.as_ref(), integrator)?;
@@ -135,7 +135,7 @@ pub fn tolerance<'py>(
         Overrides { step: Some(plan.step), window: Some(plan.window), integrator: Some(plan.integrator), ..overrides };
     let workshop = Workshop::new((design, subject), &tolerances, &plan, &asked).map_err(of_workshop)?;
     let job = |context: &Context| -> Result<_> {
-        let criterion = Criterion::new(design, subject, &tolerances, given, context)
+        let criterion = Criterion::new((design, subject), &tolerances, given, context)
             .map_err(|error| Failure::input(error.to_string()))?;
         let found = changes(&workshop, &asked, seed, context).map_err(of_workshop)?;
         let mut samples = Samples::new(&workshop, seed);

@@ -7,7 +7,7 @@ use granulens::build::{
 };
 use granulens::dem::rig::RigStop;
 use granulens::dem::{Integrator, Stop};
-use granulens::design::{AnyDesign, Design, SpaceDesign};
+use granulens::design::{AnyDesign, SpaceDesign};
 use granulens::evaluate::{HeldError, Overrides, Plan, Subject, evaluate_in_space, impact, impact_in_space, method};
 use granulens::input;
 use granulens::lattice::Layered;
@@ -100,7 +100,7 @@ impl Build {
             ];
             return tell(common, &parts);
         }
-        let spares = self.spares(common, &design)?;
+        let spares = self.spares(common, &design.name)?;
         let place = common.out.clone().unwrap_or_else(|| Path::new("builds").join(&design.name));
         let folder = begin(common, &place)?;
         let piece = Piece::new(&design.name, subject);
@@ -149,12 +149,6 @@ impl Build {
 
     /// Maps and lists of the layers of a crystal in space, and its frame; the layout alone is simulated, for the inspection list.
     fn in_space(self, common: &Common, design: &SpaceDesign) -> Result<(), Failure> {
-        if self.from_yield.is_some() {
-            return Err(Failure::input_with_help(
-                "--yield is for sheets; this design is a crystal in space, of which tolerance makes no pieces",
-                "Leave it out, and say with --spares how many spheres to order besides.",
-            ));
-        }
         let begun = Begun::now();
         let layout = super::space::read(design, &self.layout)?;
         let overrides = self.motion.overrides(common);
@@ -165,6 +159,7 @@ impl Build {
             let alone = arrangement(&layout.sample_in_space(), &impact_in_space(design, &plan))?;
             return tell(common, &[cost::Part::new("the layout, for the inspection list", 1, Some(alone))]);
         }
+        let spares = self.spares(common, &design.name)?;
         let place = common.out.clone().unwrap_or_else(|| Path::new("builds").join(&design.name));
         let folder = begin(common, &place)?;
         let (layers, marks) = Piece::layers(&design.name, &layout);
@@ -184,7 +179,6 @@ impl Build {
         let tray = build::Tray::new((&layers, block.outline()), depth, mm(self.clearance), thick);
         let solid = tray.solid();
         let three_mf = solid.three_mf(&design.name).map_err(|error| Failure::input(format!("frame.3mf: {error}")))?;
-        let spares = Spares::part(self.spares);
         let parts = build::parts_in_space(&marks, &layout, |material| design.price(material), &spares);
         let mut files: Vec<(String, Vec<u8>)> = Paper::ALL
             .into_iter()
@@ -237,15 +231,15 @@ impl Build {
     }
 
     /// What is ordered besides.
-    fn spares(&self, common: &Common, design: &Design) -> Result<Spares, Failure> {
+    fn spares(&self, common: &Common, design: &str) -> Result<Spares, Failure> {
         let Some(path) = &self.from_yield else { return Ok(Spares::part(self.spares)) };
         let path = if path.is_dir() { path.join("tolerance.json") } else { path.clone() };
         let text = input::text(&path).map_err(|error| Failure::of_file(&path, None, &error.to_string()))?;
         let help = "granulens tolerance LAYOUT --design DESIGN --out FOLDER writes FOLDER/tolerance.json.";
         let from = Yield::parse(&path, &text).map_err(|message| Failure::input_with_help(message, help))?;
         let [known, layout] = &from.found_for;
-        if *known != design.name {
-            let message = format!("{}: holds the yield of the design {known}, not of {}", path.display(), design.name);
+        if known != design {
+            let message = format!("{}: holds the yield of the design {known}, not of {design}", path.display());
             return Err(Failure::input_with_help(message, help));
         }
         if *layout != self.layout.display().to_string() {

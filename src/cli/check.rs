@@ -10,12 +10,11 @@ use granulens::evaluate::{
     Beside, Evaluation, Forces, OverLawsError, Plan, Subject, beside_uniform, impact, method, parted, unnamed,
 };
 use granulens::gate::{Asked, Gate, GateError, Word, gate};
-use granulens::layout::Layout;
 use granulens::material::Material;
 use granulens::outcome::{self, Checked, FORMAT};
 use granulens::report::strengths;
 use granulens::score::{Measure, Scores};
-use granulens::tolerance::{MOST_SAMPLES, Tolerances};
+use granulens::tolerance::{Drawing, MOST_SAMPLES, Tolerances};
 use granulens::units::Dimension::{self, Energy, Mass};
 
 use super::compare::read_piece;
@@ -80,11 +79,11 @@ struct Gated {
 const PIECES: u64 = 200;
 
 impl Gated {
-    fn asked(&self, layout: &Layout, common: &Common) -> Result<Asked, Failure> {
+    fn asked(&self, drawing: Drawing<'_>, common: &Common) -> Result<Asked, Failure> {
         let frame = [self.frame_width, self.frame_depth];
         let Some(least) = self.least_yield else { return Ok(Asked { frame, least_yield: None }) };
         let tolerances = match &self.tolerances {
-            Some(path) => Tolerances::read(path, layout)?,
+            Some(path) => Tolerances::read(path, drawing)?,
             None => Tolerances::usual(),
         };
         let seed = common.seed.or(tolerances.seed).unwrap_or(1);
@@ -132,7 +131,7 @@ impl Check {
             return tell(common, &parts);
         }
         self.under.chosen(&design)?;
-        let gated = self.gated.asked(layout, common)?;
+        let gated = self.gated.asked(Drawing::Plane(&design, subject), common)?;
         probe_all(common, &[self.spheres.as_ref(), common.out.as_ref()])?;
         let begun = Instant::now();
         let beside = beside_uniform(&design, subject, &plan, self.forces.or(Forces::ONE)?, context())?;

@@ -320,6 +320,6 @@ fn felt(layout: &Layout<Block>, record: &granulens::dem::Record<3>) -> String {
 pub fn refuse(what: &str) -> Failure {
     Failure::input_with_help(
         format!("{what} is for sheets; this design is a crystal in space"),
-        "Leave it out. In space there are design, run, compare, check, study and build, with --forces and --spheres.",
+        "Leave it out. In space there are design, run, compare, check, tolerance, study and build, with --forces and --spheres.",
     )
 }

@@ -3,17 +3,20 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use granulens::dem::Integrator;
-use granulens::design::Design;
-use granulens::evaluate::{OverLawsError, Overrides, Plan, Subject, method, over_laws, refer};
+use granulens::dem::{Integrator, Projectile, Strike};
+use granulens::design::{AnyDesign, DesignRef};
+use granulens::evaluate::{
+    ImpactLoad, OverLawsError, Overrides, Plan, Subject, common_plan, evaluate_in_space, impact, impact_in_space,
+    method, over_laws, refer,
+};
 use granulens::outcome::FORMAT;
 use granulens::output;
 use granulens::report::Provenance;
 use granulens::score::Measure;
 use granulens::tolerance::{
-    Criterion, INTERVAL, KeptError, MOST_SAMPLES, Samples, State, Told, Tolerances, Workshop, WorkshopError, as_built,
-    assumed, derivative_runs, distributions, indices, indices_runs, indices_words, inverse, inverse_words, page,
-    rechoose, sensitivity, sites, sites_runs, yield_of,
+    Criterion, Drawing, INTERVAL, KeptError, MOST_SAMPLES, Samples, State, Told, Tolerances, Workshop, WorkshopError,
+    as_built, assumed, derivative_runs, distributions, indices, indices_runs, indices_words, inverse, inverse_words,
+    page, rechoose, sensitivity, sites, sites_runs, yield_of,
 };
 use serde_json::json;
 
@@ -29,7 +32,7 @@ use super::{Common, Motion, command_line};
 /// keeps all of it: the pieces, which later runs go on from and ask other thresholds of, the numbers as JSON, and a page.
 #[derive(clap::Args)]
 pub struct Tolerance {
-    /// Layout, CSV with the header row,column,x,z,diameter,material
+    /// Layout, CSV with the header row,column,x,z,diameter,material or, in space, layer,column,x,y,z,diameter,material
     layout: PathBuf,
     /// Design file: everything but the materials
     #[arg(long, value_name = "FILE")]
@@ -40,7 +43,7 @@ pub struct Tolerance {
     /// Pieces to make [default: those of the file of tolerances, or 500]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=u64::from(MOST_SAMPLES)))]
     samples: Option<u64>,
-    /// What one wrong sphere costs at each site, the worst single one, and the worst pair among the worst
+    /// What one wrong sphere costs at each site of a sheet, the worst single one, and the worst pair among the worst
     #[arg(long)]
     sites: bool,
     /// Elementary effects (Morris): which quantities matter anywhere within their limits
@@ -69,14 +72,27 @@ const TOLD: [Measure; 3] = [Measure::Contrast, Measure::FocalGain, Measure::Prot
 
 impl Tolerance {
     pub fn run(self, common: &Common) -> Result<(), Failure> {
-        let mut design = Design::read(&self.design)?;
-        super::asks_equal_spheres(&design, "tolerance")?;
-        let read = read_piece(common, &design, &self.layout)?;
-        let (layout, subject) = (&read.layout, Subject::from(&read));
-        // As in check and compare: what Q refers to where the design does not say it.
-        let warnings: Vec<String> = refer(&mut design, subject).into_iter().collect();
+        match AnyDesign::read(&self.design)? {
+            AnyDesign::Plane(mut design) => {
+                super::asks_equal_spheres(&design, "tolerance")?;
+                let read = read_piece(common, &design, &self.layout)?;
+                let subject = Subject::from(&read);
+                // As in check and compare: what Q refers to where the design does not say it.
+                let warning = refer(&mut design, &subject.layout.palette, &subject.drawn());
+                self.judge(common, Drawing::Plane(&design, subject), warning)
+            }
+            AnyDesign::Space(mut design) => {
+                let layout = super::space::read(&design, &self.layout)?;
+                let warning = refer(&mut design, &layout.palette, &layout.materials);
+                self.judge(common, Drawing::Space(&design, &layout), warning)
+            }
+        }
+    }
+
+    fn judge(&self, common: &Common, drawing: Drawing<'_>, warning: Option<String>) -> Result<(), Failure> {
+        let design = drawing.design();
         let tolerances = match &self.tolerances {
-            Some(path) => Tolerances::read(path, layout)?,
+            Some(path) => Tolerances::read(path, drawing)?,
             None => Tolerances::usual(),
         };
         let seed = common.seed.or(tolerances.seed).unwrap_or(1);
@@ -85,16 +101,18 @@ impl Tolerance {
         let integrator =
             if tolerances.state == State::Settled { Some(Integrator::Verlet) } else { self.motion.integrator };
         let overrides = Overrides { integrator, ..self.motion.overrides(common) };
-        let plan = Plan::new(&design, overrides, &layout.palette)
-            .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
-        let thresholds = tolerances.thresholds.as_ref().unwrap_or(&design.thresholds);
+        let plan = plan(drawing, &tolerances, overrides)?;
+        let thresholds = tolerances.thresholds.as_deref().unwrap_or(design.thresholds());
         let asked: Vec<Measure> = thresholds.iter().map(|threshold| threshold.measure).collect();
-        let workshop = Workshop::new((&design, subject), &tolerances, &plan, &asked)?;
+        let workshop = Workshop::new(drawing, &tolerances, &plan, &asked)?;
         if tolerances.state == State::Settled && (self.sites || self.rechoose.is_some()) {
             return Err(Failure::input_with_help(
                 "--sites and --rechoose judge pieces on nominal sites, and the file of tolerances says state = \"settled\".",
                 "Leave them out, or take a file with state = \"nominal-sites\".",
             ));
+        }
+        if self.sites && drawing.is_in_space() {
+            return Err(super::space::refuse("--sites"));
         }
         if common.dry_run {
             return self.cost(common, &workshop, count);
@@ -110,7 +128,7 @@ impl Tolerance {
             integrator: Some(plan.integrator),
             ..overrides
         };
-        let criterion = Criterion::new(&design, subject, &tolerances, given, context())?;
+        let criterion = Criterion::new(drawing, &tolerances, given, context())?;
 
         let known = samples.list.len();
         let more = [
@@ -139,26 +157,31 @@ impl Tolerance {
         measures.extend(
             asked.iter().filter(|measure| !TOLD.contains(measure) && workshop.measures().any(|m| m == **measure)),
         );
-        let of_layout = subject.scores(|material| design.price(material));
+        let of_layout = drawing.scores();
         let (share, stopped) = yield_of(&samples, count as usize, &criterion, &of_layout);
         let mut words = String::new();
         let mut files: Vec<(&str, String)> = Vec::new();
         let mut maps = Vec::new();
         let mut more = BTreeMap::new();
-        if !tolerances.laws.is_empty() {
-            let over = over_laws(&design, subject, &tolerances.laws, self.motion.overrides(common), context())
-                .map_err(|error| match error {
+        if let Drawing::Plane(design, subject) = drawing
+            && !tolerances.laws.is_empty()
+        {
+            let over = over_laws(design, subject, &tolerances.laws, self.motion.overrides(common), context()).map_err(
+                |error| match error {
                     OverLawsError::Evaluate(error) => error.into(),
                     error @ OverLawsError::Plan { .. } => Failure::input(error.to_string()),
-                })?;
+                },
+            )?;
             words += &over.table();
             more.insert("laws", json!(over));
         }
-        if self.sites {
+        if let Drawing::Plane(design, subject) = drawing
+            && self.sites
+        {
             let found = sites(&workshop, &working)?;
             words += &found.words();
             files.push(("sites.csv", found.csv()));
-            let map = found.map(&design, subject);
+            let map = found.map(design, subject);
             maps.push(map.clone());
             files.push(("sites.svg", map));
             more.insert("sites", json!(found));
@@ -175,8 +198,14 @@ impl Tolerance {
             more.insert("inverse", json!({ "wanted": wanted, "found": found }));
         }
         if let Some(spheres) = self.rechoose {
-            let energy = subject.evaluate(&design, &plan, context())?.record.max_kinetic;
-            let energy = subject.on_places(&energy);
+            let energy = match drawing {
+                Drawing::Plane(design, subject) => {
+                    subject.on_places(&subject.evaluate(design, &plan, context())?.record.max_kinetic)
+                }
+                Drawing::Space(design, layout) => {
+                    evaluate_in_space(design, layout, &plan, context())?.record.max_kinetic
+                }
+            };
             let with = (&of_layout, &energy[..]);
             let found = rechoose(&workshop, &criterion, (spheres as usize, seed), with, &working)?;
             words += &found.words();
@@ -185,7 +214,7 @@ impl Tolerance {
         bar.done();
         let told = Told {
             format: FORMAT,
-            design: design.name.clone(),
+            design: design.name().to_owned(),
             layout: self.layout.display().to_string(),
             state: match tolerances.state {
                 State::NominalSites => "nominal-sites",
@@ -206,13 +235,16 @@ impl Tolerance {
             no_derivatives: found.no_derivatives,
             sensitivity: found.changes,
             distribution: distributions(&samples, count as usize, &measures),
-            method: method(&design, &plan),
-            warnings: plan.warnings.iter().cloned().chain(warnings).collect(),
+            method: match design {
+                DesignRef::Plane(design) => method(design, &plan),
+                DesignRef::Space(design) => method(design, &plan),
+            },
+            warnings: plan.warnings.iter().cloned().chain(warning).collect(),
             more,
             words,
         };
         if let Some(folder) = folder {
-            let (file, text) = (design.path.display().to_string(), design.text.clone());
+            let (file, text) = (design.path().display().to_string(), design.text().to_owned());
             let provenance =
                 Provenance::new(command_line(), file, text).by(&told.method).with("Random seed", seed.to_string());
             let page = page(&told, provenance, &criterion, &samples, &measures, &maps);
@@ -234,13 +266,16 @@ impl Tolerance {
 
     /// What it would cost.
     fn cost(&self, common: &Common, workshop: &Workshop, count: u64) -> Result<(), Failure> {
-        let (design, plan) = (workshop.design(), workshop.plan());
-        let alone = arrangement(&workshop.layout().sample(), &granulens::evaluate::impact(design, plan))?;
+        let (drawing, plan) = (workshop.drawing(), workshop.plan());
+        let alone = match drawing {
+            Drawing::Plane(design, subject) => arrangement(&subject.layout.sample(), &impact(design, plan))?,
+            Drawing::Space(design, layout) => arrangement(&layout.sample_in_space(), &impact_in_space(design, plan))?,
+        };
         // In lanes without records a run takes about a fifth of one with them; whole pieces are two halves, and rigs find their contacts.
         let each = match (workshop.tolerances().state, workshop.tolerances().halves_alike) {
             (State::Settled, _) => 12.0 * alone,
             // Every other piece is struck by a plate, beside uniform crystals of its own.
-            _ if workshop.tolerances().impact.projectile.is_some() => 18.0 * alone,
+            _ if workshop.tolerances().impact.projectile.is_some() && !drawing.is_in_space() => 18.0 * alone,
             (_, true) => 0.3 * alone,
             (_, false) => 0.6 * alone,
         };
@@ -254,6 +289,26 @@ impl Tolerance {
             parts.push(Part::new("derivatives, under 8 forces", runs, Some(8.0 * alone * runs as f64)));
         }
         tell(common, &parts)
+    }
+}
+
+/// Step and window for all pieces, on what may strike them.
+fn plan(drawing: Drawing<'_>, tolerances: &Tolerances, overrides: Overrides) -> Result<Plan, Failure> {
+    match drawing {
+        Drawing::Plane(design, subject) => Plan::new(design, overrides, &subject.layout.palette)
+            .map_err(|error| Failure::of_plan(design, &overrides, &error)),
+        Drawing::Space(design, layout) => {
+            // What Q refers to is among the materials, as in check.
+            let mut palette = layout.palette.clone();
+            palette.extend(design.reference().filter(|material| !layout.palette.contains(material)).cloned());
+            let thrown = tolerances.impact.projectile.map(|flat| {
+                let speed = (1.0 + tolerances.impact.force) * flat.speed;
+                ImpactLoad::from(Strike::Projectile(Projectile { speed, ..flat }))
+            });
+            let loads: Vec<ImpactLoad> = std::iter::once(design.impact.into()).chain(thrown).collect();
+            common_plan(design, &loads, overrides, &palette)
+                .map_err(|error| Failure::of_plan(design, &overrides, &error))
+        }
     }
 }
 
@@ -286,9 +341,10 @@ impl From<WorkshopError> for Failure {
         match error {
             WorkshopError::Evaluator(error) => error.into(),
             WorkshopError::Held(error) => error.into(),
-            WorkshopError::Records(_) | WorkshopError::Halves | WorkshopError::Projectile => {
-                Self::input(error.to_string())
-            }
+            WorkshopError::Records(_)
+            | WorkshopError::Halves
+            | WorkshopError::Projectile
+            | WorkshopError::Sheets(_) => Self::input(error.to_string()),
         }
     }
 }

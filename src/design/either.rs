@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{Design, DesignError, SpaceDesign, space};
+use super::{Design, DesignError, SpaceDesign, Threshold, space};
 use crate::contact::LawKind;
 use crate::dem::Strike;
 use crate::document;
@@ -164,6 +164,11 @@ impl<'a> DesignRef<'a> {
     /// Prices of one sphere by the name of its material.
     pub fn prices(self) -> &'a BTreeMap<String, f64> {
         each!(self, design => &design.prices)
+    }
+
+    /// What `check --strict` asks of the scores.
+    pub fn thresholds(self) -> &'a [Threshold] {
+        each!(self, design => &design.thresholds)
     }
 
     /// See [`Design::material`].

@@ -169,7 +169,7 @@ impl Evaluator {
         let plan = common_plan(design, &loads.iter().map(|(load, _)| *load).collect::<Vec<_>>(), overrides, &palette)?;
         let field = |(load, whole): &(ImpactLoad, bool)| match design {
             DesignRef::Plane(design) => AnyField::Plane(Field::new(design, &plan, load, *whole)),
-            DesignRef::Space(design) => AnyField::Space(Field::in_space(design, &plan, load)),
+            DesignRef::Space(design) => AnyField::Space(Field::in_space(design, &plan, load, *whole)),
         };
         let fields: Vec<AnyField> = loads.iter().map(field).collect();
         let alike = |(load, whole): &(ImpactLoad, bool)| {

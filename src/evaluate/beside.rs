@@ -41,14 +41,14 @@ pub(super) fn reference<L, R>(
     u8::try_from(place).ok()
 }
 
-/// Has a design name what Q refers to, as [`beside_uniform`] and [`compare`](super::compare()) take it of this piece, and says so where it named nothing.
-pub fn refer(design: &mut Design, piece: Subject<'_>) -> Option<String> {
+/// Has a design name what Q refers to, as [`beside_uniform`] and [`compare`](super::compare()) take it of a piece of these materials, places in the palette, and says so
+/// where it named nothing.
+pub fn refer<L, R>(design: &mut Design<L, R>, palette: &[Material], held: &[u8]) -> Option<String> {
     if design.reference().is_some() {
         return None;
     }
-    let held = piece.layout.materials.iter().chain(piece.left.unwrap_or_default()).copied();
-    let place = reference(design, &mut piece.layout.palette.clone(), held)?;
-    let material = piece.layout.palette[usize::from(place)].clone();
+    let place = reference(design, &mut palette.to_vec(), held.iter().copied())?;
+    let material = palette[usize::from(place)].clone();
     let words = unnamed(&material.name);
     design.compared_with = Some(material);
     Some(words)

@@ -3,9 +3,11 @@
 use crate::contact::LawKind;
 use crate::dem::{ForcePulse, Impact, Mirror, Projectile, Strike};
 use crate::design::{Design, SpaceDesign};
+use crate::lattice::Layered;
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
 
+use super::space::sides;
 use super::{Plan, impact};
 
 /// One impact of a set.
@@ -150,11 +152,7 @@ impl Field {
             spheres.extend(numbered().map(|(site, i)| ([site.x, site.z], i)));
             first += row.len();
         }
-        let mut images = vec![[usize::MAX, 0]; sites.len()];
-        for (k, &(_, place)) in spheres.iter().enumerate() {
-            let site = place % sites.len();
-            images[site] = [images[site][0].min(k), k];
-        }
+        let images = images(&spheres, sites.len());
         let row_of = |k: usize| sites[spheres[k].1 % sites.len()].row;
         let on = |row: u32| -> Vec<usize> { (0..spheres.len()).filter(|&k| row_of(k) == row).collect() };
         let slack = 1e-9 * lattice.diameter();
@@ -171,18 +169,51 @@ impl Field {
 }
 
 impl Field<3> {
-    /// Of a crystal in space the half x ≥ 0: what strikes it there is its own image.
-    pub fn in_space(design: &SpaceDesign, plan: &Plan, load: &ImpactLoad) -> Self {
+    /// Of a crystal in space the half x ≥ 0, since what strikes it there is its own image; the whole where `whole` asks for it.
+    pub fn in_space(design: &SpaceDesign, plan: &Plan, load: &ImpactLoad, whole: bool) -> Self {
+        let block = &design.lattice;
         let mut impact = super::impact_in_space(design, plan);
         impact.law = load.law.unwrap_or(design.law);
         impact.step = plan.step_under(impact.law);
-        let strike = facing(load.strike, -0.5 * design.lattice.diameter());
-        impact = impact.struck_by(strike.of_part(0.5));
-        let sites = design.lattice.sites();
-        let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();
-        let radii = vec![0.5 * design.lattice.diameter(); sites.len()];
-        Self { impact, friction: None, spheres, radii, images: (0..sites.len()).map(|i| [i, i]).collect() }
+        let strike = facing(load.strike, -0.5 * block.diameter());
+        let sites = block.sites();
+        let radii = vec![0.5 * block.diameter(); sites.len()];
+        if !whole {
+            impact = impact.struck_by(strike.of_part(0.5));
+            let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();
+            return Self { impact, friction: None, spheres, radii, images: (0..sites.len()).map(|i| [i, i]).collect() };
+        }
+        let mut spheres: Vec<([f64; 3], usize)> = Vec::new();
+        let mut starts = vec![0];
+        for layer in 1..=block.layers() {
+            let mut held: Vec<([f64; 3], usize)> = Vec::new();
+            for i in block.layer(layer) {
+                let [x, y, z] = sites[i].centre;
+                held.push(([x, y, z], i));
+                if block.copies()[i] == 2 {
+                    held.push(([-x, y, z], sites.len() + i));
+                }
+            }
+            held.sort_by(|(a, _), (b, _)| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+            spheres.extend(held);
+            starts.push(spheres.len());
+        }
+        (impact.mirrors, impact.periods) = sides(block, true);
+        impact.struck = (0..starts[1]).collect();
+        impact.exit = (starts[starts.len() - 2]..spheres.len()).collect();
+        let images = images(&spheres, sites.len());
+        Self { impact: impact.struck_by(strike), friction: None, spheres, radii, images }
     }
+}
+
+/// The one or two spheres that stand on each site and on its image.
+fn images<const D: usize>(spheres: &[([f64; D], usize)], sites: usize) -> Vec<[usize; 2]> {
+    let mut images = vec![[usize::MAX, 0]; sites];
+    for (k, &(_, place)) in spheres.iter().enumerate() {
+        let site = place % sites;
+        images[site] = [images[site][0].min(k), k];
+    }
+    images
 }
 
 /// A projectile whose face lies before the first layer as it is drawn, however pieces of it are made.

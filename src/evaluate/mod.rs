@@ -53,7 +53,8 @@ pub use sensitivity::{
 };
 pub use settle::SettleError;
 pub use space::{
-    SpaceBeside, SpaceComparison, beside_in_space, compare_in_space, evaluate_in_space, impact_in_space, strips,
+    SpaceBeside, SpaceComparison, beside_in_space, compare_in_space, evaluate_in_space, impact_in_space,
+    judged_in_space, strips,
 };
 pub use surrogate::ArrivalSurrogate;
 pub use swaps::{Swap, Swaps, swaps};
@@ -61,6 +62,7 @@ pub use traced::{trace_arrivals, trace_fronts, trace_lens};
 pub use whole::Subject;
 
 pub(crate) use made::gain_words;
+pub(crate) use space::add_piece;
 pub(crate) use stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 
 use crate::Context;

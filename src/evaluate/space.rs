@@ -24,25 +24,7 @@ use crate::score::{Scores, Spreads, over_forces as over_forces_of};
 /// The design's impact: a pulse on layer 1, or half of a projectile before it, sides as the block's, the far end free.
 pub fn impact_in_space(design: &SpaceDesign, plan: &Plan) -> Impact {
     let block = &design.lattice;
-    let ([half, high], [across, along]) = (block.half_widths(), block.sides());
-    let radius = 0.5 * block.diameter();
-    let mut mirrors = vec![Mirror { axis: 0, position: 0.0, inward: 1.0 }];
-    let mut periods = Vec::new();
-    match across {
-        // The structure is its own image there, and so a period is two mirrors.
-        BlockSide::Mirror | BlockSide::Period => mirrors.push(Mirror { axis: 0, position: half, inward: -1.0 }),
-        BlockSide::Wall => mirrors.push(Mirror { axis: 0, position: half + radius, inward: -1.0 }),
-        BlockSide::Free => {}
-    }
-    match along {
-        BlockSide::Period => periods.push(Period { axis: 1, length: 2.0 * high }),
-        BlockSide::Mirror | BlockSide::Wall => {
-            let y = |fold: fn(f64, f64) -> f64, from| block.sites().iter().map(|site| site.centre[1]).fold(from, fold);
-            mirrors.push(Mirror { axis: 1, position: y(f64::min, f64::INFINITY) - radius, inward: 1.0 });
-            mirrors.push(Mirror { axis: 1, position: y(f64::max, f64::NEG_INFINITY) + radius, inward: -1.0 });
-        }
-        BlockSide::Free => {}
-    }
+    let (mirrors, periods) = sides(block, false);
     let impact = Impact {
         mirrors,
         periods,
@@ -59,6 +41,39 @@ pub fn impact_in_space(design: &SpaceDesign, plan: &Plan) -> Impact {
         window: plan.window,
     };
     impact.struck_by(design.impact.of_part(0.5))
+}
+
+/// What ends a crystal across the wave: its half x ≥ 0, or the whole.
+pub(super) fn sides(block: &Block, whole: bool) -> (Vec<Mirror>, Vec<Period>) {
+    let ([half, high], [across, along]) = (block.half_widths(), block.sides());
+    let radius = 0.5 * block.diameter();
+    let (mut mirrors, mut periods) = (Vec::new(), Vec::new());
+    if !whole {
+        mirrors.push(Mirror { axis: 0, position: 0.0, inward: 1.0 });
+    }
+    let far = match across {
+        // The structure is its own image there, and so a period of the half is two mirrors.
+        BlockSide::Mirror => Some(half),
+        BlockSide::Period if !whole => Some(half),
+        BlockSide::Period => {
+            periods.push(Period { axis: 0, length: 2.0 * half });
+            None
+        }
+        BlockSide::Wall => Some(half + radius),
+        BlockSide::Free => None,
+    };
+    mirrors.extend(far.filter(|_| whole).map(|far| Mirror { axis: 0, position: -far, inward: 1.0 }));
+    mirrors.extend(far.map(|far| Mirror { axis: 0, position: far, inward: -1.0 }));
+    match along {
+        BlockSide::Period => periods.push(Period { axis: 1, length: 2.0 * high }),
+        BlockSide::Mirror | BlockSide::Wall => {
+            let y = |fold: fn(f64, f64) -> f64, from| block.sites().iter().map(|site| site.centre[1]).fold(from, fold);
+            mirrors.push(Mirror { axis: 1, position: y(f64::min, f64::INFINITY) - radius, inward: 1.0 });
+            mirrors.push(Mirror { axis: 1, position: y(f64::max, f64::NEG_INFINITY) + radius, inward: -1.0 });
+        }
+        BlockSide::Free => {}
+    }
+    (mirrors, periods)
 }
 
 /// Simulates and scores one layout of a design in space, with full records.
@@ -81,7 +96,8 @@ pub fn evaluate_in_space(
     Ok(Evaluation { scores, record, doubts })
 }
 
-fn add_piece(scores: &mut Scores, design: &SpaceDesign, layout: &Layout<Block>) {
+/// Adds what a layout in space says by itself.
+pub(crate) fn add_piece(scores: &mut Scores, design: &SpaceDesign, layout: &Layout<Block>) {
     let piece = layout.piece_in_space(|material| design.price(material)).amount;
     (scores.piece_mass, scores.piece_cost, scores.piece_spheres) = (Some(piece.mass), piece.cost, Some(piece.spheres));
 }
@@ -376,7 +392,7 @@ fn judge(
     own: f64,
     over: Vec<f64>,
     arrangements: &mut [ArrangementOutcome],
-    mut runs: Vec<Vec<Evaluated>>,
+    runs: Vec<Vec<Evaluated>>,
 ) -> (Vec<f64>, Vec<Verdict>) {
     let kinds: Vec<String> = arrangements.iter().map(|arrangement| arrangement.kind.clone()).collect();
     let kinds: Vec<&str> = kinds.iter().map(String::as_str).collect();
@@ -385,8 +401,17 @@ fn judge(
         let scores: Vec<Option<Vec<Scores>>> = arrangements.iter().map(own_scores).collect();
         return (vec![own], of_first(&kinds, &scores));
     }
+    let scores = related(&kinds, runs);
+    for (arrangement, scores) in arrangements.iter_mut().zip(&scores) {
+        arrangement.over_forces = scores.as_ref().map(|scores| over_forces_of(scores).1);
+    }
+    (over, of_first(&kinds, &scores))
+}
+
+/// Relates runs, those of each arrangement under each force, to the uniform crystals under it; none of an arrangement that a guard stopped.
+fn related(kinds: &[&str], mut runs: Vec<Vec<Evaluated>>) -> Vec<Option<Vec<Scores>>> {
     let [host, lens] = ["all-host", "all-lens"].map(|kind| kinds.iter().position(|known| *known == kind));
-    for force in 0..over.len() {
+    for force in 0..runs.first().map_or(0, Vec::len) {
         let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
         let host = of(host).map(|run| run.scores.focal_mean);
         let lens = of(lens).map(|run| run.scores.protected_mean);
@@ -394,11 +419,25 @@ fn judge(
     }
     let finished =
         |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
-    let scores: Vec<Option<Vec<Scores>>> = runs.into_iter().map(finished).collect();
-    for (arrangement, scores) in arrangements.iter_mut().zip(&scores) {
-        arrangement.over_forces = scores.as_ref().map(|scores| over_forces_of(scores).1);
+    runs.into_iter().map(finished).collect()
+}
+
+/// The verdict of [`compare_in_space`] alone, by energies.
+///
+/// # Errors
+/// See [`EvaluatorError`].
+pub fn judged_in_space(comparison: &SpaceComparison<'_>, context: &Context) -> Result<Vec<Verdict>, EvaluatorError> {
+    let SpaceComparison { design, plan, .. } = comparison;
+    let named = comparison.arrangements();
+    let kinds: Vec<&str> = named.iter().map(|(_, kind, ..)| kind.as_str()).collect();
+    let layouts: Vec<&Layout<Block>> = named.iter().map(|(.., layout)| layout).collect();
+    let forces = comparison.forces.about(design.impact.strength());
+    let runs = under_forces(design, plan, &layouts, &forces, context)?;
+    let runs: Vec<Vec<Evaluated>> = runs.into_iter().map(|of| of.into_iter().map(|(run, _)| run).collect()).collect();
+    if runs.iter().flatten().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
+        return Err(EvaluatorError::Interrupted);
     }
-    (over, of_first(&kinds, &scores))
+    Ok(of_first(&kinds, &related(&kinds, runs)))
 }
 
 fn outcome(

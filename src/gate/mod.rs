@@ -188,7 +188,7 @@ fn thresholds(look: &Look) -> Vec<Line> {
 fn as_built(look: &Look, least: f64, tolerances: &Tolerances, [count, seed]: [u64; 2]) -> Result<Line, GateError> {
     let (design, subject, plan) = (look.design, look.subject, look.plan);
     let given = given(plan, plan.step, plan.window);
-    let criterion = Criterion::new(design, subject, tolerances, given, look.context)?;
+    let criterion = Criterion::new((design, subject), tolerances, given, look.context)?;
     let workshop = Workshop::new((design, subject), tolerances, plan, &criterion.measures())?;
     let mut samples = Samples::new(&workshop, seed);
     samples.grow(&workshop, count, look.context, |_| Ok::<_, WorkshopError>(()))?;

@@ -178,10 +178,6 @@ impl Study {
         let impacts = set::under_laws(&source, &file.laws, impacts)?;
         let seed = seed.unwrap_or(file.seed);
         let tolerance = file.tolerance.as_ref().map(|file| Tolerance::read(&source, file, seed)).transpose()?;
-        if tolerance.is_some() && design.plane().is_none() {
-            let message = "tolerance is for sheets; this design is a crystal in space. Leave it out.";
-            return Err(source.fail("[tolerance]", message.to_owned()));
-        }
 
         let mut named = Vec::new();
         for name in &file.materials {

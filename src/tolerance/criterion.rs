@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
+use super::drawing::Drawing;
 use super::{Tolerances, WorkshopError};
 use crate::Context;
-use crate::design::{Design, Threshold};
-use crate::evaluate::{Comparison, EvaluatorError, Forces, Overrides, Subject, judged};
+use crate::design::Threshold;
+use crate::evaluate::{Comparison, EvaluatorError, Forces, Overrides, SpaceComparison, judged, judged_in_space};
 use crate::score::{Measure, Needs, Scores};
 
 /// What a piece has to do.
@@ -33,13 +34,20 @@ pub struct Beaten {
 /// # Errors
 /// See [`EvaluatorError`].
 pub fn best_baseline(
-    design: &Design,
-    subject: Subject<'_>,
+    drawing: Drawing<'_>,
     overrides: Overrides,
     context: &Context,
 ) -> Result<Option<Beaten>, EvaluatorError> {
-    let comparison = Comparison::of_layout(design, "layout".to_owned(), subject, overrides)?.over(Forces::USUAL);
-    let verdict = judged(&comparison, context)?;
+    let name = "layout".to_owned();
+    let verdict = match drawing {
+        Drawing::Plane(design, subject) => {
+            judged(&Comparison::of_layout(design, name, subject, overrides)?.over(Forces::USUAL), context)?
+        }
+        Drawing::Space(design, layout) => {
+            let comparison = SpaceComparison::of_layout(design, name, layout.clone(), overrides)?;
+            judged_in_space(&comparison.over(Forces::USUAL), context)?
+        }
+    };
     let rivals = verdict.into_iter().filter(|verdict| verdict.measure == Measure::Contrast.name());
     let best = rivals.reduce(|a, b| if b.best > a.best { b } else { a });
     Ok(best.map(|verdict| Beaten { arrangement: verdict.arrangement, contrast: verdict.best }))
@@ -50,19 +58,19 @@ impl Criterion {
     ///
     /// # Errors
     /// See [`WorkshopError`].
-    pub fn new(
-        design: &Design,
-        subject: Subject<'_>,
+    pub fn new<'a>(
+        drawing: impl Into<Drawing<'a>>,
         tolerances: &Tolerances,
         overrides: Overrides,
         context: &Context,
     ) -> Result<Self, WorkshopError> {
-        let asked = tolerances.thresholds.as_ref().unwrap_or(&design.thresholds);
+        let drawing = drawing.into();
+        let asked = tolerances.thresholds.as_deref().unwrap_or(drawing.design().thresholds());
         if !asked.is_empty() {
             let words: Vec<String> = asked.iter().map(in_words).collect();
-            return Ok(Self { thresholds: asked.clone(), words: words.join(" and "), baseline: None });
+            return Ok(Self { thresholds: asked.to_vec(), words: words.join(" and "), baseline: None });
         }
-        let best = best_baseline(design, subject, overrides, context)?;
+        let best = best_baseline(drawing, overrides, context)?;
         let Some(best) = best else {
             return Ok(Self {
                 thresholds: Vec::new(),

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use super::drawing::Drawing;
 use super::grade::{GRADES, Grade};
 use super::{ImpactLimits, State, Tolerances};
 use crate::contact::LawKind;
 use crate::dem::Projectile;
 use crate::design::{THRESHOLDS, ThresholdsFile, thresholds};
 use crate::document::{self, DocumentError, Entry, Scope, Section, Source, Written, joined, section};
-use crate::layout::Layout;
+use crate::evaluate::Subject;
 use crate::units::Dimension::{Angle, Fraction, Length, Mass, Speed};
 
 #[derive(serde::Deserialize)]
@@ -75,20 +76,21 @@ const MOST_DIAMETER: f64 = 0.05;
 pub const MOST_SAMPLES: u32 = 1_000_000;
 
 impl Tolerances {
-    /// Reads a file of tolerances for a layout.
+    /// Reads a file of tolerances for a layout, of which design and lattice count.
     ///
     /// # Errors
     /// The file cannot be read, or the first thing that is wrong with it.
-    pub fn read(path: &Path, layout: &Layout) -> Result<Self, DocumentError> {
+    pub fn read<'a>(path: &Path, drawing: impl Into<Drawing<'a>>) -> Result<Self, DocumentError> {
         let text = document::text(path)?;
-        Self::parse(path, &text, layout)
+        Self::parse(path, &text, drawing)
     }
 
     /// Checks the text of such a file; `path` is only named in messages.
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub fn parse(path: &Path, text: &str, layout: &Layout) -> Result<Self, DocumentError> {
+    pub fn parse<'a>(path: &Path, text: &str, drawing: impl Into<Drawing<'a>>) -> Result<Self, DocumentError> {
+        let drawing = drawing.into();
         let source = Source { path, text, examples: EXAMPLES };
         let root = document::parse(source)
             .or_else(|error| document::expect(source, document::Kind::Tolerances).and(Err(error)))?;
@@ -98,6 +100,9 @@ impl Tolerances {
         let format = top.required("format", &file.format)?;
         if format.whole(0..=u32::MAX)? != 1 {
             return Err(format.fail("must be 1", "This version of granulens reads format 1."));
+        }
+        if drawing.is_in_space() {
+            forbid_sheets(&top, &file)?;
         }
         let mut tolerances = Self::drawn();
         if let Some(state) = top.optional("state", &file.state) {
@@ -114,7 +119,7 @@ impl Tolerances {
         if let Some(laws) = top.optional("laws", &file.laws) {
             tolerances.laws = read_laws(&laws)?;
         }
-        let diameter = layout.lattice.diameter();
+        let diameter = drawing.design().diameter();
         if let Some((scope, file)) = top.section("diameter", &file.diameter) {
             read_diameter(&scope, file, diameter, &mut tolerances)?;
         }
@@ -136,13 +141,40 @@ impl Tolerances {
             tolerances.friction = scope.optional("friction", &file.friction).map(|entry| range(&entry)).transpose()?;
         }
         if let Some((scope, file)) = top.section("impact", &file.impact) {
-            tolerances.impact = read_impact(&scope, file, layout)?;
+            tolerances.impact = read_impact(&scope, file, drawing)?;
         }
         if let Some(section) = top.section("thresholds", &file.thresholds) {
             tolerances.thresholds = Some(thresholds(&section)?);
         }
         Ok(tolerances)
     }
+}
+
+/// What pieces in space do not have.
+fn forbid_sheets(top: &Scope, file: &TolerancesFile) -> Result<(), DocumentError> {
+    const IN_SPACE: &str = "a crystal in space";
+    const ON_SITES: &str = "Leave it out: pieces in space stand on their sites, without walls and friction.";
+    const STRAIGHT: &str = "Leave it out: in space the blow is straight, on all of layer 1.";
+    if let Some(state) = top.optional("state", &file.state)
+        && state.text()? == "settled"
+    {
+        return Err(state.fail(
+            "does not belong to a crystal in space",
+            "Write state = \"nominal-sites\": how spheres settle in a frame is of sheets.",
+        ));
+    }
+    let one = "Leave it out; take one law after the other: crystal.law in copies of the design file.";
+    top.forbid(&[("laws", &file.laws)], IN_SPACE, one)?;
+    if let Some((scope, file)) = top.section("frame", &file.frame) {
+        scope.forbid(&[("side_gap", &file.side_gap), ("end_gap", &file.end_gap)], IN_SPACE, ON_SITES)?;
+    }
+    if let Some((scope, file)) = top.section("contact", &file.contact) {
+        scope.forbid(&[("friction", &file.friction)], IN_SPACE, ON_SITES)?;
+    }
+    if let Some((scope, file)) = top.section("impact", &file.impact) {
+        scope.forbid(&[("angle", &file.angle), ("off_centre", &file.off_centre)], IN_SPACE, STRAIGHT)?;
+    }
+    Ok(())
 }
 
 fn read_laws(entry: &Entry) -> Result<Vec<LawKind>, DocumentError> {
@@ -228,7 +260,7 @@ fn range(entry: &Entry) -> Result<[f64; 2], DocumentError> {
     }
 }
 
-fn read_impact(scope: &Scope, file: &ImpactFile, layout: &Layout) -> Result<ImpactLimits, DocumentError> {
+fn read_impact(scope: &Scope, file: &ImpactFile, drawing: Drawing<'_>) -> Result<ImpactLimits, DocumentError> {
     let angle = match scope.optional("angle", &file.angle) {
         Some(entry) => {
             let angle = entry.quantity(Angle)?;
@@ -239,18 +271,19 @@ fn read_impact(scope: &Scope, file: &ImpactFile, layout: &Layout) -> Result<Impa
         }
         None => 0.0,
     };
-    let off_centre = match scope.optional("off_centre", &file.off_centre) {
-        Some(entry) => {
+    let off_centre = match (scope.optional("off_centre", &file.off_centre), drawing) {
+        (Some(entry), Drawing::Plane(_, Subject { layout, .. })) => {
+            let half = layout.lattice.half_width();
             let off = entry.length(layout.lattice.diameter())?;
-            if !(0.0..=layout.lattice.half_width()).contains(&off) {
-                let half = Length.show(layout.lattice.half_width());
+            if !(0.0..=half).contains(&off) {
+                let half = Length.show(half);
                 return Err(
                     entry.fail(&format!("must lie between 0 and the half width, {half}"), &entry.write_it_like())
                 );
             }
             off
         }
-        None => 0.0,
+        _ => 0.0,
     };
     let projectile = match (
         scope.optional("projectile_mass", &file.projectile_mass),

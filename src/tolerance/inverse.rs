@@ -42,7 +42,7 @@ const FRICTION: [f64; 8] = [0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5];
 const WRONG: [f64; 9] = [0.0, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05];
 
 /// What is changed, and what its rungs are called.
-fn ladders(tolerances: &Tolerances) -> Vec<(&'static str, Vec<(String, Tolerances)>)> {
+fn ladders(tolerances: &Tolerances, in_space: bool) -> Vec<(&'static str, Vec<(String, Tolerances)>)> {
     let any = tolerances
         .grade
         .is_some_and(|grade| tolerances.offset == grade.any_gauge && grade.any_gauge != grade.one_gauge);
@@ -54,10 +54,13 @@ fn ladders(tolerances: &Tolerances) -> Vec<(&'static str, Vec<(String, Tolerance
     let grades = GRADES.iter().map(|grade| (grade.name.to_owned(), with(&|t| t.take(grade, any)))).collect();
     let friction = FRICTION.iter().map(|&mu| (format!("{mu}"), with(&|t| t.friction = Some([mu; 2])))).collect();
     let wrong = WRONG.iter().map(|&part| (format!("{} %", 100.0 * part), with(&|t| t.wrong = part))).collect();
-    vec![("diameter.grade", grades), ("friction", friction), ("wrong", wrong)]
+    let mut all = vec![("diameter.grade", grades), ("friction", friction), ("wrong", wrong)];
+    // Crystals in space know no friction.
+    all.retain(|&(quantity, _)| !in_space || quantity != "friction");
+    all
 }
 
-/// Finds for each of the three, all others as they are, the coarsest rung with at least `wanted` of the pieces, by halving.
+/// Finds for each of them, all others as they are, the coarsest rung with at least `wanted` of the pieces, by halving.
 ///
 /// # Errors
 /// See [`WorkshopError`].
@@ -69,18 +72,13 @@ pub fn inverse(
     context: &Context,
 ) -> Result<Vec<Inverse>, WorkshopError> {
     let mut all = Vec::new();
-    for (quantity, rungs) in ladders(workshop.tolerances()) {
+    for (quantity, rungs) in ladders(workshop.tolerances(), workshop.drawing().is_in_space()) {
         let mut known: Vec<Option<Share>> = vec![None; rungs.len()];
         let mut look = |k: usize| -> Result<Share, WorkshopError> {
             if let Some(share) = known[k] {
                 return Ok(share);
             }
-            let shop = Workshop::new(
-                (workshop.design(), workshop.subject()),
-                &rungs[k].1,
-                workshop.plan(),
-                &criterion.measures(),
-            )?;
+            let shop = Workshop::new(workshop.drawing(), &rungs[k].1, workshop.plan(), &criterion.measures())?;
             let mut samples = Samples::new(&shop, seed);
             samples.grow(&shop, count, &context.silent(), |_| Ok::<_, WorkshopError>(()))?;
             context.tell(Progress::Finished { count, name: "" });

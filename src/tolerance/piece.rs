@@ -1,11 +1,10 @@
 //! One piece as a workshop made it: from the values of quantities and a seed to what is simulated.
 
 use super::Tolerances;
+use super::drawing::Drawing;
 use super::quantity::{Kind, Quantity};
 use crate::dem::{ForcePulse, Projectile, Strike};
-use crate::design::Design;
-use crate::evaluate::{ImpactLoad, Imperfection, LoadCase, Subject};
-use crate::layout::Layout;
+use crate::evaluate::{ImpactLoad, Imperfection, LoadCase};
 use crate::material::Material;
 use crate::search::Rng;
 
@@ -66,15 +65,14 @@ impl Piece {
     }
 
     /// Diameter of the sphere on every place (m), zero where there is none.
-    pub fn diameters(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Vec<f64> {
-        let layout = subject.layout;
-        let built = self.materials_on_places(tolerances, quantities, subject);
+    pub fn diameters(&self, tolerances: &Tolerances, quantities: &[Quantity], drawing: Drawing<'_>) -> Vec<f64> {
+        let built = self.materials_on_places(tolerances, quantities, drawing);
         let (mut lot, mut holes) = (rng(self.seed, Kind::Lot.stream()), rng(self.seed, Kind::Vacancies.stream()));
         let variation = self.value(quantities, Kind::Lot).unwrap_or(0.0);
         let vacant = self.value(quantities, Kind::Vacancies).unwrap_or(0.0);
         let offset: Vec<f64> =
-            (0..layout.palette.len()).map(|m| self.value(quantities, Kind::Offset(m)).unwrap_or(0.0)).collect();
-        let diameter = layout.lattice.diameter();
+            (0..drawing.palette().len()).map(|m| self.value(quantities, Kind::Offset(m)).unwrap_or(0.0)).collect();
+        let diameter = drawing.design().diameter();
         let of = |&letter: &u8| {
             let (u, v) = (lot.unit(), holes.unit());
             if v < vacant { 0.0 } else { diameter + offset[usize::from(letter)] + variation * (u - 0.5) }
@@ -82,21 +80,17 @@ impl Piece {
         built.iter().map(of).collect()
     }
 
-    fn alphabet(subject: Subject<'_>) -> Vec<u8> {
-        (0..subject.layout.palette.len() as u8).filter(|&m| subject.holds(m)).collect()
-    }
-
     /// What is built otherwise than drawn, but for diameters.
-    fn misplaced(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Imperfection {
-        let (alphabet, layout) = (Self::alphabet(subject), subject.layout);
-        let places = tolerances.places(layout.materials.len());
-        let wrong = self.wrong(quantities, places, alphabet.len());
-        Imperfection { alphabet, wrong, materials: self.materials(quantities, layout), ..Imperfection::default() }
+    fn misplaced(&self, tolerances: &Tolerances, quantities: &[Quantity], drawing: Drawing<'_>) -> Imperfection {
+        let alphabet = drawing.letters();
+        let wrong = self.wrong(quantities, tolerances.places(drawing.sites()), alphabet.len());
+        let materials = self.materials(quantities, drawing.palette());
+        Imperfection { alphabet, wrong, materials, ..Imperfection::default() }
     }
 
-    fn materials_on_places(&self, tolerances: &Tolerances, quantities: &[Quantity], subject: Subject<'_>) -> Vec<u8> {
-        let places = tolerances.places(subject.layout.materials.len());
-        let mut built = self.misplaced(tolerances, quantities, subject).built(&subject.drawn());
+    fn materials_on_places(&self, tolerances: &Tolerances, quantities: &[Quantity], drawing: Drawing<'_>) -> Vec<u8> {
+        let places = tolerances.places(drawing.sites());
+        let mut built = self.misplaced(tolerances, quantities, drawing).built(&drawing.materials());
         if built.len() < places {
             built.extend_from_within(..);
         }
@@ -104,8 +98,8 @@ impl Piece {
     }
 
     /// The palette as it turned out; empty where all of it is as drawn.
-    fn materials(&self, quantities: &[Quantity], layout: &Layout) -> Vec<Material> {
-        let mut palette = layout.palette.clone();
+    fn materials(&self, quantities: &[Quantity], drawn: &[Material]) -> Vec<Material> {
+        let mut palette = drawn.to_vec();
         for (quantity, &value) in quantities.iter().zip(&self.values) {
             match quantity.kind {
                 Kind::Modulus(m) => palette[m].youngs_modulus *= 1.0 + value,
@@ -115,22 +109,28 @@ impl Piece {
                 _ => {}
             }
         }
-        if palette == layout.palette { Vec::new() } else { palette }
+        if palette == drawn { Vec::new() } else { palette }
     }
 
     /// What strikes it.
-    pub fn load(&self, design: &Design, quantities: &[Quantity], factor: f64) -> ImpactLoad {
+    pub fn load(&self, drawing: Drawing<'_>, quantities: &[Quantity], factor: f64) -> ImpactLoad {
         let value = |kind| self.value(quantities, kind).unwrap_or(0.0);
-        let strength = factor * (1.0 + value(Kind::Force)) * design.impact.strength();
-        let strike = match design.impact.with_strength(strength) {
+        let impact = drawing.design().impact();
+        let strength = factor * (1.0 + value(Kind::Force)) * impact.strength();
+        let strike = match impact.with_strength(strength) {
             Strike::Pulse(ForcePulse { force, duration }) => {
                 Strike::Pulse(ForcePulse { force, duration: duration * (1.0 + value(Kind::Duration)) })
             }
             flat => flat,
         };
         let off = value(Kind::OffCentre);
-        let half = design.lattice.half_width();
-        let place = (off != 0.0).then(|| [(off - half).max(-half), (off + half).min(half)]);
+        let place = match drawing {
+            Drawing::Plane(design, _) if off != 0.0 => {
+                let half = design.lattice.half_width();
+                Some([(off - half).max(-half), (off + half).min(half)])
+            }
+            _ => None,
+        };
         ImpactLoad {
             strike,
             angle: value(Kind::Angle),
@@ -152,47 +152,50 @@ impl Piece {
         &self,
         tolerances: &Tolerances,
         quantities: &[Quantity],
-        subject: Subject<'_>,
+        drawing: Drawing<'_>,
     ) -> (Vec<f64>, Vec<u8>, Vec<Material>) {
-        let palette = self.materials(quantities, subject.layout);
+        let palette = self.materials(quantities, drawing.palette());
         (
-            self.diameters(tolerances, quantities, subject),
-            self.materials_on_places(tolerances, quantities, subject),
-            if palette.is_empty() { subject.layout.palette.clone() } else { palette },
+            self.diameters(tolerances, quantities, drawing),
+            self.materials_on_places(tolerances, quantities, drawing),
+            if palette.is_empty() { drawing.palette().to_vec() } else { palette },
         )
     }
 
     /// As it is simulated on the nominal sites, struck with a part of the design's force. Sites are as far apart as the largest of its spheres needs.
     pub fn case(
         &self,
-        (design, tolerances): (&Design, &Tolerances),
+        tolerances: &Tolerances,
         quantities: &[Quantity],
-        subject: Subject<'_>,
+        drawing: Drawing<'_>,
         factor: f64,
     ) -> LoadCase {
-        let diameters = self.diameters(tolerances, quantities, subject);
-        self.case_of((design, tolerances), quantities, subject, factor, &diameters)
+        let diameters = self.diameters(tolerances, quantities, drawing);
+        self.case_of(tolerances, quantities, drawing, factor, &diameters)
     }
 
     /// The same with other diameters on its places (m).
     pub fn case_of(
         &self,
-        (design, tolerances): (&Design, &Tolerances),
+        tolerances: &Tolerances,
         quantities: &[Quantity],
-        subject: Subject<'_>,
+        drawing: Drawing<'_>,
         factor: f64,
         diameters: &[f64],
     ) -> LoadCase {
-        let layout = subject.layout;
-        let mut imperfection = self.misplaced(tolerances, quantities, subject);
+        let mut imperfection = self.misplaced(tolerances, quantities, drawing);
         let largest = diameters.iter().copied().fold(0.0, f64::max);
         if diameters.iter().any(|&diameter| diameter != largest) {
             imperfection.radii = diameters.iter().map(|diameter| diameter / largest).collect();
-        } else if diameters.len() > layout.materials.len() && !imperfection.wrong.is_empty() {
+        } else if diameters.len() > drawing.sites() && !imperfection.wrong.is_empty() {
             // Says that the other side is not alike.
             imperfection.radii = vec![1.0; diameters.len()];
         }
-        let load = self.load(design, quantities, factor);
-        LoadCase { load, imperfection, halves_differ: subject.left.is_some() }
+        let mut load = self.load(drawing, quantities, factor);
+        // In space it is a mirror in the lanes that moves.
+        if let Some(thrown) = self.projectile(tolerances, quantities, factor).filter(|_| drawing.is_in_space()) {
+            load.strike = Strike::Projectile(thrown);
+        }
+        LoadCase { load, imperfection, halves_differ: drawing.halves_differ() }
     }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Tolerances;
-use crate::evaluate::Subject;
+use super::drawing::Drawing;
 use crate::units::Dimension;
 
 /// Which quantity; those of a material name its place in the palette.
@@ -110,20 +110,20 @@ impl Quantity {
 }
 
 /// The quantities that may turn out otherwise, of a layout; those of materials for each that it holds.
-pub fn quantities(tolerances: &Tolerances, subject: Subject<'_>, friction: f64) -> Vec<Quantity> {
-    let layout = subject.layout;
+pub fn quantities(tolerances: &Tolerances, drawing: Drawing<'_>, friction: f64) -> Vec<Quantity> {
+    let palette = drawing.palette();
     let mut list = Vec::new();
     let mut add = |name: String, kind: Kind, limits: [f64; 2], nominal: f64, unit: &'static str| {
         if limits != [nominal; 2] {
             list.push(Quantity { name, kind, limits, nominal, unit });
         }
     };
-    let used: Vec<usize> = (0..layout.palette.len()).filter(|&m| subject.holds(m as u8)).collect();
+    let used: Vec<usize> = drawing.letters().into_iter().map(usize::from).collect();
     let both = |limit: f64| [-limit, limit];
     add("diameter.lot".to_owned(), Kind::Lot, [0.0, tolerances.lot], 0.0, "m");
     let mut of_material = |what: &str, limit: f64, unit: &'static str, kind: fn(usize) -> Kind| {
         for &m in &used {
-            add(format!("{what}:{}", layout.palette[m].name), kind(m), both(limit), 0.0, unit);
+            add(format!("{what}:{}", palette[m].name), kind(m), both(limit), 0.0, unit);
         }
     };
     of_material("diameter.offset", tolerances.offset, "m", Kind::Offset);

@@ -46,17 +46,15 @@ pub fn rechoose(
     (of_layout, energy): (&Scores, &[f64]),
     context: &Context,
 ) -> Result<Rechosen, WorkshopError> {
-    let (design, subject, tolerances) = (workshop.design(), workshop.subject(), workshop.tolerances());
-    let layout = subject.layout;
+    let (drawing, tolerances) = (workshop.drawing(), workshop.tolerances());
     let quantities = workshop.quantities();
     let variation =
         quantities.iter().find(|quantity| quantity.kind == Kind::Lot).map_or(0.0, |quantity| quantity.limits[1]);
     let mut cases = Vec::new();
     for k in 0..PIECES {
         let piece = Piece::made(quantities, seed, k);
-        let (mut diameters, materials, _) = piece.parts(tolerances, quantities, subject);
-        let with = (design, tolerances);
-        cases.push(piece.case_of(with, quantities, subject, 1.0, &diameters));
+        let (mut diameters, materials, _) = piece.parts(tolerances, quantities, drawing);
+        cases.push(piece.case_of(tolerances, quantities, drawing, 1.0, &diameters));
         let largest = diameters.iter().copied().fold(0.0, f64::max);
         let need = |place: usize| (largest - diameters[place]) / energy[place % energy.len()].max(1e-12).sqrt();
         let mut order: Vec<usize> = (0..diameters.len()).filter(|&place| diameters[place] > 0.0).collect();
@@ -64,12 +62,12 @@ pub fn rechoose(
         let mut rng = Rng::new(piece.seed ^ 0x7265_6368);
         // New ones of each lot, as many as are exchanged of it.
         let worst = &order[..spheres.min(order.len())];
-        let nominal = layout.lattice.diameter();
+        let nominal = drawing.design().diameter();
         let offset = |m: u8| {
             let of = quantities.iter().position(|quantity| quantity.kind == Kind::Offset(usize::from(m)));
             of.map_or(0.0, |which| piece.values[which])
         };
-        for letter in 0..layout.palette.len() as u8 {
+        for letter in 0..drawing.palette().len() as u8 {
             let places: Vec<usize> = worst.iter().copied().filter(|&place| materials[place] == letter).collect();
             let mut fresh: Vec<f64> =
                 places.iter().map(|_| nominal + offset(letter) + variation * (rng.unit() - 0.5)).collect();
@@ -78,7 +76,7 @@ pub fn rechoose(
                 diameters[place] = diameters[place].max(new);
             }
         }
-        cases.push(piece.case_of(with, quantities, subject, 1.0, &diameters));
+        cases.push(piece.case_of(tolerances, quantities, drawing, 1.0, &diameters));
     }
     let runs = workshop.cases(&cases, context)?;
     context.tell(Progress::Finished { count: 2 * PIECES, name: "" });

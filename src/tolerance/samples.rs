@@ -1,6 +1,6 @@
 //! Pieces that were made and simulated, and the file that keeps them: more can be added, and other thresholds asked of them, later.
 
-use std::fmt::Write as _;
+use std::fmt::{Debug, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::criterion::Criterion;
@@ -8,6 +8,7 @@ use super::piece::Piece;
 use super::workshop::{Made, Workshop, WorkshopError};
 use super::yields::Share;
 use crate::Context;
+use crate::design::{Design, DesignRef};
 use crate::outcome::VERSION;
 use crate::score::{Measure, Scores};
 use crate::study::Key;
@@ -166,19 +167,28 @@ impl Samples {
 
 /// What pieces follow from: everything but what is asked of them, and how many there are.
 fn key(workshop: &Workshop, seed: u64) -> String {
-    let mut design = workshop.design().clone();
+    let design = match workshop.drawing().design() {
+        DesignRef::Plane(design) => physics(design),
+        DesignRef::Space(design) => physics(design),
+    };
+    let mut tolerances = workshop.tolerances().clone();
+    (tolerances.thresholds, tolerances.seed, tolerances.samples) = (None, None, 0);
+    let (drawing, plan) = (workshop.drawing(), workshop.plan());
+    let mut key = Key::empty();
+    key.add(design.as_bytes());
+    key.add(format!("{tolerances:?}").as_bytes());
+    key.add(format!("{:?} {:?}", drawing.palette(), drawing.materials()).as_bytes());
+    key.add(format!("{} {:?} {:?}", plan.integrator, plan.step, plan.window).as_bytes());
+    key.add(format!("{:?} {seed} {VERSION}", workshop.measures().collect::<Vec<_>>()).as_bytes());
+    key.text()
+}
+
+/// All of a design that pieces follow from.
+fn physics<L: Clone + Debug, R: Clone + Debug>(design: &Design<L, R>) -> String {
+    let mut design = design.clone();
     (design.name, design.path, design.text) = Default::default();
     design.thresholds.clear();
     design.prices.clear();
     design.notes.clear();
-    let mut tolerances = workshop.tolerances().clone();
-    (tolerances.thresholds, tolerances.seed, tolerances.samples) = (None, None, 0);
-    let (subject, plan) = (workshop.subject(), workshop.plan());
-    let mut key = Key::empty();
-    key.add(format!("{design:?}").as_bytes());
-    key.add(format!("{tolerances:?}").as_bytes());
-    key.add(format!("{:?} {:?}", subject.layout.palette, subject.drawn()).as_bytes());
-    key.add(format!("{} {:?} {:?}", plan.integrator, plan.step, plan.window).as_bytes());
-    key.add(format!("{:?} {seed} {VERSION}", workshop.measures().collect::<Vec<_>>()).as_bytes());
-    key.text()
+    format!("{design:?}")
 }

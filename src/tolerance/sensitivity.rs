@@ -10,6 +10,7 @@
 use serde::Serialize;
 
 use super::State;
+use super::drawing::Drawing;
 use super::piece::Piece;
 use super::quantity::{Kind, Quantity};
 use super::workshop::{Made, Workshop, WorkshopError};
@@ -253,12 +254,14 @@ pub fn derivative_runs(workshop: &Workshop) -> u64 {
 
 /// Why pieces of a workshop have no derivatives.
 fn refusal(workshop: &Workshop) -> Option<&'static str> {
+    let drawing = workshop.drawing();
     match workshop.tolerances().state {
+        _ if drawing.is_in_space() => Some("derivatives are those of sheets; in space changes are from limit to limit"),
         State::Settled => Some("pieces that have settled are rigs, which have no derivatives"),
-        State::NominalSites if workshop.subject().left.is_some() => {
+        State::NominalSites if drawing.halves_differ() => {
             Some("derivatives are those of a half, and the halves of this piece differ")
         }
-        State::NominalSites if workshop.design().impact.projectile().is_some() => {
+        State::NominalSites if drawing.design().impact().projectile().is_some() => {
             Some("derivatives are those under a force pulse")
         }
         State::NominalSites => None,
@@ -270,15 +273,15 @@ fn slopes(workshop: &Workshop, factors: &[f64], context: &Context) -> Result<Vec
     if !workshop.quantities().iter().any(has_slope) {
         return Ok(Vec::new());
     }
-    if let Some(why) = refusal(workshop) {
-        return Err(NoSlopes::Why(why.to_owned()));
-    }
-    let design = workshop.design();
+    let why = refusal(workshop);
+    let (None, Drawing::Plane(design, subject)) = (why, workshop.drawing()) else {
+        return Err(NoSlopes::Why(why.unwrap_or_default().to_owned()));
+    };
     // Q has none without what it refers to.
     let exists = |measure: &Measure| *measure != Measure::Protection || design.reference().is_some();
     let measures: Vec<Measure> = MEASURES.into_iter().filter(exists).collect();
     let asked = (&measures[..], factors, has_force(workshop));
-    shared_slopes(design, workshop.layout(), workshop.plan(), asked, context).map_err(|error| match error {
+    shared_slopes(design, subject.layout, workshop.plan(), asked, context).map_err(|error| match error {
         SensitivityError::Stopped(Stop::Interrupted { .. })
         | SensitivityError::Gradient(GradientError::Stopped(Stop::Interrupted { .. })) => NoSlopes::Interrupted,
         error => NoSlopes::Why(error.to_string()),

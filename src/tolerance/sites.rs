@@ -5,6 +5,7 @@
 
 use serde::Serialize;
 
+use super::drawing::Drawing;
 use super::workshop::{Made, Workshop, WorkshopError};
 use crate::design::Design;
 use crate::evaluate::{Forces, ImpactLoad, Imperfection, LoadCase, Subject};
@@ -71,10 +72,12 @@ fn places(subject: Subject<'_>) -> Vec<usize> {
 /// # Errors
 /// See [`WorkshopError`].
 pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopError> {
-    let (design, subject) = (workshop.design(), workshop.subject());
+    let Drawing::Plane(design, subject) = workshop.drawing() else {
+        return Err(WorkshopError::Sheets("what one wrong sphere costs at each site"));
+    };
     let (layout, drawn_on) = (subject.layout, subject.drawn());
     let lattice_sites = layout.lattice.sites();
-    let alphabet: Vec<u8> = (0..layout.palette.len() as u8).filter(|&m| subject.holds(m)).collect();
+    let alphabet = workshop.drawing().letters();
     let count = layout.materials.len();
     let places = places(subject);
     let case = |wrong: &[Wrong], force: f64| LoadCase {
@@ -158,8 +161,8 @@ pub fn sites(workshop: &Workshop, context: &Context) -> Result<Sites, WorkshopEr
 
 /// How many runs that takes.
 pub fn sites_runs(workshop: &Workshop) -> usize {
-    let subject = workshop.subject();
-    let others = (0..subject.layout.palette.len()).filter(|&m| subject.holds(m as u8)).count().saturating_sub(1);
+    let Drawing::Plane(_, subject) = workshop.drawing() else { return 0 };
+    let others = workshop.drawing().letters().len().saturating_sub(1);
     if others == 0 { 9 } else { 9 + others * places(subject).len() + 8 * (WORST + PAIRS) + WORST * (WORST - 1) / 2 }
 }
 

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::drawing::Drawing;
 use super::piece::Piece;
 use super::quantity::{Quantity, quantities};
 use super::{State, Tolerances};
@@ -13,7 +14,6 @@ use crate::evaluate::{
     Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, ImpactLoad, LoadCase, Overrides, Plan, Subject,
     held_energies, held_spheres,
 };
-use crate::layout::Layout;
 use crate::material::Material;
 use crate::score::{Measure, Needs, Scores};
 use crate::{Context, Progress};
@@ -44,6 +44,9 @@ pub enum WorkshopError {
          out"
     )]
     Projectile,
+    /// What is asked of pieces in space is of sheets.
+    #[error("{0} is for sheets, and this design is a crystal in space; leave it out")]
+    Sheets(&'static str),
 }
 
 /// What a piece does.
@@ -60,8 +63,7 @@ const BLOCK: usize = 128;
 
 /// A workshop that makes one layout.
 pub struct Workshop<'a> {
-    design: &'a Design,
-    subject: Subject<'a>,
+    drawing: Drawing<'a>,
     tolerances: &'a Tolerances,
     plan: &'a Plan,
     quantities: Vec<Quantity>,
@@ -72,30 +74,41 @@ impl<'a> Workshop<'a> {
     /// With what is asked of its pieces: measures that need full records make it some four times as slow.
     ///
     /// # Errors
-    /// Records of pieces that have none, and halves that differ of which one is to say all.
+    /// Records of pieces that have none, halves that differ of which one is to say all, and in space what is of sheets.
     pub fn new(
-        (design, subject): (&'a Design, Subject<'a>),
+        drawing: impl Into<Drawing<'a>>,
         tolerances: &'a Tolerances,
         plan: &'a Plan,
         asked: &[Measure],
     ) -> Result<Self, WorkshopError> {
-        if subject.left.is_some() && tolerances.halves_alike {
+        let drawing = drawing.into();
+        if let Some(what) = tolerances.of_sheets().filter(|_| drawing.is_in_space()) {
+            return Err(WorkshopError::Sheets(what));
+        }
+        if drawing.halves_differ() && tolerances.halves_alike {
             return Err(WorkshopError::Halves);
         }
         let of_pulse = [tolerances.impact.duration, tolerances.impact.angle, tolerances.impact.off_centre];
-        if design.impact.projectile().is_some() && of_pulse.iter().any(|&limit| limit != 0.0) {
+        if drawing.design().impact().projectile().is_some() && of_pulse.iter().any(|&limit| limit != 0.0) {
             return Err(WorkshopError::Projectile);
         }
         let records = asked.iter().find(|measure| measure.needs() == Needs::Records);
         let detail = match records {
-            Some(measure) if tolerances.state == State::Settled || tolerances.impact.projectile.is_some() => {
+            Some(measure)
+                if tolerances.state == State::Settled
+                    || (tolerances.impact.projectile.is_some() && !drawing.is_in_space()) =>
+            {
                 return Err(WorkshopError::Records(measure.name()));
             }
             Some(_) => Detail::Everything,
             None => Detail::Energies,
         };
-        let quantities = quantities(tolerances, subject, design.friction.unwrap_or(0.0));
-        Ok(Self { design, subject, tolerances, plan, quantities, detail })
+        let friction = match drawing {
+            Drawing::Plane(design, _) => design.friction.unwrap_or(0.0),
+            Drawing::Space(..) => 0.0,
+        };
+        let quantities = quantities(tolerances, drawing, friction);
+        Ok(Self { drawing, tolerances, plan, quantities, detail })
     }
 
     /// What may turn out otherwise.
@@ -103,19 +116,9 @@ impl<'a> Workshop<'a> {
         &self.quantities
     }
 
-    /// What it makes: the layout, or the right half of a piece whose halves differ.
-    pub fn layout(&self) -> &Layout {
-        self.subject.layout
-    }
-
-    /// What it makes, whole.
-    pub fn subject(&self) -> Subject<'a> {
-        self.subject
-    }
-
-    /// Its design.
-    pub fn design(&self) -> &Design {
-        self.design
+    /// What it makes.
+    pub fn drawing(&self) -> Drawing<'a> {
+        self.drawing
     }
 
     /// Its tolerances.
@@ -151,14 +154,18 @@ impl<'a> Workshop<'a> {
 
     fn block(&self, pieces: &[Piece], factors: &[f64], context: &Context) -> Result<Vec<Vec<Made>>, WorkshopError> {
         let Tolerances { state, side_gap, end_gap, .. } = *self.tolerances;
+        let Drawing::Plane(design, subject) = self.drawing else {
+            return self.on_sites(pieces.iter(), factors, context);
+        };
+        let drawn = (design, subject);
         if state == State::Settled {
             let all: Vec<&Piece> = pieces.iter().collect();
-            return self.held(&all, factors, Frame::Settled { side_gap, end_gap }, context);
+            return self.held(drawn, &all, factors, Frame::Settled { side_gap, end_gap }, context);
         }
         // A plate has to be followed as a rig, whose sides repeat themselves as mirrors do.
         let is_thrown = |piece: &Piece| piece.projectile(self.tolerances, &self.quantities, 1.0).is_some();
         let thrown: Vec<&Piece> = pieces.iter().filter(|piece| is_thrown(piece)).collect();
-        let mut thrown = self.held(&thrown, factors, Frame::Mirrors, context)?.into_iter();
+        let mut thrown = self.held(drawn, &thrown, factors, Frame::Mirrors, context)?.into_iter();
         let mut pulsed = self.on_sites(pieces.iter().filter(|piece| !is_thrown(piece)), factors, context)?.into_iter();
         let in_order = pieces.iter().filter_map(|piece| if is_thrown(piece) { thrown.next() } else { pulsed.next() });
         Ok(in_order.collect())
@@ -171,9 +178,9 @@ impl<'a> Workshop<'a> {
         factors: &[f64],
         context: &Context,
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
-        let with = (self.design, self.tolerances);
         let of = |piece: &Piece| -> Vec<LoadCase> {
-            factors.iter().map(|&factor| piece.case(with, &self.quantities, self.subject, factor)).collect()
+            let case = |&factor: &f64| piece.case(self.tolerances, &self.quantities, self.drawing, factor);
+            factors.iter().map(case).collect()
         };
         let cases: Vec<LoadCase> = pieces.flat_map(of).collect();
         if cases.is_empty() {
@@ -193,9 +200,9 @@ impl<'a> Workshop<'a> {
             window: Some(self.plan.window),
             first_seed: None,
         };
-        let evaluator = Evaluator::new(self.design, cases, self.layout().palette.clone(), given, context)?;
+        let evaluator = Evaluator::new(self.drawing.design(), cases, self.drawing.palette().to_vec(), given, context)?;
         let evaluator = evaluator.recording(self.detail);
-        let runs = evaluator.scores(&[self.subject.drawn()], context)?.concat();
+        let runs = evaluator.scores(&[self.drawing.materials()], context)?.concat();
         if runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
             return Err(EvaluatorError::Interrupted.into());
         }
@@ -208,23 +215,25 @@ impl<'a> Workshop<'a> {
     /// struck alike.
     fn held(
         &self,
+        (design, subject): (&Design, Subject<'_>),
         pieces: &[&Piece],
         factors: &[f64],
         frame: Frame,
         context: &Context,
     ) -> Result<Vec<Vec<Made>>, WorkshopError> {
-        let (layout, sites) = (self.layout(), self.layout().materials.len());
+        let layout = subject.layout;
+        let sites = layout.materials.len();
         let strikes = |piece: &Piece, factor: f64| {
-            let load = piece.load(self.design, &self.quantities, factor);
+            let load = piece.load(self.drawing, &self.quantities, factor);
             (load, piece.projectile(self.tolerances, &self.quantities, factor))
         };
         let of = |piece: &Piece| {
-            let (diameters, materials, palette) = piece.parts(self.tolerances, &self.quantities, self.subject);
+            let (diameters, materials, palette) = piece.parts(self.tolerances, &self.quantities, self.drawing);
             // On their sites, which are as far apart as the largest needs, by similarity; in a frame each is as large as it is.
             let largest = diameters.iter().copied().fold(0.0, f64::max);
             let scale = if frame == Frame::Mirrors { layout.lattice.diameter() / largest } else { 1.0 };
             // As the map has it: places on the other side come after the sites.
-            let mut spheres = held_spheres(self.subject);
+            let mut spheres = held_spheres(subject);
             for sphere in &mut spheres {
                 let image = sphere.centre[0] < 0.0 && diameters.len() > sites;
                 let place = if image { sites + sphere.site } else { sphere.site };
@@ -248,7 +257,7 @@ impl<'a> Workshop<'a> {
             }
         }
         let count = jobs.len();
-        let reference = self.design.reference().cloned();
+        let reference = design.reference().cloned();
         let uniform: Vec<Material> = std::iter::once(layout.palette[0].clone()).chain(reference).collect();
         for load in 0..loads.len() {
             for material in &uniform {
@@ -256,13 +265,13 @@ impl<'a> Workshop<'a> {
                 jobs.push((load, spheres.collect(), vec![material.clone()]));
             }
         }
-        let within = (&self.design.lattice, &self.design.target);
+        let within = (&design.lattice, &design.target);
         let runs: Vec<Made> = jobs
             .into_par_iter()
             .map(|(load, spheres, palette)| {
                 let (load, projectile) = &loads[load];
                 let held = (frame, load, *projectile);
-                match held_energies((self.design, self.plan), &palette, spheres, held, context) {
+                match held_energies((design, self.plan), &palette, spheres, held, context) {
                     Ok(energies) => Ok(Made { scores: Scores::of_energies(&energies, within.0, within.1), stop: None }),
                     Err(HeldError::Stopped(RigStop::Interrupted { .. })) => Err(EvaluatorError::Interrupted.into()),
                     Err(HeldError::Rig(error)) => Err(WorkshopError::Held(error.into())),

@@ -8,7 +8,7 @@
 //! - `simulate`: rigs; `modes`: small vibrations; `impact`: granular beds
 //! - `network`: network and motion, of files of any program
 //! - `sensitivity`: how scores change with every sphere
-//! - `tolerance`: pieces as made, and the gate
+//! - `tolerance`: pieces as made, and the gate; `tolerance_space`: pieces in space
 //! - `cost`: what --dry-run says; `documents`: what README and docs promise; `truth`: the same numbers from every command
 //! - `figures`: figures for papers, and pages
 //! - `space`: designs in space
@@ -42,6 +42,7 @@ mod space_studies;
 mod studies;
 mod surface;
 mod tolerance;
+mod tolerance_space;
 mod trace;
 mod truth;
 

@@ -1,0 +1,91 @@
+//! What a workshop is given: a layout and the design by which it is judged, of a sheet or of a crystal in space.
+
+use crate::design::{Design, DesignRef, SpaceDesign};
+use crate::evaluate::{Subject, add_piece};
+use crate::lattice::Block;
+use crate::layout::Layout;
+use crate::material::Material;
+use crate::score::Scores;
+
+/// A layout under its design.
+#[derive(Clone, Copy, Debug)]
+pub enum Drawing<'a> {
+    /// Of a sheet, whose halves may be drawn differently.
+    Plane(&'a Design, Subject<'a>),
+    /// Of a crystal in space, whose halves are each other's image as drawn.
+    Space(&'a SpaceDesign, &'a Layout<Block>),
+}
+
+impl<'a> From<(&'a Design, Subject<'a>)> for Drawing<'a> {
+    fn from((design, subject): (&'a Design, Subject<'a>)) -> Self {
+        Self::Plane(design, subject)
+    }
+}
+
+impl<'a> From<(&'a SpaceDesign, &'a Layout<Block>)> for Drawing<'a> {
+    fn from((design, layout): (&'a SpaceDesign, &'a Layout<Block>)) -> Self {
+        Self::Space(design, layout)
+    }
+}
+
+impl<'a> Drawing<'a> {
+    /// The design.
+    pub fn design(self) -> DesignRef<'a> {
+        match self {
+            Self::Plane(design, _) => design.into(),
+            Self::Space(design, _) => design.into(),
+        }
+    }
+
+    /// Whether it is a crystal in space.
+    pub fn is_in_space(self) -> bool {
+        matches!(self, Self::Space(..))
+    }
+
+    /// The materials that may occur.
+    pub fn palette(self) -> &'a [Material] {
+        match self {
+            Self::Plane(_, subject) => &subject.layout.palette,
+            Self::Space(_, layout) => &layout.palette,
+        }
+    }
+
+    /// Sites of the half.
+    pub fn sites(self) -> usize {
+        match self {
+            Self::Plane(_, subject) => subject.layout.materials.len(),
+            Self::Space(_, layout) => layout.materials.len(),
+        }
+    }
+
+    /// The material of every site of the half; where the halves are drawn differently, behind them those of the sites' images.
+    pub fn materials(self) -> Vec<u8> {
+        match self {
+            Self::Plane(_, subject) => subject.drawn(),
+            Self::Space(_, layout) => layout.materials.clone(),
+        }
+    }
+
+    /// The materials, places in the palette, that occur.
+    pub fn letters(self) -> Vec<u8> {
+        let held = self.materials();
+        (0..self.palette().len() as u8).filter(|letter| held.contains(letter)).collect()
+    }
+
+    /// Whether its halves are drawn differently.
+    pub fn halves_differ(self) -> bool {
+        matches!(self, Self::Plane(_, Subject { left: Some(_), .. }))
+    }
+
+    /// What it says by itself: counts, masses and costs.
+    pub fn scores(self) -> Scores {
+        match self {
+            Self::Plane(design, subject) => subject.scores(|material| design.price(material)),
+            Self::Space(design, layout) => {
+                let mut scores = Scores::default();
+                add_piece(&mut scores, design, layout);
+                scores
+            }
+        }
+    }
+}
