@@ -111,6 +111,7 @@ impl Case {
             pulse: ForcePulse { force: BLOW.0, duration: BLOW.1 },
             slope: 0.0,
             struck: self.struck(),
+            faces: Vec::new(),
             moving: Vec::new(),
             projectile: None,
             exit: Vec::new(),

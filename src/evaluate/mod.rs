@@ -164,6 +164,7 @@ pub fn impact(design: &Design, plan: &Plan) -> Impact {
         periods: Vec::new(),
         slope: 0.0,
         struck: row(1),
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: row(lattice.rows()),

@@ -33,6 +33,7 @@ pub fn impact_in_space(design: &SpaceDesign, plan: &Plan) -> Impact {
         pulse: NO_PULSE,
         slope: 0.0,
         struck: block.layer(1).collect(),
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: block.layer(block.layers()).collect(),

@@ -121,6 +121,7 @@ fn collisions(context: &Context) -> Result<Vec<Part>, RowError> {
                 periods: Vec::new(),
                 slope: 0.0,
                 struck: Vec::new(),
+                faces: Vec::new(),
                 moving: vec![(0, speed)],
                 projectile: None,
                 exit: Vec::new(),

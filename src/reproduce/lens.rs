@@ -200,6 +200,7 @@ pub(super) fn struck(layout: &Layout, law: LawKind, integrator: Integrator, step
         periods: Vec::new(),
         slope: 0.0,
         struck: (0..sheet.columns(1) as usize).collect(),
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: Vec::new(),

@@ -157,6 +157,7 @@ impl Wedge {
             periods: Vec::new(),
             slope: 0.0,
             struck: (0..sheet.columns(1) as usize).collect(),
+            faces: Vec::new(),
             moving: Vec::new(),
             projectile: None,
             exit: Vec::new(),

@@ -86,6 +86,7 @@ pub fn impact_of(prepared: &PreparedRig<3>) -> Option<Impact> {
         pulse,
         slope: 0.0,
         struck,
+        faces: Vec::new(),
         moving,
         projectile: None,
         exit: Vec::new(),

@@ -28,6 +28,7 @@ fn struck(spheres: Vec<Sphere<2>>, speed: f64, window: f64) -> Record<2> {
         periods: Vec::new(),
         slope: 0.0,
         struck: vec![0],
+        faces: Vec::new(),
         moving: vec![(0, speed)],
         projectile: None,
         exit: Vec::new(),

@@ -1,6 +1,6 @@
 //! The spheres in motion: displacement from where they lay, velocity and force, as parallel arrays.
 
-use super::boundary::Mirror;
+use super::boundary::{Carried, Surface};
 use crate::real::Lanes;
 use crate::sample::Sample;
 
@@ -20,26 +20,36 @@ pub(super) struct Grains<V, const D: usize> {
     pub mobility: Vec<[f64; D]>,
     /// The part of the sphere that belongs to the simulated half.
     pub weight: Vec<f64>,
+    /// On which surfaces each lies.
+    pub carried: Carried<D>,
+    /// Spheres on planes across no axis, and the directions in which they do not move.
+    held: Vec<(usize, Vec<[f64; D]>)>,
     /// Spheres from here on are at rest and carry no force.
     pub reached: usize,
 }
 
 impl<V: Lanes, const D: usize> Grains<V, D> {
     /// Spheres at rest; the samples stand side by side and have the same centres. Where a site is empty nothing moves.
-    pub fn at_rest(samples: &[&Sample<D>], mirrors: &[Mirror]) -> Self {
+    pub fn at_rest(samples: &[&Sample<D>], surfaces: &[Surface]) -> Self {
         let sample = samples[0];
         let zero = [V::splat(0.0); D];
         let count = sample.spheres.len();
+        let greatest = |i: usize| samples.iter().map(|sample| sample.spheres[i].radius).fold(0.0, f64::max);
+        let spheres = sample.spheres.iter().enumerate().map(|(i, sphere)| (sphere.centre, greatest(i)));
+        let carried = Carried::new(spheres.clone(), surfaces);
+        let weight: Vec<f64> = (0..count).map(|i| carried.weight(i)).collect();
         let mut mobility = vec![[1.0; D]; count];
-        let mut weight = vec![1.0; count];
-        for (i, sphere) in sample.spheres.iter().enumerate() {
-            let radius = samples.iter().map(|sample| sample.spheres[i].radius).fold(0.0, f64::max);
-            for mirror in mirrors.iter().filter(|mirror| mirror.carries(&sphere.centre, radius)) {
-                weight[i] *= 0.5;
-                mobility[i][mirror.axis] = 0.0;
+        for (i, (centre, radius)) in spheres.enumerate() {
+            for surface in surfaces {
+                if let Surface::Mirror(mirror) = surface
+                    && mirror.carries(&centre, radius)
+                {
+                    mobility[i][mirror.axis] = 0.0;
+                }
             }
             mobility[i].iter_mut().for_each(|m| *m /= weight[i]);
         }
+        let held = carried.held(surfaces);
         let inverse_mass = (0..count)
             .map(|i| {
                 let mut inverse = V::splat(0.0);
@@ -57,6 +67,8 @@ impl<V: Lanes, const D: usize> Grains<V, D> {
             inverse_mass,
             mobility,
             weight,
+            carried,
+            held,
             reached: 0,
         }
     }
@@ -66,6 +78,23 @@ impl<V: Lanes, const D: usize> Grains<V, D> {
         for &(i, speed) in moving {
             self.velocity[i][D - 1] = V::splat(speed);
             self.reached = self.reached.max(i + 1);
+        }
+    }
+
+    /// Takes from forces what spheres on planes across no axis are not moved by.
+    #[inline(always)]
+    pub fn hold(&self, force: &mut [[V; D]]) {
+        for (sphere, axes) in self.held.iter().take_while(|(sphere, _)| *sphere < self.reached) {
+            let force = &mut force[*sphere];
+            for axis in axes {
+                let mut along = V::splat(0.0);
+                for k in 0..D {
+                    along = along + force[k] * V::splat(axis[k]);
+                }
+                for k in 0..D {
+                    force[k] = force[k] - along * V::splat(axis[k]);
+                }
+            }
         }
     }
 

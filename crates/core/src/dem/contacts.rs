@@ -1,7 +1,7 @@
 //! All contacts of a packing: geometry at rest, law, history and energy, as parallel arrays; and the force sweep.
 
 use super::body::{Grains, square};
-use super::boundary::Mirror;
+use super::boundary::{Mirror, Surface};
 use super::friction::Friction;
 use super::list::List;
 use super::neighbour::{SelfTouch, Touch, Touching, image_gap};
@@ -103,13 +103,12 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
     /// Of packings with the same centres, one per lane. With `accounts` false no energy ledger is kept.
     pub fn new(
         samples: &'a [&'a Sample<D>],
-        mirrors: &[Mirror],
         touching: Touching<D>,
         grains: &Grains<V, D>,
         are_similar: bool,
         accounts: bool,
     ) -> Self {
-        let list = List::new(touching, &grains.mobility);
+        let list = List::new(touching, &grains.carried);
         let count = list.len();
         let mut contacts = Self {
             samples,
@@ -122,7 +121,7 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
             friction: None,
             plate: None,
         };
-        contacts.measure(mirrors);
+        contacts.measure();
         contacts
     }
 
@@ -135,7 +134,7 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
     }
 
     /// Finds the sizes of the contacts, where radii differ.
-    fn measure(&mut self, mirrors: &[Mirror]) {
+    fn measure(&mut self) {
         let Some(sizes) = &mut self.sizes else { return };
         sizes.clear();
         for touch in &self.list.pairs {
@@ -143,27 +142,26 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
             sizes.push(Size::new(self.samples, touch.pair, self.are_similar, &gap));
         }
         for touch in &self.list.images {
-            let mirror = mirrors.iter().find(|mirror| touch.is_in(mirror));
-            let gap = |one: &Sample<D>| mirror.map_or(touch.gap, |mirror| image_gap(one, touch.sphere, mirror));
+            let gap = |one: &Sample<D>| image_gap(one, touch.sphere, &touch.surface);
             sizes.push(Size::new(self.samples, [touch.sphere; 2], self.are_similar, &gap));
         }
     }
 
-    /// Takes up contacts between spheres that have come near each other, and of spheres with their image in a mirror.
+    /// Takes up contacts between spheres that have come near each other, and of spheres with their image in a surface.
     pub fn restore(
         &mut self,
         pairs: &[[usize; 2]],
-        images: &[(usize, Mirror)],
-        mirrors: &[Mirror],
+        images: &[(usize, Surface)],
+        surfaces: &[Surface],
         grains: &Grains<V, D>,
         laws: &mut dyn Laws<V, D>,
     ) -> Result<(), NoRoom> {
-        let from = self.list.restore(self.samples[0], pairs, images, mirrors, &grains.mobility);
+        let from = self.list.restore(self.samples[0], pairs, images, surfaces, &grains.carried);
         self.history = from.iter().map(|c| c.map_or_else(History::new, |c| self.history[c])).collect();
         if self.keeps_accounts {
             self.account = from.iter().map(|c| c.map_or_else(Account::new, |c| self.account[c])).collect();
         }
-        self.measure(mirrors);
+        self.measure();
         if let Some(friction) = &mut self.friction {
             friction.renumber(self.samples, &self.list.pairs, &from, self.keeps_accounts);
         }
@@ -303,18 +301,33 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
         }
         for k in 0..self.list.images.len() {
             let (contact, touch) = (self.list.pairs.len() + k, self.list.images[k]);
-            let SelfTouch { sphere, axis, inward, gap, reach } = touch;
+            let SelfTouch { sphere, surface, gap, reach, .. } = touch;
             if sphere >= *reached {
                 break;
             }
-            let inward = V::splat(inward);
             let (mut gap, mut reach) = (V::splat(gap), V::splat(reach));
             if !PLAIN && let Some(sizes) = &self.sizes {
                 (gap, reach) = (sizes[contact].gap, sizes[contact].reach);
             }
-            let (mut moved, mut speed) = (displacement[sphere][axis], velocity[sphere][axis]);
+            // Faces across no axis are in space only: the plane knows nothing of them.
+            let mut turned = None;
+            let (axis, inward, mut moved, mut speed) = match surface {
+                Surface::Face(face) if const { D == 3 } => {
+                    let (normal, moved) = face.approach(&touch.centre, &displacement[sphere]);
+                    let mut speed = zero;
+                    for k in 0..D {
+                        speed = speed + velocity[sphere][k] * normal[k];
+                    }
+                    turned = Some(normal);
+                    (0, V::splat(1.0), moved, speed)
+                }
+                Surface::Face(_) => continue,
+                Surface::Mirror(Mirror { axis, inward, .. }) => {
+                    (axis, V::splat(inward), displacement[sphere][axis], velocity[sphere][axis])
+                }
+            };
             let plate = match &self.plate {
-                Some(plate) if touch.is_in(&plate.mirror) => Some(plate.seen),
+                Some(plate) if surface == Surface::Mirror(plate.mirror) => Some(plate.seen),
                 _ => None,
             };
             if let Some([way, velocity]) = plate {
@@ -333,6 +346,12 @@ impl<'a, V: Lanes, const D: usize> Contacts<'a, V, D> {
             let push = self.push::<PLAIN>(laws, contact, overlap, closing_speed, sweep);
             // On the simulated part of the sphere.
             let push = inward * (push * V::splat(2.0 * self.list.weight[contact]));
+            if let Some(normal) = turned {
+                for k in 0..D {
+                    force[sphere][k] = force[sphere][k] + push * normal[k];
+                }
+                continue;
+            }
             force[sphere][axis] = force[sphere][axis] + push;
             if plate.is_some()
                 && let Some(plate) = &mut self.plate

@@ -4,7 +4,7 @@
 
 use super::batch::{Limit, PeakEnergies};
 use super::body::Grains;
-use super::boundary::Mirror;
+use super::boundary::{Mirror, Surface};
 use super::clock::{Clock, Phase, Phases};
 use super::contacts::{Contacts, Laws, Sweep};
 use super::guard::{Stop, Watch};
@@ -46,8 +46,8 @@ pub(super) struct Group<'a, const D: usize> {
     strangers: Strangers<D>,
     /// One for all samples, or one for each.
     strikes: Vec<Strike>,
-    /// All planes, last the face of what strikes, where that is a flat.
-    mirrors: Vec<Mirror>,
+    /// All mirrors and faces, last that of what strikes, where it is a flat.
+    surfaces: Vec<Surface>,
 }
 
 impl<'a, const D: usize> Group<'a, D> {
@@ -61,15 +61,20 @@ impl<'a, const D: usize> Group<'a, D> {
             strikes.iter().all(|strike| strike.is_like(&strikes[0])),
             "side by side pulses alone, or projectiles alone"
         );
-        let mut mirrors = impact.mirrors.clone();
+        assert!(
+            impact.faces.is_empty() || (D == 3 && impact.slope == 0.0),
+            "faces are written for blows along z in space"
+        );
+        let mirrors = impact.mirrors.iter().copied().map(Surface::Mirror);
+        let mut surfaces: Vec<Surface> = mirrors.chain(impact.faces.iter().copied().map(Surface::Face)).collect();
         if is_flat {
             let front = strikes[0].projectile().and_then(|flat| flat.front);
             let position = front.unwrap_or_else(|| first_top(samples, &impact.struck));
-            mirrors.push(Mirror { axis: D - 1, position, inward: 1.0 });
+            surfaces.push(Surface::Mirror(Mirror { axis: D - 1, position, inward: 1.0 }));
         }
-        let mut strangers = Strangers::new(samples, &mirrors, &impact.periods, is_flat);
-        let touching = Touching::find(samples, (&mirrors, &impact.periods), &mut |i, j| strangers.tell(i, j))?;
-        Ok(Self { samples, terms, touching, strangers, strikes, mirrors })
+        let mut strangers = Strangers::new(samples, &surfaces, &impact.periods, is_flat);
+        let touching = Touching::find(samples, (&surfaces, &impact.periods), &mut |i, j| strangers.tell(i, j))?;
+        Ok(Self { samples, terms, touching, strangers, strikes, surfaces })
     }
 
     /// What strikes, where it is a flat.
@@ -77,7 +82,8 @@ impl<'a, const D: usize> Group<'a, D> {
         let flats: Vec<Projectile> = self.strikes.iter().filter_map(Strike::projectile).collect();
         let struck = self.terms.impact.struck.iter().map(|&i| grains.weight[i]).sum();
         let speeds: Vec<f64> = flats.iter().map(|flat| flat.speed).collect();
-        Some(Plate::new(*self.mirrors.last()?, flats.first()?.mass, &speeds, struck))
+        let (Some(Surface::Mirror(face)), mass) = (self.surfaces.last(), flats.first()?.mass) else { return None };
+        Some(Plate::new(*face, mass, &speeds, struck))
     }
 }
 
@@ -143,10 +149,10 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
         let vigilance = vigilances.next()?;
         let is_last = V::LANES == 1 && vigilances.len() == 0;
         let mut laws = laws()?;
-        let mut grains = Grains::<V, D>::at_rest(samples, &group.mirrors);
+        let mut grains = Grains::<V, D>::at_rest(samples, &group.surfaces);
         let (similar, accounts) = (impact.law.is_similar(), accept == Sweep::AcceptAndAccount);
         let touching = group.touching.clone();
-        let mut contacts = Contacts::new(samples, &group.mirrors, touching, &grains, similar, accounts);
+        let mut contacts = Contacts::new(samples, touching, &grains, similar, accounts);
         if let Some(coefficient) = friction {
             contacts.rub(coefficient, &grains, impact.step);
         }

@@ -194,7 +194,9 @@ impl<V: Lanes> Watch<V> {
             }
             let stiffness = contacts.stiffness(laws, c, lane);
             let mut inverse = grains.inverse_mass[a].lane(lane).max(grains.inverse_mass[b].lane(lane));
-            if let Some(plate) = contacts.plate.as_ref().filter(|plate| contacts.list.is_image_in(c, &plate.mirror)) {
+            if let Some(plate) =
+                contacts.plate.as_ref().filter(|plate| contacts.list.is_image_in(c, &plate.mirror.into()))
+            {
                 inverse = inverse.max(plate.inverse_share.lane(lane));
             }
             let lighter = 1.0 / inverse;

@@ -2,7 +2,7 @@
 
 use super::batch::PeakEnergies;
 use super::body::Grains;
-use super::boundary::{Mirror, Period};
+use super::boundary::{Face, Mirror, Period};
 use super::clock::Phases;
 use super::contacts::Sweep;
 use super::dimension::{MoveIn, Spheres};
@@ -23,8 +23,10 @@ use crate::sample::{Sample, Sphere};
 /// What hits the crystal, how it is held, and how the motion is followed.
 #[derive(Clone, Debug)]
 pub struct Impact {
-    /// Planes of symmetry.
+    /// Planes of symmetry, and smooth walls, across an axis.
     pub mirrors: Vec<Mirror>,
+    /// Such planes across none, and round walls: in space alone, and under what strikes along the last axis.
+    pub faces: Vec<Face>,
     /// Along which axes the crystal repeats itself, where it has no end.
     pub periods: Vec<Period>,
     /// The contact law.
@@ -154,7 +156,7 @@ impl Struck<2> for Spheres {
 
 impl Struck<3> for Spheres {
     fn simulate(sample: &Sample<3>, impact: &Impact, context: &Context) -> Result<Record<3>, OverlapAtRest> {
-        let by_rows = if sample.spheres.len() < bulk::MANY || impact.projectile.is_some() {
+        let by_rows = if sample.spheres.len() < bulk::MANY || impact.projectile.is_some() || !impact.faces.is_empty() {
             None
         } else {
             bulk::recorded(sample, impact, context)

@@ -2,7 +2,7 @@
 //!
 //! Nothing here depends on laws or on how many designs stand side by side.
 
-use super::boundary::{Mirror, Period};
+use super::boundary::{Carried, Period, Surface};
 use super::neighbour::{SelfTouch, Touch, Touching};
 use crate::sample::Sample;
 
@@ -11,36 +11,31 @@ use crate::sample::Sample;
 #[derive(Clone)]
 pub(super) struct List<const D: usize> {
     pub pairs: Vec<Touch<D>>,
-    pub images: Vec<SelfTouch>,
+    pub images: Vec<SelfTouch<D>>,
     periods: Vec<Period>,
-    /// Pairs weigh 1, or 1/2 where they lie in a mirror; images half as much as the simulated part of their sphere.
+    /// The part of each that belongs to what is simulated: of pairs 1, or 1/2 where they lie in a mirror.
     pub weight: Vec<f64>,
     /// For each sphere the number of pairs whose first sphere comes before it.
     pub first_pair: Vec<usize>,
 }
 
 impl<const D: usize> List<D> {
-    /// The contacts at rest; `mobility` is that of the [`Grains`](super::body::Grains).
-    pub fn new(touching: Touching<D>, mobility: &[[f64; D]]) -> Self {
+    /// The contacts at rest.
+    pub fn new(touching: Touching<D>, carried: &Carried<D>) -> Self {
         let Touching { pairs, images, periods } = touching;
         let mut list = Self { pairs, images, periods, weight: Vec::new(), first_pair: Vec::new() };
-        list.describe(mobility);
+        list.describe(carried);
         list
     }
 
-    fn describe(&mut self, mobility: &[[f64; D]]) {
+    fn describe(&mut self, carried: &Carried<D>) {
         self.weight.clear();
-        for touch in &self.pairs {
-            // A pair in a mirror plane is shared by both halves: both of its spheres lie on the same plane.
-            let [a, b] = touch.pair;
-            let in_plane = (0..D).any(|k| mobility[a][k] == 0.0 && mobility[b][k] == 0.0 && touch.offset[k] == 0.0);
-            self.weight.push(if in_plane { 0.5 } else { 1.0 });
-        }
-        // A sphere that has an image is free to move towards it, and its mobility there is 1/weight.
-        self.weight.extend(self.images.iter().map(|touch| 0.5 / mobility[touch.sphere][touch.axis]));
+        self.weight.extend(self.pairs.iter().map(|touch| carried.weight_between(touch.pair)));
+        let towards = |touch: &SelfTouch<D>| touch.surface.normal(&touch.centre);
+        self.weight.extend(self.images.iter().map(|touch| carried.weight_of_image(touch.sphere, &towards(touch))));
         self.first_pair.clear();
         self.first_pair.push(0);
-        for i in 0..mobility.len() {
+        for i in 0..carried.spheres() {
             let mut end = self.first_pair[i];
             while self.pairs.get(end).is_some_and(|touch| touch.pair[0] == i) {
                 end += 1;
@@ -54,15 +49,15 @@ impl<const D: usize> List<D> {
         self.pairs.len() + self.images.len()
     }
 
-    /// Takes up contacts between spheres that have come near each other, and of spheres with their image in a mirror. For each
+    /// Takes up contacts between spheres that have come near each other, and of spheres with their image in a surface. For each
     /// contact, where it stood before.
     pub fn restore(
         &mut self,
         first: &Sample<D>,
         pairs: &[[usize; 2]],
-        images: &[(usize, Mirror)],
-        mirrors: &[Mirror],
-        mobility: &[[f64; D]],
+        images: &[(usize, Surface)],
+        surfaces: &[Surface],
+        carried: &Carried<D>,
     ) -> Vec<Option<usize>> {
         let old = self.pairs.len();
         let mut all: Vec<_> = self.pairs.iter().copied().enumerate().map(|(c, touch)| (touch, Some(c))).collect();
@@ -70,14 +65,14 @@ impl<const D: usize> List<D> {
         all.sort_by_key(|(touch, _)| touch.pair);
         let mut all_images: Vec<_> =
             self.images.iter().copied().enumerate().map(|(c, touch)| (touch, Some(old + c))).collect();
-        all_images.extend(images.iter().map(|(sphere, mirror)| (SelfTouch::new(first, *sphere, mirror), None)));
-        let place = |touch: &SelfTouch| mirrors.iter().position(|mirror| touch.is_in(mirror));
+        all_images.extend(images.iter().map(|(sphere, surface)| (SelfTouch::new(first, *sphere, surface), None)));
+        let place = |touch: &SelfTouch<D>| surfaces.iter().position(|surface| touch.surface == *surface);
         all_images.sort_by_key(|(touch, _)| (touch.sphere, place(touch)));
 
         let from = all.iter().map(|(_, from)| *from).chain(all_images.iter().map(|(_, from)| *from)).collect();
         self.pairs = all.into_iter().map(|(touch, _)| touch).collect();
         self.images = all_images.into_iter().map(|(touch, _)| touch).collect();
-        self.describe(mobility);
+        self.describe(carried);
         from
     }
 
@@ -86,10 +81,10 @@ impl<const D: usize> List<D> {
         self.pairs[self.first_pair[i]..self.first_pair[i + 1]].iter().map(|touch| touch.pair[1])
     }
 
-    /// Whether a sphere's image in a mirror is one of the contacts.
-    pub fn holds_image(&self, sphere: usize, mirror: &Mirror) -> bool {
+    /// Whether a sphere's image in a surface is one of the contacts.
+    pub fn holds_image(&self, sphere: usize, surface: &Surface) -> bool {
         let from = self.images.partition_point(|touch| touch.sphere < sphere);
-        self.images[from..].iter().take_while(|touch| touch.sphere == sphere).any(|touch| touch.is_in(mirror))
+        self.images[from..].iter().take_while(|touch| touch.sphere == sphere).any(|touch| touch.surface == *surface)
     }
 
     /// The spheres of a contact; an image's sphere twice.
@@ -100,9 +95,9 @@ impl<const D: usize> List<D> {
         }
     }
 
-    /// Whether a contact is one with an image in this mirror.
-    pub fn is_image_in(&self, contact: usize, mirror: &Mirror) -> bool {
-        contact.checked_sub(self.pairs.len()).is_some_and(|image| self.images[image].is_in(mirror))
+    /// Whether a contact is one with an image in this surface.
+    pub fn is_image_in(&self, contact: usize, surface: &Surface) -> bool {
+        contact.checked_sub(self.pairs.len()).is_some_and(|image| self.images[image].surface == *surface)
     }
 
     /// The spheres of every contact.

@@ -52,7 +52,7 @@ pub use batch::{
     BatchError, Limit, PeakEnergies, screen_batch, simulate_batch, simulate_batch_timed, simulate_batch_under,
     simulate_batch_with_friction, simulate_batch_within,
 };
-pub use boundary::{Mirror, Period};
+pub use boundary::{Face, Mirror, Period};
 pub use clock::Phases;
 pub use dimension::{InAny, MoveIn, Spheres};
 pub use guard::{OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};

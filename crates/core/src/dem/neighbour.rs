@@ -1,6 +1,6 @@
 //! Which spheres touch at rest or lie so near that their contact is followed from the start.
 
-use super::boundary::{Mirror, Period};
+use super::boundary::{Period, Surface};
 use super::size::{TOUCHING, gap_squared};
 use crate::sample::{Sample, Sphere};
 
@@ -25,37 +25,33 @@ impl<const D: usize> Touch<D> {
     }
 }
 
-/// A sphere that may touch its own image in a mirror.
+/// A sphere that may touch its own image in a mirror or another face.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SelfTouch {
+pub(super) struct SelfTouch<const D: usize> {
     pub sphere: usize,
-    pub axis: usize,
-    pub inward: f64,
+    pub surface: Surface,
+    /// Where the sphere lies at rest (m).
+    pub centre: [f64; D],
     /// From surface to surface (m) at rest, in the first sample; exactly zero where they just touch.
     pub gap: f64,
     /// Its diameter (m) in the first sample
     pub reach: f64,
 }
 
-impl SelfTouch {
-    pub fn new<const D: usize>(sample: &Sample<D>, sphere: usize, mirror: &Mirror) -> Self {
-        let (gap, reach) = (image_gap(sample, sphere, mirror), 2.0 * sample.spheres[sphere].radius);
-        Self { sphere, axis: mirror.axis, inward: mirror.inward, gap, reach }
-    }
-
-    /// Whether it is the image in this mirror.
-    pub fn is_in(&self, mirror: &Mirror) -> bool {
-        self.axis == mirror.axis && self.inward == mirror.inward
+impl<const D: usize> SelfTouch<D> {
+    pub fn new(sample: &Sample<D>, sphere: usize, surface: &Surface) -> Self {
+        let Sphere { centre, radius, .. } = sample.spheres[sphere];
+        Self { sphere, surface: *surface, centre, gap: image_gap(sample, sphere, surface), reach: 2.0 * radius }
     }
 }
 
 /// From the surface of a sphere of a sample to that of its image (m).
-pub(super) fn image_gap<const D: usize>(sample: &Sample<D>, sphere: usize, mirror: &Mirror) -> f64 {
+pub(super) fn image_gap<const D: usize>(sample: &Sample<D>, sphere: usize, surface: &Surface) -> f64 {
     let sphere = &sample.spheres[sphere];
     if sphere.radius == 0.0 {
         return f64::INFINITY;
     }
-    let gap = mirror.distance(&sphere.centre) - sphere.radius;
+    let gap = surface.distance(&sphere.centre) - sphere.radius;
     if gap.abs() <= TOUCHING * sphere.radius { 0.0 } else { 2.0 * gap }
 }
 
@@ -64,8 +60,8 @@ pub(super) fn image_gap<const D: usize>(sample: &Sample<D>, sphere: usize, mirro
 pub(super) struct Touching<const D: usize> {
     /// In order of the first sphere, then the second.
     pub pairs: Vec<Touch<D>>,
-    /// In order of the sphere, then the mirror.
-    pub images: Vec<SelfTouch>,
+    /// In order of the sphere, then the surface.
+    pub images: Vec<SelfTouch<D>>,
     /// Through which some of the pairs touch.
     pub periods: Vec<Period>,
 }
@@ -88,7 +84,7 @@ impl<const D: usize> Touching<D> {
     /// pairs whose centres are nearer than two of the greatest diameters.
     pub fn find(
         samples: &[&Sample<D>],
-        (mirrors, periods): (&[Mirror], &[Period]),
+        (surfaces, periods): (&[Surface], &[Period]),
         visit: &mut dyn FnMut(usize, usize),
     ) -> Result<Self, OverlapAtRest> {
         let spheres = &samples[0].spheres;
@@ -129,21 +125,21 @@ impl<const D: usize> Touching<D> {
 
         let mut images = Vec::new();
         for i in 0..spheres.len() {
-            for mirror in mirrors {
+            for surface in surfaces {
                 let mut is_near = false;
                 for sample in samples {
                     let Sphere { centre, radius, .. } = &sample.spheres[i];
-                    if *radius == 0.0 || mirror.carries(centre, *radius) {
+                    if *radius == 0.0 || surface.carries(centre, *radius) {
                         continue;
                     }
-                    let gap = image_gap(sample, i, mirror);
+                    let gap = image_gap(sample, i, surface);
                     if gap < -TOUCHING * radius {
                         return Err(OverlapAtRest { pair: [i, i], overlap: -gap });
                     }
                     is_near |= gap <= 2.0 * NEAR * radius;
                 }
                 if is_near {
-                    images.push(SelfTouch::new(samples[0], i, mirror));
+                    images.push(SelfTouch::new(samples[0], i, surface));
                 }
             }
         }
@@ -223,6 +219,7 @@ impl<'a, const D: usize> Cells<'a, D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dem::boundary::Mirror;
     use crate::material::find;
 
     fn sheet(rows: usize, columns: usize) -> Sample<2> {
@@ -236,8 +233,8 @@ mod tests {
         Sample { materials: vec![find("440c", &[]).unwrap()], spheres }
     }
 
-    fn touching(samples: &[&Sample<2>], mirrors: &[Mirror]) -> Result<Touching<2>, OverlapAtRest> {
-        Touching::find(samples, (mirrors, &[]), &mut |_, _| {})
+    fn touching(samples: &[&Sample<2>], surfaces: &[Surface]) -> Result<Touching<2>, OverlapAtRest> {
+        Touching::find(samples, (surfaces, &[]), &mut |_, _| {})
     }
 
     /// In an open sheet of R rows by C columns each row has C − 1 contacts and each pair of rows 2C − 1.
@@ -265,7 +262,7 @@ mod tests {
     #[test]
     fn spheres_half_a_diameter_from_a_mirror_touch_their_image() {
         let mirror = Mirror { axis: 0, position: 0.0, inward: 1.0 };
-        let touching = touching(&[&sheet(4, 5)], &[mirror]).unwrap();
+        let touching = touching(&[&sheet(4, 5)], &[mirror.into()]).unwrap();
         let spheres: Vec<usize> = touching.images.iter().map(|t| t.sphere).collect();
         assert_eq!(spheres, [5, 15]);
     }

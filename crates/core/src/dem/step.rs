@@ -126,6 +126,7 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
         let Grains { displacement, reached, .. } = grains;
         let (velocity, force) = (&self.predicted, &mut self.force);
         laws.sweep(Pass { contacts, displacement, velocity, force, reached, sweep: self.accept });
+        grains.hold(&mut self.force);
     }
 
     fn runge_kutta(
@@ -155,6 +156,7 @@ impl<V: Lanes, const D: usize> Stepper<V, D> {
             let (displacement, velocity) = (&stages.displacement[..], &self.predicted[..]);
             let (force, reached) = (&mut self.force[..], &mut grains.reached);
             laws.sweep(Pass { contacts, displacement, velocity, force, reached, sweep: Sweep::Try });
+            grains.hold(&mut self.force);
             if let Some(plate) = &mut contacts.plate {
                 plate.stage(&mut plate_sums, share, ahead);
             }

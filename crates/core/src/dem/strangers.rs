@@ -7,7 +7,7 @@
 //! spheres reach at half the distance to their image.
 
 use super::body::{Grains, square};
-use super::boundary::{Mirror, Period};
+use super::boundary::{Mirror, Period, Surface};
 use super::contacts::{Contacts, Laws, NoRoom};
 use super::list::List;
 use super::neighbour::widest;
@@ -50,7 +50,7 @@ pub(super) struct Strangers<const D: usize> {
     radius: Vec<f64>,
     /// The greatest of each block's radii (m).
     block_radius: Vec<f64>,
-    mirrors: Vec<Mirror>,
+    surfaces: Vec<Surface>,
     periods: Vec<Period>,
     /// How far the fastest sphere of each block has come at most (m), and how far it may be at the next look.
     way: Vec<f64>,
@@ -59,7 +59,7 @@ pub(super) struct Strangers<const D: usize> {
     speed: Vec<f64>,
     /// The sum of two blocks' ways at which their nearest strangers may meet (m): a ≤ b at `a * blocks + b`.
     meet: Vec<f64>,
-    /// The same for twice a block's way and its images: block times mirrors, and mirror.
+    /// The same for twice a block's way and its images: block times surfaces, and surface.
     meet_image: Vec<f64>,
     /// The same ways and speed of the last mirror, where it moves.
     moving: Option<Moving>,
@@ -81,7 +81,7 @@ const BETWEEN: f64 = 1.25;
 impl<const D: usize> Strangers<D> {
     /// For packings with the same centres. Strangers within two diameters are told by [`tell`](Self::tell); their contacts know the rest. The last
     /// mirror may move.
-    pub fn new(samples: &[&Sample<D>], mirrors: &[Mirror], periods: &[Period], last_moves: bool) -> Self {
+    pub fn new(samples: &[&Sample<D>], surfaces: &[Surface], periods: &[Period], last_moves: bool) -> Self {
         let count = samples[0].spheres.len();
         let size = count.isqrt().max(16);
         let blocks = count.div_ceil(size);
@@ -102,10 +102,10 @@ impl<const D: usize> Strangers<D> {
         }
         let mut meet_image = Vec::new();
         for block in 0..blocks {
-            for mirror in mirrors {
-                let gap = |i: usize| 2.0 * (mirror.distance(&centres[i]) - radius[i]);
+            for surface in surfaces {
+                let gap = |i: usize| 2.0 * (surface.distance(&centres[i]) - radius[i]);
                 let strangers = (block * size..((block + 1) * size).min(count))
-                    .filter(|&i| !mirror.carries(&centres[i], radius[i]) && gap(i) > 0.01 * radius[i]);
+                    .filter(|&i| !surface.carries(&centres[i], radius[i]) && gap(i) > 0.01 * radius[i]);
                 meet_image.push(strangers.map(gap).fold(f64::INFINITY, f64::min));
             }
         }
@@ -114,7 +114,7 @@ impl<const D: usize> Strangers<D> {
             centres,
             radius,
             block_radius,
-            mirrors: mirrors.to_vec(),
+            surfaces: surfaces.to_vec(),
             periods: periods.to_vec(),
             way: vec![0.0; blocks],
             ahead: vec![0.0; blocks],
@@ -210,10 +210,10 @@ impl<const D: usize> Strangers<D> {
             let way = BETWEEN * time * speed.max(moving.speed);
             *moving = Moving { way: moving.way + way, ahead: moving.way + 3.0 * way + self.allowance, speed };
         }
-        let mirrors = self.mirrors.len();
+        let surfaces = self.surfaces.len();
         for place in 0..self.meet_image.len() {
-            let (block, mirror) = (place / mirrors, &self.mirrors[place % mirrors]);
-            let moving = self.moving.filter(|_| place % mirrors == mirrors - 1).unwrap_or_default();
+            let (block, surface) = (place / surfaces, &self.surfaces[place % surfaces]);
+            let moving = self.moving.filter(|_| place % surfaces == surfaces - 1).unwrap_or_default();
             let (way, ahead) = (self.way[block] + moving.way, self.ahead[block] + moving.ahead);
             if self.meet_image[place] > 2.0 * ahead {
                 continue;
@@ -222,22 +222,32 @@ impl<const D: usize> Strangers<D> {
                 return Err(Lapse::TooFast);
             }
             let near = 6.0 * (ahead - way);
-            let plate = contacts.plate.as_ref().filter(|plate| plate.mirror == *mirror);
+            let plate = contacts.plate.as_ref().filter(|plate| *surface == Surface::Mirror(plate.mirror));
             let mut clear = f64::INFINITY;
             for i in self.block(block) {
                 let centre = &self.centres[i];
-                if mirror.carries(centre, self.radius[i])
+                if surface.carries(centre, self.radius[i])
                     || self.radius[i] == 0.0
-                    || contacts.list.holds_image(i, mirror)
+                    || contacts.list.holds_image(i, surface)
                 {
                     continue;
                 }
                 let come = |lane| plate.map_or(0.0, |plate| plate.displacement.lane(lane));
-                let moved = |lane| mirror.inward * (grains.displacement[i][mirror.axis].lane(lane) - come(lane));
-                let gap = |lane| 2.0 * (mirror.distance(centre) - self.radius[i] + moved(lane));
+                let distance = |lane| match surface {
+                    Surface::Mirror(Mirror { axis, inward, .. }) => {
+                        let moved = inward * (grains.displacement[i][*axis].lane(lane) - come(lane));
+                        surface.distance(centre) - self.radius[i] + moved
+                    }
+                    Surface::Face(_) => {
+                        let moved = &grains.displacement[i];
+                        surface.distance(&std::array::from_fn::<f64, D, _>(|k| centre[k] + moved[k].lane(lane)))
+                            - self.radius[i]
+                    }
+                };
+                let gap = |lane| 2.0 * distance(lane);
                 let gap = lanes().map(gap).fold(f64::INFINITY, f64::min);
                 if gap < near {
-                    images.push((i, *mirror));
+                    images.push((i, *surface));
                 } else {
                     clear = clear.min(gap);
                 }
@@ -247,7 +257,7 @@ impl<const D: usize> Strangers<D> {
         if pairs.is_empty() && images.is_empty() {
             return Ok(());
         }
-        Ok(contacts.restore(&pairs, &images, &self.mirrors, grains, laws)?)
+        Ok(contacts.restore(&pairs, &images, &self.surfaces, grains, laws)?)
     }
 
     fn block(&self, block: usize) -> std::ops::Range<usize> {

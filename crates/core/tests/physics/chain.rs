@@ -24,6 +24,7 @@ fn push(force: f64, window: f64) -> Impact {
         periods: Vec::new(),
         slope: 0.0,
         struck: vec![0],
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: vec![49],

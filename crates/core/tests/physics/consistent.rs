@@ -119,6 +119,7 @@ fn chain(names: [&str; 2], law: LawKind, step: f64) -> Record<1> {
         periods: Vec::new(),
         slope: 0.0,
         struck: vec![0],
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: vec![49],

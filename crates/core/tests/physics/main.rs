@@ -10,6 +10,7 @@ mod collision;
 mod consistent;
 mod contact_law;
 mod energy;
+mod faces;
 mod laws;
 mod lens;
 mod problem;

@@ -24,6 +24,7 @@ fn impact(struck: Vec<usize>, projectile: Projectile) -> Impact {
         periods: Vec::new(),
         slope: 0.0,
         struck,
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: Some(projectile),
         exit: Vec::new(),

@@ -19,6 +19,7 @@ fn impact(moving: Vec<(usize, f64)>, window: f64) -> Impact {
         periods: Vec::new(),
         slope: 0.0,
         struck: Vec::new(),
+        faces: Vec::new(),
         moving,
         projectile: None,
         exit: Vec::new(),

@@ -20,6 +20,7 @@ fn impact(struck: Vec<usize>, law: LawKind, force: f64) -> Impact {
         periods: Vec::new(),
         slope: 0.0,
         struck,
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: Vec::new(),

@@ -26,6 +26,7 @@ fn impact(struck: Vec<usize>, mirrors: Vec<Mirror>, periods: Vec<Period>) -> Imp
         slope: 0.0,
         exit: Vec::new(),
         struck,
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         integrator: Integrator::Rk4,

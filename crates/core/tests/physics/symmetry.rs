@@ -45,6 +45,7 @@ fn crystal(seed: u64, law: LawKind) -> (Sample<2>, Impact) {
         periods: Vec::new(),
         slope: 0.0,
         struck: (0..COLUMNS).collect(),
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: Vec::new(),

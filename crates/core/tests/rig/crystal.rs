@@ -36,6 +36,7 @@ fn a_crystal_moves_as_in_the_fixed_list_simulator() {
             periods: Vec::new(),
             slope: 0.0,
             struck: (0..6).collect(),
+            faces: Vec::new(),
             moving: Vec::new(),
             projectile: None,
             exit: (66..72).collect(),

@@ -1,6 +1,7 @@
 //! One contact as a function of numbers of any kind: what a run does at it, its slopes, and its slopes transposed.
 
 use crate::contact::{AnyLaw, ForceLaw as _, History};
+use crate::dem::boundary::Mirror;
 use crate::dem::friction::{Slid, Slide, Spring};
 use crate::dem::neighbour::{SelfTouch, Touch};
 use crate::real::{Dual, Number};
@@ -11,7 +12,7 @@ pub(super) enum Place {
     /// Between two spheres.
     Pair(Touch<2>),
     /// Of a sphere with its image in a mirror.
-    Image(SelfTouch),
+    Image(SelfTouch<2>, Mirror),
 }
 
 /// What a contact depends on besides the motion of its spheres.
@@ -121,13 +122,13 @@ pub(super) fn respond<N: Number, const QUICK: bool>(
             }
             (overlap, closing_speed)
         }
-        Place::Image(touch) => {
-            let (two, inward) = (N::splat(2.0), N::splat(touch.inward));
-            let overlap = -(two * inward * motion.shift[touch.axis] + make.gap);
+        Place::Image(_, Mirror { axis, inward, .. }) => {
+            let (two, inward) = (N::splat(2.0), N::splat(*inward));
+            let overlap = -(two * inward * motion.shift[*axis] + make.gap);
             if !N::all((N::splat(closed) * make.reach).lt(overlap)) {
                 return None;
             }
-            (overlap, -(two * inward * motion.approach[touch.axis]))
+            (overlap, -(two * inward * motion.approach[*axis]))
         }
     };
     // Once for both: laws are long in numbers with slopes.
@@ -135,9 +136,9 @@ pub(super) fn respond<N: Number, const QUICK: bool>(
     let unrubbed = Memory { history, spring: *spring };
     let across = match place {
         Place::Pair(_) => [push * between[0], push * between[1]],
-        Place::Image(touch) => {
+        Place::Image(_, Mirror { axis, inward, .. }) => {
             let mut force = [zero; 2];
-            force[touch.axis] = N::splat(touch.inward) * push;
+            force[*axis] = N::splat(*inward) * push;
             return Some(Answer { push: force, drag: [zero; 2], couple: [zero; 2], memory: unrubbed });
         }
     };

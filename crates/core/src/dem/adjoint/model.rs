@@ -3,12 +3,12 @@
 use super::contact::{Answer, Make, Memory, Motion, Place, QUANTITIES, Rub, respond};
 use crate::contact::{AnyLaw, Constants, History, LawKind, Pair};
 use crate::dem::body::Grains;
-use crate::dem::boundary::Mirror;
+use crate::dem::boundary::Surface;
 use crate::dem::contacts::CLOSED;
 use crate::dem::friction::{Spring, mindlin};
 use crate::dem::impact::Impact;
 use crate::dem::list::List;
-use crate::dem::neighbour::image_gap;
+use crate::dem::neighbour::{SelfTouch, image_gap};
 use crate::dem::size::gap_squared;
 use crate::dem::step::Coefficients;
 use crate::material::Material;
@@ -132,7 +132,7 @@ pub(super) fn motion<N: Number>(
             let (shift, approach) = ([to[0] - from[0], to[1] - from[1]], [of_a[0] - of_b[0], of_a[1] - of_b[1]]);
             Motion { shift, approach, spins }
         }
-        Place::Image(_) => Motion { shift: displacement[a], approach: velocity[a], spins },
+        Place::Image(..) => Motion { shift: displacement[a], approach: velocity[a], spins },
     }
 }
 
@@ -237,7 +237,7 @@ impl Frame {
             };
             let Answer { push, drag, couple: turns, memory } = answer;
             state.history[c] = memory.history;
-            if let Place::Image(_) = place {
+            if let Place::Image(..) = place {
                 let weight = N::splat(self.weight[c]);
                 for k in 0..2 {
                     force[a][k] = force[a][k] + push[k] * weight;
@@ -278,7 +278,7 @@ impl Frame {
         let weight = (0..list.len()).map(|c| if c < list.pairs.len() { list.weight[c] } else { 2.0 * list.weight[c] });
         let last = impact.struck.iter().copied().chain(impact.moving.iter().map(|&(i, _)| i)).max();
         Self {
-            places: pairs.chain(list.images.iter().map(|touch| Place::Image(*touch))).collect(),
+            places: pairs.chain(list.images.iter().map(image)).collect(),
             ends: list.ends(),
             weight: weight.collect(),
             first_pair: list.first_pair.clone(),
@@ -375,7 +375,7 @@ impl Kind {
             reach_by[which] = *radius;
             gap_by[which] = match place {
                 Place::Pair(_) => -2.0 * reach * radius,
-                Place::Image(_) => -radius,
+                Place::Image(..) => -radius,
             };
         }
         numbers.extend([gap, reach]);
@@ -439,10 +439,10 @@ pub(super) fn kinds(sample: &Sample<2>, impact: &Impact, frame: &mut Frame) -> V
         let spheres = frame.ends[c].map(|i| &sample.spheres[i]);
         let geometry = match place {
             Place::Pair(touch) => [gap_squared(sample, touch.pair, &touch.offset), touch.reach],
-            Place::Image(touch) => [image_of(impact, touch.axis, touch.inward, sample, touch.sphere), touch.reach],
+            Place::Image(touch, _) => [image_gap(sample, touch.sphere, &touch.surface), touch.reach],
         };
         // A contact with an image has the numbers of one with an equal sphere, but its gap is a length.
-        let is_image = matches!(place, Place::Image(_));
+        let is_image = matches!(place, Place::Image(..));
         let one = (is_image, spheres.map(|sphere| sphere.material), spheres.map(|sphere| sphere.radius), geometry);
         frame.kind[c] = seen.iter().position(|known| *known == one).unwrap_or_else(|| {
             kinds.push(Kind::new(sample, (impact, frame.friction), (place, frame.ends[c]), geometry));
@@ -453,8 +453,10 @@ pub(super) fn kinds(sample: &Sample<2>, impact: &Impact, frame: &mut Frame) -> V
     kinds
 }
 
-/// As in the run: from the surface of a sphere to that of its image (m).
-fn image_of(impact: &Impact, axis: usize, inward: f64, sample: &Sample<2>, sphere: usize) -> f64 {
-    let is_it = |mirror: &&Mirror| mirror.axis == axis && mirror.inward == inward;
-    impact.mirrors.iter().find(is_it).map_or(f64::INFINITY, |mirror| image_gap(sample, sphere, mirror))
+/// The contact of a sphere with its image: of a sheet in a mirror across an axis.
+fn image(touch: &SelfTouch<2>) -> Place {
+    match touch.surface {
+        Surface::Mirror(mirror) => Place::Image(*touch, mirror),
+        Surface::Face(_) => unreachable!("faces across no axis are in space"),
+    }
 }

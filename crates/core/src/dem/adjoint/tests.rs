@@ -41,6 +41,7 @@ fn impact(law: LawKind, integrator: Integrator) -> Impact {
         periods: Vec::new(),
         slope: 0.0,
         struck: (0..sites.len()).filter(|&i| sites[i].row == 1).collect(),
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: Vec::new(),

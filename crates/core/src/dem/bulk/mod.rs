@@ -77,6 +77,9 @@ pub enum BulkError {
     /// A scheme with several sweeps a step.
     #[error("the scheme rk4; verlet and adams are known here")]
     Scheme,
+    /// Planes and walls across no axis.
+    #[error("planes or walls across no axis; those across x, y and z are known here")]
+    Faces,
     /// A step that is no positive number.
     #[error("a step of {0} s must be positive")]
     Step(f64),
@@ -139,6 +142,9 @@ impl Bulk {
     ) -> Result<Self, BulkError> {
         if impact.integrator == Integrator::Rk4 {
             return Err(BulkError::Scheme);
+        }
+        if !impact.faces.is_empty() {
+            return Err(BulkError::Faces);
         }
         if !(impact.step > 0.0 && impact.step.is_finite()) {
             return Err(BulkError::Step(impact.step));

@@ -152,7 +152,7 @@ impl Neighbours {
             for mirror in mirrors {
                 for at in 0..count {
                     let sphere = first + at;
-                    let gap = image_gap(sample, sphere, mirror);
+                    let gap = image_gap(sample, sphere, &(*mirror).into());
                     if mirror.carries(&sample.spheres[sphere].centre, radius) || gap > 2.0 * NEAR * radius {
                         continue;
                     }

@@ -35,6 +35,7 @@ fn impact(block: &Block, law: LawKind, integrator: Integrator) -> Impact {
         pulse: ForcePulse { force: 9e3, duration: 20e-6 },
         slope: 0.0,
         struck: block.layer(1).collect(),
+        faces: Vec::new(),
         moving: Vec::new(),
         projectile: None,
         exit: block.layer(block.layers()).collect(),

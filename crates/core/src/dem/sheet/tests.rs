@@ -67,6 +67,7 @@ fn a_sheet_between_mirrors_moves_as_the_simulator_with_lists_says() {
             periods: Vec::new(),
             slope: 0.0,
             struck: struck.clone(),
+            faces: Vec::new(),
             moving: Vec::new(),
             projectile: None,
             exit: Vec::new(),
