@@ -86,7 +86,7 @@ pub(super) fn stored(lens: &Layout, text: &str) -> Result<Layout, RowError> {
 
 fn scores(law: LawKind, published: [[f64; 3]; 3], relative: f64, context: &Context) -> Result<Vec<Part>, RowError> {
     let layouts = layouts()?;
-    let impact = struck(&layouts[0], law, Integrator::Verlet, STEP, WINDOW);
+    let impact = struck(&layouts[0].lattice, law, Integrator::Verlet, STEP, WINDOW);
     let samples: Vec<_> = layouts.iter().map(Layout::sample).collect();
     let runs = simulate_batch(&samples, &impact, Width::widest(), context)
         .map_err(|error| RowError::Stopped(error.to_string()))?;

@@ -176,7 +176,7 @@ const LONG: f64 = 350e-6;
 fn felt(layout: Layout, law: LawKind, force: f64, window: f64, context: &Context) -> Result<Response, RowError> {
     let impact = Impact {
         pulse: ForcePulse { force, duration: 20e-6 },
-        ..struck(&layout, law, Integrator::Verlet, 1e-7, window)
+        ..struck(&layout.lattice, law, Integrator::Verlet, 1e-7, window)
     };
     let record = simulate(&layout.sample(), &impact, context)?;
     if let Some(stop) = record.stop {
@@ -187,8 +187,7 @@ fn felt(layout: Layout, law: LawKind, force: f64, window: f64, context: &Context
 }
 
 /// The published impact on a layout.
-pub(super) fn struck(layout: &Layout, law: LawKind, integrator: Integrator, step: f64, window: f64) -> Impact {
-    let sheet = &layout.lattice;
+pub(super) fn struck(sheet: &HexagonalSheet, law: LawKind, integrator: Integrator, step: f64, window: f64) -> Impact {
     Impact {
         mirrors: vec![
             Mirror { axis: 0, position: 0.0, inward: 1.0 },

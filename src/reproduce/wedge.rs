@@ -2,10 +2,11 @@
 
 use super::RowError;
 use super::crystals::DIAMETER;
+use super::lens::struck;
 use crate::Context;
 use crate::contact::{Constants, LawKind, Pair};
 use crate::dem::rig::{Arrival, Body, Curve, LawBook, Load, LoadKind, Rig, Simulation};
-use crate::dem::{ForcePulse, Impact, Integrator, Mirror, simulate, steps_in};
+use crate::dem::{ForcePulse, Impact, Integrator, simulate, steps_in};
 use crate::lattice::HexagonalSheet;
 use crate::layout::Layout;
 use crate::material::Material;
@@ -147,23 +148,8 @@ impl Wedge {
         let slowest = self.materials.iter().map(speed).fold(f64::INFINITY, f64::min);
         let window = 2.0 * sheet.depth(f64::from(sheet.rows())) / slowest + 2.0 * PULSE;
         Impact {
-            mirrors: vec![
-                Mirror { axis: 0, position: 0.0, inward: 1.0 },
-                Mirror { axis: 0, position: sheet.half_width(), inward: -1.0 },
-            ],
-            law: self.law,
-            constants: Constants::Code,
             pulse: ForcePulse { force, duration: PULSE },
-            periods: Vec::new(),
-            slope: 0.0,
-            struck: (0..sheet.columns(1) as usize).collect(),
-            faces: Vec::new(),
-            moving: Vec::new(),
-            projectile: None,
-            exit: Vec::new(),
-            integrator: Integrator::Verlet,
-            step: 1e-7,
-            window,
+            ..struck(sheet, self.law, Integrator::Verlet, 1e-7, window)
         }
     }
 

@@ -4,7 +4,7 @@
 
 use super::elastoplastic::PlasticLine;
 use super::parameters::law;
-use super::{ElastoPlastic, ForceLaw, History, NormalLaw, Pair};
+use super::{ElastoPlastic, ForceLaw, History, NormalLaw, Pair, elastic};
 use crate::real::Number;
 
 law! {
@@ -160,7 +160,7 @@ impl NormalLaw for Consistent {
             return 0.0;
         }
         if self.pristine(history) {
-            return 0.4 * self.published.hertz * overlap * overlap * overlap.sqrt();
+            return elastic::stored(self.published.hertz, overlap);
         }
         let recovered = self.recovered(history);
         let fraction = (1.0 - (history.overlap_max - overlap) / recovered).max(0.0);

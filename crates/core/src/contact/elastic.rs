@@ -37,16 +37,24 @@ impl NormalLaw for Hertz {
         false
     }
 
-    /// ∫F dδ = (2/5) k δ^{5/2}
     fn stored(&self, overlap: f64, _: &History) -> f64 {
-        let overlap = overlap.max(0.0);
-        0.4 * self.coefficient * overlap * overlap * overlap.sqrt()
+        stored(self.coefficient, overlap)
     }
 
-    /// dF/dδ = (3/2) k δ^{1/2} = (3/2) k^{2/3} F^{1/3}
     fn stiffness_max(&self, force_max: f64) -> f64 {
-        1.5 * self.coefficient.powf(2.0 / 3.0) * force_max.cbrt()
+        stiffness(self.coefficient, force_max)
     }
+}
+
+/// Energy of F = k δ^{3/2}: ∫F dδ = (2/5) k δ^{5/2}.
+pub(super) fn stored(coefficient: f64, overlap: f64) -> f64 {
+    let overlap = overlap.max(0.0);
+    0.4 * coefficient * overlap * overlap * overlap.sqrt()
+}
+
+/// Slope of F = k δ^{3/2} at a force: dF/dδ = (3/2) k δ^{1/2} = (3/2) k^{2/3} F^{1/3}.
+pub(super) fn stiffness(coefficient: f64, force: f64) -> f64 {
+    1.5 * coefficient.powf(2.0 / 3.0) * force.cbrt()
 }
 
 /// The way back of a flattened contact, F = F_max ((δ − δ_r)/(δ_max − δ_r))^{3/2}, with `recovered` δ_max − δ_r.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::elastic::{springs_back, sprung_energy};
 use super::parameters::law;
-use super::{ForceLaw, History, NormalLaw, Pair};
+use super::{ForceLaw, History, NormalLaw, Pair, elastic};
 use crate::real::Number;
 
 law! {
@@ -97,8 +97,7 @@ impl NormalLaw for Storakers {
         if history.overlap_max > self.yield_overlap {
             return sprung_energy(overlap, self.recovered(history), history);
         }
-        let overlap = overlap.max(0.0);
-        0.4 * self.hertz * overlap * overlap * overlap.sqrt()
+        elastic::stored(self.hertz, overlap)
     }
 
     /// (3/2) F_max/(δ_max − δ_r) = 2 E* a

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::elastic::{springs_back, sprung_energy};
 use super::elastoplastic::Unloading;
 use super::parameters::law;
-use super::{ForceLaw, History, NormalLaw, Pair};
+use super::{ForceLaw, History, NormalLaw, Pair, elastic};
 use crate::real::Number;
 
 law! {
@@ -87,8 +87,7 @@ impl NormalLaw for Thornton {
             let recovered = self.unloading.recovered(history.force_max, self.yield_force);
             return sprung_energy(overlap, recovered, history);
         }
-        let overlap = overlap.max(0.0);
-        0.4 * self.hertz * overlap * overlap * overlap.sqrt()
+        elastic::stored(self.hertz, overlap)
     }
 
     fn stiffness_max(&self, force_max: f64) -> f64 {

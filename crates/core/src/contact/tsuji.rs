@@ -1,7 +1,7 @@
 //! Hertz with a dashpot that grows with the contact.
 
 use super::parameters::law;
-use super::{ForceLaw, History, NormalLaw, Pair};
+use super::{ForceLaw, History, NormalLaw, Pair, elastic};
 use crate::real::Number;
 
 law! {
@@ -44,13 +44,12 @@ impl NormalLaw for Tsuji {
         false
     }
 
-    /// (2/5) k δ^{5/2}
+    /// That of its spring; what its dashpot takes is lost.
     fn stored(&self, overlap: f64, _: &History) -> f64 {
-        let overlap = overlap.max(0.0);
-        0.4 * self.coefficient * overlap * overlap * overlap.sqrt()
+        elastic::stored(self.coefficient, overlap)
     }
 
     fn stiffness_max(&self, force_max: f64) -> f64 {
-        1.5 * self.coefficient.powf(2.0 / 3.0) * force_max.cbrt()
+        elastic::stiffness(self.coefficient, force_max)
     }
 }
