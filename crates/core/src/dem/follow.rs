@@ -184,8 +184,8 @@ pub(super) fn follow<'a, V: Lanes, const D: usize, O: Observer<V, D>>(
             let look = steps.min(stepper.count + WATCH);
             while stepper.count < look && !too_fast {
                 stepper.advance(&mut grains, &mut contacts, &*laws, &mut drive);
-                observer.accepted(stepper.time(), &grains);
-                fastest.accepted(stepper.time(), &grains);
+                observer.accepted(stepper.count, &grains);
+                fastest.accepted(stepper.count, &grains);
                 match strangers.watch(&mut fastest.of_block, impact.step, &goes_on, &mut contacts, &mut *laws, &grains)
                 {
                     Ok(()) => {}

@@ -9,7 +9,7 @@
 //! - `plate`: a rigid flat that strikes
 //! - `friction`: tangential forces and rotation in the plane
 //! - `step`: velocity Verlet, Adams's multistep scheme and Runge-Kutta
-//! - `record`, `ledger`: what was felt, where the energy went
+//! - `record`, `ledger`: what was felt, where the energy went; `arrival`: when a sphere was first reached
 //! - `guard`: what stops a run; `clock`: where its time goes
 //! - `follow`: a run from start to end; `impact`: of one design, with what is recorded; `batch`: of many on one lattice at once
 //! - `dimension`: in how many dimensions all this is compiled
@@ -22,6 +22,7 @@
 //! positions), so leaving them out changes no bit.
 
 mod adjoint;
+mod arrival;
 mod batch;
 mod body;
 mod boundary;

@@ -1,14 +1,13 @@
 //! What each sphere felt, and when.
 
-use serde::{Deserialize, Serialize};
-
+use super::arrival::{ArrivalTracker, Grain};
 use super::body::{Grains, square};
 use crate::real::Lanes;
 
 /// Looks at the spheres after every accepted step.
 pub(super) trait Observer<V, const D: usize> {
-    /// Called with the time (s) of the accepted step.
-    fn accepted(&mut self, time: f64, grains: &Grains<V, D>);
+    /// Called after so many accepted steps.
+    fn accepted(&mut self, steps: u64, grains: &Grains<V, D>);
 }
 
 /// Maxima over accepted steps, first arrivals, and what leaves the crystal.
@@ -19,6 +18,7 @@ pub(super) struct Peaks<const D: usize> {
     /// |contact acceleration|² (m²/s⁴)
     pub acceleration_squared: Vec<f64>,
     arrivals: Vec<ArrivalTracker>,
+    grain: Grain,
     exit: Vec<usize>,
     /// Greatest momentum of the exit spheres along the last axis (kg m/s)
     pub exit_momentum: f64,
@@ -26,49 +26,8 @@ pub(super) struct Peaks<const D: usize> {
     pub exit_force: f64,
 }
 
-/// A sphere's speed at the accepted steps at which it was greater than ever before, as far as they can still matter.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct ArrivalTracker {
-    pub points: Vec<Point>,
-    pub previous: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Point {
-    pub time: f64,
-    pub speed: f64,
-    /// Speed one accepted step before.
-    pub before: f64,
-}
-
 /// A sphere has been reached when its speed is this part of its own maximum.
 pub(super) const ARRIVAL: f64 = 0.01;
-
-impl ArrivalTracker {
-    /// The speed (m/s) at an accepted step, and whether it is the greatest so far. Speeds below `floor` will not be asked for.
-    #[inline]
-    pub fn push(&mut self, time: f64, speed: f64, is_maximum: bool, floor: f64) {
-        if is_maximum {
-            self.points.push(Point { time, speed, before: self.previous });
-            if self.points.len().is_power_of_two() && self.points.len() >= 64 {
-                self.points.retain(|point| point.speed >= floor);
-            }
-        }
-        self.previous = speed;
-    }
-
-    /// The greatest speed so far (m/s); none if there was no motion.
-    pub fn maximum(&self) -> Option<f64> {
-        self.points.last().map(|point| point.speed)
-    }
-
-    /// When the speed first reached `threshold` (m/s), linear between accepted steps.
-    pub fn arrival(&self, step: f64, threshold: f64) -> Option<f64> {
-        let point = self.points.iter().find(|point| point.speed >= threshold)?;
-        let share = (threshold - point.before) / (point.speed - point.before);
-        Some(point.time - step * (1.0 - share))
-    }
-}
 
 impl<const D: usize> Peaks<D> {
     pub fn new(spheres: usize, exit: Vec<usize>) -> Self {
@@ -76,6 +35,7 @@ impl<const D: usize> Peaks<D> {
             speed_squared: vec![0.0; spheres],
             acceleration_squared: vec![0.0; spheres],
             arrivals: vec![ArrivalTracker::default(); spheres],
+            grain: Grain::of(spheres, ARRIVAL),
             exit,
             exit_momentum: 0.0,
             exit_force: 0.0,
@@ -91,20 +51,20 @@ impl<const D: usize> Peaks<D> {
 /// Nothing is felt where nothing is recorded.
 impl<V, const D: usize> Observer<V, D> for () {
     #[inline(always)]
-    fn accepted(&mut self, _: f64, _: &Grains<V, D>) {}
+    fn accepted(&mut self, _: u64, _: &Grains<V, D>) {}
 }
 
 impl<const D: usize> Observer<f64, D> for Option<Peaks<D>> {
     #[inline(always)]
-    fn accepted(&mut self, time: f64, grains: &Grains<f64, D>) {
+    fn accepted(&mut self, steps: u64, grains: &Grains<f64, D>) {
         if let Some(peaks) = self {
-            peaks.accepted(time, grains);
+            peaks.accepted(steps, grains);
         }
     }
 }
 
 impl<const D: usize> Observer<f64, D> for Peaks<D> {
-    fn accepted(&mut self, time: f64, grains: &Grains<f64, D>) {
+    fn accepted(&mut self, steps: u64, grains: &Grains<f64, D>) {
         for i in 0..grains.reached {
             let speed_squared = grains.speed_squared(i);
             let is_maximum = speed_squared > self.speed_squared[i];
@@ -113,7 +73,7 @@ impl<const D: usize> Observer<f64, D> for Peaks<D> {
             }
             // Speeds below 1 % of the present maximum are below 1 % of the final one.
             let speed = speed_squared.sqrt();
-            self.arrivals[i].push(time, speed, is_maximum, ARRIVAL * speed);
+            self.arrivals[i].push(steps, speed, is_maximum, ARRIVAL * speed, self.grain);
             self.acceleration_squared[i] = square(&grains.acceleration[i]).max(self.acceleration_squared[i]);
         }
         let (mut momentum, mut force) = (0.0, 0.0);
@@ -144,7 +104,7 @@ impl<V: Lanes> Fastest<V> {
 
 impl<V: Lanes, const D: usize> Observer<V, D> for Fastest<V> {
     #[inline(always)]
-    fn accepted(&mut self, _: f64, grains: &Grains<V, D>) {
+    fn accepted(&mut self, _: u64, grains: &Grains<V, D>) {
         let mut i = 0;
         for top in &mut self.of_block {
             let end = (i + self.size).min(grains.reached);

@@ -7,9 +7,9 @@ use std::io::{self, Read, Write};
 
 use super::Bulk;
 use super::section::{Arrivals, Section};
-use crate::dem::record::{ArrivalTracker, Point};
+use crate::dem::arrival::{ArrivalTracker, Point};
 
-const MAGIC: &[u8; 24] = b"granulens bulk version 2";
+const MAGIC: &[u8; 24] = b"granulens bulk version 3";
 
 /// Why a checkpoint cannot be written or taken up.
 #[derive(Debug, thiserror::Error)]
@@ -116,11 +116,12 @@ impl Bulk {
                 Arrivals::None => {}
                 Arrivals::Speed(_, times) => out.numbers(times)?,
                 Arrivals::Own(trackers) => {
-                    for ArrivalTracker { points, previous } in trackers {
+                    for ArrivalTracker { points, last, base, previous } in trackers {
                         out.bytes(&(points.len() as u64).to_le_bytes())?;
-                        out.numbers(&[*previous])?;
-                        for Point { time, speed, before } in points {
-                            out.numbers(&[*time, *speed, *before])?;
+                        out.numbers(&[*previous, *base])?;
+                        for &Point { speed, steps } in points.iter().chain([last]) {
+                            out.numbers(&[speed])?;
+                            out.bytes(&steps.to_le_bytes())?;
                         }
                     }
                 }
@@ -224,15 +225,20 @@ fn read_section(source: &mut In<'_>, section: &mut Section) -> Result<(), BulkCh
         Arrivals::Own(trackers) => {
             for tracker in trackers {
                 let count = source.count()?;
-                let mut previous = [0.0];
-                source.numbers(&mut previous)?;
-                tracker.previous = previous[0];
+                let mut speeds = [0.0; 2];
+                source.numbers(&mut speeds)?;
+                [tracker.previous, tracker.base] = speeds;
                 tracker.points.clear();
-                for _ in 0..count {
-                    let mut point = [0.0; 3];
-                    source.numbers(&mut point)?;
-                    let [time, speed, before] = point;
-                    tracker.points.push(Point { time, speed, before });
+                for n in 0..=count {
+                    let (mut speed, mut steps) = ([0.0], [0; 4]);
+                    source.numbers(&mut speed)?;
+                    source.bytes(&mut steps)?;
+                    let point = Point { speed: speed[0], steps: u32::from_le_bytes(steps) };
+                    if n < count {
+                        tracker.points.push(point);
+                    } else {
+                        tracker.last = point;
+                    }
                 }
             }
         }

@@ -33,6 +33,8 @@ use section::{Cut, Keep, LEAST, Seam, Section, Store, cut};
 use strangers::Strangers;
 use sweep::{SeamStep, SectionStep, Terms};
 
+use super::arrival::{ArrivalTracker, Grain};
+use super::record::ARRIVAL;
 use super::share::each_of;
 use super::sheet::kinds::kind;
 use super::sheet::numbers::Numbers;
@@ -187,7 +189,9 @@ impl Bulk {
             inverse_mass,
             step: impact.step,
             coefficients: Coefficients::of(impact.integrator, impact.step),
+            steps: 0,
             time: 0.0,
+            grain: Grain::of(sample.spheres.len(), ARRIVAL),
             load_now: [0.0; 2],
             load: [0.0; 2],
         };
@@ -318,7 +322,7 @@ impl Bulk {
                 section::Arrivals::None => 0,
                 section::Arrivals::Speed(_, times) => 8 * times.len(),
                 section::Arrivals::Own(trackers) => {
-                    trackers.iter().map(|tracker| 32 + 24 * tracker.points.capacity()).sum()
+                    trackers.iter().map(ArrivalTracker::bytes).sum()
                 }
             };
             motion
@@ -372,6 +376,7 @@ impl Bulk {
     }
 
     fn advance_one(&mut self) -> Result<(), Stop> {
+        self.terms.steps = self.steps + 1;
         self.terms.time = (self.steps + 1) as f64 * self.impact.step;
         self.terms.load_now = self.terms.load;
         self.terms.load = self.load(self.steps + 1);

@@ -3,7 +3,7 @@
 //! Sections are cut by the crystal alone, whatever the number of threads, and so are the orders of all sums.
 
 use super::rows::{ImageStrand, Neighbours, Offset, Strand};
-use crate::dem::record::ArrivalTracker;
+use crate::dem::arrival::ArrivalTracker;
 use crate::dem::sheet::numbers::Numbers;
 
 /// Numbers that stand side by side in memory, whatever the width of the registers.

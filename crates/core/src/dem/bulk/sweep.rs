@@ -10,6 +10,7 @@ use super::rows::{MOST_IN_ROW, Offset};
 use super::section::{Arrivals, BLOCK, Bundle, ImageBundle, Placed, Seam, Section, Store, offset_of};
 use crate::contact::{Asked, History, LaneLaw};
 use crate::dem::contacts::CLOSED;
+use crate::dem::arrival::Grain;
 use crate::dem::record::ARRIVAL;
 use crate::dem::sheet::numbers::Numbers;
 use crate::dem::step::Coefficients;
@@ -27,8 +28,10 @@ pub struct Terms {
     pub inverse_mass: [f64; 16],
     pub step: f64,
     pub coefficients: Coefficients,
-    /// Time at the end of this step (s).
+    /// Steps done at the end of this step, and when that is (s).
+    pub steps: u64,
     pub time: f64,
+    pub grain: Grain,
     /// The load on struck spheres in this step and the next (N), along the last axis and the first.
     pub load_now: [f64; 2],
     pub load: [f64; 2],
@@ -556,7 +559,7 @@ impl Arrivals {
                     if greatest < now {
                         let tracker = &mut trackers[at + lane];
                         tracker.previous = before(lane);
-                        tracker.push(terms.time, now.sqrt(), true, ARRIVAL * now.sqrt());
+                        tracker.push(terms.steps, now.sqrt(), true, ARRIVAL * now.sqrt(), terms.grain);
                     }
                 }
             }

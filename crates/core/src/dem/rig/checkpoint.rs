@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Rig;
 use crate::dem::Integrator;
-use crate::dem::record::ArrivalTracker;
+use crate::dem::arrival::ArrivalTracker;
 
 const MAGIC: &[u8; 20] = b"granulens checkpoint";
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 
 /// The whole state of a run, flattened to numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -78,7 +78,7 @@ pub(super) struct Accelerations {
 pub(super) struct PeaksSoFar {
     pub speed_squared: Vec<f64>,
     pub force_squared: Vec<f64>,
-    pub moved: Vec<Vec<f64>>,
+    pub passed: Vec<Vec<f64>>,
     pub moved_before: Vec<f64>,
     pub trackers: Vec<ArrivalTracker>,
 }

@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, dot};
 use super::checkpoint::PeaksSoFar;
 use super::contacts::Sums;
-use crate::dem::record::ArrivalTracker;
+use crate::dem::arrival::{ArrivalTracker, Grain};
 
 /// When a sphere counts as reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,9 +34,13 @@ pub(super) struct Peaks {
     /// Square of the net force of contacts (N²).
     pub force_squared: Vec<f64>,
     pub trackers: Vec<ArrivalTracker>,
-    /// Per displacement threshold and sphere the first time it was passed (s), NaN before.
-    pub moved: Vec<Vec<f64>>,
-    /// Squared displacement one accepted step before (m²).
+    grain: Grain,
+    /// The least parts of the own and of the first sphere's maximum that are asked for; infinite where none is.
+    own: f64,
+    of_first: f64,
+    /// Per threshold that is known from the start and sphere the first time it was passed (s), NaN before.
+    pub passed: Vec<Vec<f64>>,
+    /// Squared displacement one accepted step before (m²), where any displacement is a threshold.
     pub moved_before: Vec<f64>,
 }
 
@@ -51,30 +55,50 @@ pub(super) fn net_force_squared<const D: usize>(i: usize, bodies: &Bodies<D>, su
 
 impl Peaks {
     pub fn new(spheres: usize, arrivals: Vec<Arrival>) -> Self {
-        let thresholds = arrivals.iter().filter(|arrival| matches!(arrival, Arrival::Displacement(_))).count();
+        let (mut own, mut of_first, mut moves) = (f64::INFINITY, f64::INFINITY, false);
+        for arrival in &arrivals {
+            match *arrival {
+                Arrival::OwnMaximum(part) => own = own.min(part),
+                Arrival::FirstSphere(part) => of_first = of_first.min(part),
+                Arrival::Speed(_) => {}
+                Arrival::Displacement(_) => moves = true,
+            }
+        }
+        let absolute = arrivals.iter().filter(|arrival| arrival.is_absolute()).count();
         Self {
             arrivals,
             speed_squared: vec![0.0; spheres],
             force_squared: vec![0.0; spheres],
             trackers: vec![ArrivalTracker::default(); spheres],
-            moved: vec![vec![f64::NAN; spheres]; thresholds],
-            moved_before: vec![0.0; if thresholds > 0 { spheres } else { 0 }],
+            grain: Grain::of(spheres, own.min(of_first)),
+            own,
+            of_first,
+            passed: vec![vec![f64::NAN; spheres]; absolute],
+            moved_before: vec![0.0; if moves { spheres } else { 0 }],
         }
     }
 
-    /// Looks at the spheres after an accepted step; those with a speed at time zero are seen from then on.
-    pub fn accepted<const D: usize>(&mut self, time: f64, step: f64, bodies: &Bodies<D>, sums: &Sums<D>) {
+    /// Looks at the spheres after so many accepted steps; those with a speed at time zero are seen from then on.
+    pub fn accepted<const D: usize>(&mut self, steps: u64, step: f64, bodies: &Bodies<D>, sums: &Sums<D>) {
         let first = self.speed_squared.first().copied().unwrap_or(0.0).sqrt();
-        // The least speed that any threshold can still ask for, as a part of the own and of the first sphere's maximum.
-        let (mut own, mut of_first, mut fixed) = (1.0_f64, f64::INFINITY, f64::INFINITY);
-        for arrival in &self.arrivals {
-            match *arrival {
-                Arrival::OwnMaximum(part) => own = own.min(part),
-                Arrival::FirstSphere(part) => of_first = of_first.min(part),
-                Arrival::Speed(speed) => fixed = fixed.min(speed),
-                Arrival::Displacement(_) => {}
+        let time = steps as f64 * step;
+        let absolute = self.arrivals.iter().filter(|arrival| arrival.is_absolute());
+        for (arrival, times) in absolute.zip(&mut self.passed) {
+            for (i, passed) in times.iter_mut().enumerate().filter(|(_, passed)| passed.is_nan()) {
+                let (threshold, before, now) = match *arrival {
+                    Arrival::Displacement(moved) => {
+                        let displacement = &bodies.displacement[i];
+                        (moved, self.moved_before[i].sqrt(), dot(displacement, displacement).sqrt())
+                    }
+                    Arrival::Speed(speed) => (speed, self.trackers[i].previous, bodies.speed_squared(i).sqrt()),
+                    Arrival::OwnMaximum(_) | Arrival::FirstSphere(_) => continue,
+                };
+                if now >= threshold {
+                    *passed = time - step * (now - threshold) / (now - before);
+                }
             }
         }
+        let is_asked = self.own.min(self.of_first) < f64::INFINITY;
         for i in 0..self.trackers.len() {
             let speed_squared = bodies.speed_squared(i);
             let is_maximum = speed_squared > self.speed_squared[i];
@@ -82,25 +106,10 @@ impl Peaks {
                 self.speed_squared[i] = speed_squared;
             }
             let speed = speed_squared.sqrt();
-            let floor = (own * speed).min(of_first * first).min(fixed);
-            self.trackers[i].push(time, speed, is_maximum, floor);
+            // The least speed that any threshold can still ask for.
+            let floor = (self.own * speed).min(self.of_first * first);
+            self.trackers[i].push(steps, speed, is_maximum && is_asked, floor, self.grain);
             self.force_squared[i] = net_force_squared(i, bodies, sums).max(self.force_squared[i]);
-        }
-        if self.moved_before.is_empty() {
-            return;
-        }
-        let thresholds = self.arrivals.iter().filter_map(|arrival| match arrival {
-            Arrival::Displacement(moved) => Some(*moved),
-            _ => None,
-        });
-        for (threshold, times) in thresholds.zip(&mut self.moved) {
-            for i in 0..times.len() {
-                let moved = dot(&bodies.displacement[i], &bodies.displacement[i]).sqrt();
-                if times[i].is_nan() && moved >= threshold {
-                    let before = self.moved_before[i].sqrt();
-                    times[i] = time - step * (moved - threshold) / (moved - before);
-                }
-            }
         }
         for (before, moved) in self.moved_before.iter_mut().zip(&bodies.displacement) {
             *before = dot(moved, moved);
@@ -113,12 +122,11 @@ impl Peaks {
         let of = |tracker: &ArrivalTracker| match self.arrivals[k] {
             Arrival::OwnMaximum(part) => tracker.arrival(step, part * tracker.maximum()?),
             Arrival::FirstSphere(part) => tracker.arrival(step, part * first?),
-            Arrival::Speed(speed) => tracker.arrival(step, speed),
-            Arrival::Displacement(_) => None,
+            Arrival::Speed(_) | Arrival::Displacement(_) => None,
         };
-        if matches!(self.arrivals[k], Arrival::Displacement(_)) {
-            let place = self.arrivals[..k].iter().filter(|a| matches!(a, Arrival::Displacement(_))).count();
-            return self.moved[place].iter().map(|&time| (!time.is_nan()).then_some(time)).collect();
+        if self.arrivals[k].is_absolute() {
+            let place = self.arrivals[..k].iter().filter(|arrival| arrival.is_absolute()).count();
+            return self.passed[place].iter().map(|&time| (!time.is_nan()).then_some(time)).collect();
         }
         self.trackers.iter().map(of).collect()
     }
@@ -128,7 +136,7 @@ impl Peaks {
         PeaksSoFar {
             speed_squared: self.speed_squared.clone(),
             force_squared: self.force_squared.clone(),
-            moved: self.moved.clone(),
+            passed: self.passed.clone(),
             moved_before: self.moved_before.clone(),
             trackers: self.trackers.clone(),
         }
@@ -140,18 +148,12 @@ impl Peaks {
             && self.force_squared.len() == from.force_squared.len()
             && self.moved_before.len() == from.moved_before.len()
             && self.trackers.len() == from.trackers.len()
-            && self.moved.len() == from.moved.len()
-            && self.moved.iter().zip(&from.moved).all(|(a, b)| a.len() == b.len());
+            && self.passed.len() == from.passed.len()
+            && self.passed.iter().zip(&from.passed).all(|(a, b)| a.len() == b.len());
         if fits {
-            let PeaksSoFar { speed_squared, force_squared, moved, moved_before, trackers } = from;
-            *self = Self {
-                arrivals: std::mem::take(&mut self.arrivals),
-                speed_squared,
-                force_squared,
-                trackers,
-                moved,
-                moved_before,
-            };
+            let PeaksSoFar { speed_squared, force_squared, passed, moved_before, trackers } = from;
+            let arrivals = std::mem::take(&mut self.arrivals);
+            *self = Self { speed_squared, force_squared, passed, moved_before, trackers, arrivals, ..*self };
         }
         fits
     }

@@ -155,8 +155,7 @@ impl<const D: usize> Simulation<D> {
             self.engine.advance(&self.rig);
             each(&View { rig: &self.rig, engine: &*self.engine, step: self.step });
             if let Some(peaks) = &mut self.peaks {
-                let time = self.engine.count() as f64 * self.step;
-                peaks.accepted(time, self.step, self.engine.bodies(), self.engine.sums());
+                peaks.accepted(self.engine.count(), self.step, self.engine.bodies(), self.engine.sums());
             }
             // Looked at by the count of steps, so that a run taken up again looks at the same ones.
             if self.engine.count().is_multiple_of(WATCH) {
