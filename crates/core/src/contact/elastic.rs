@@ -28,7 +28,15 @@ impl<V: Number> ForceLaw<V> for Hertz<V> {
     #[inline(always)]
     fn force(&self, overlap: V, _: V, _: &History<V>) -> V {
         let overlap = overlap.max(V::splat(0.0));
-        self.coefficient * overlap * overlap.sqrt()
+        self.of_root(overlap, overlap.sqrt())
+    }
+}
+
+impl<V: Number> Hertz<V> {
+    /// The force at an overlap that is not negative, whose root is known.
+    #[inline(always)]
+    pub(crate) fn of_root(&self, overlap: V, root: V) -> V {
+        self.coefficient * overlap * root
     }
 }
 

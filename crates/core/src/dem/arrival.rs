@@ -124,7 +124,8 @@ impl ArrivalTracker {
         let first = before.checked_sub(1).filter(|&first| (0.0..speed_before).contains(&at(first)[1]));
         let last = Some(k + 1).filter(|&last| last < count && at(last)[1] > speed);
         let around = [first, Some(before), Some(k), last].into_iter().flatten().map(at);
-        let around: Vec<[f64; 2]> = around.filter(|&[_, speed]| speed > 0.0).map(|[n, speed]| [n, speed.ln()]).collect();
+        let around: Vec<[f64; 2]> =
+            around.filter(|&[_, speed]| speed > 0.0).map(|[n, speed]| [n, speed.ln()]).collect();
         let level = threshold.ln();
         let mut steps = 0.0;
         for (i, &[n, own]) in around.iter().enumerate() {

@@ -31,9 +31,17 @@ pub fn each_of<P: Send, T: Send>(items: Vec<P>, value: impl Fn(P) -> T + Sync) -
 
 /// One value per row.
 pub fn rows<T: Send>(count: usize, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    let mut lists = parts(count, |part| part.map(&value).collect::<Vec<T>>());
-    // One needs no copy.
-    if lists.len() == 1 { lists.swap_remove(0) } else { lists.into_iter().flatten().collect() }
+    joined(parts(count, |part| part.map(&value).collect::<Vec<T>>()))
+}
+
+/// Lists one after the other, in as much room as they take.
+pub fn joined<T>(mut lists: Vec<Vec<T>>) -> Vec<T> {
+    if lists.len() == 1 {
+        return lists.swap_remove(0);
+    }
+    let mut all = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+    lists.into_iter().for_each(|list| all.extend(list));
+    all
 }
 
 /// One value per part of the rows, in their order; few rows are one part.

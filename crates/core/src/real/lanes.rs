@@ -91,6 +91,15 @@ impl Width {
     }
 }
 
+/// Asks for the lines of memory in which some bytes of a slice from a place on lie, if there are such, so that they are at hand when they are read.
+#[inline(always)]
+pub fn fetch_ahead<T>(slice: &[T], place: usize, bytes: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if place < slice.len() {
+        x86::fetch(slice[place..].as_ptr().cast(), bytes.div_ceil(64));
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 #[expect(unsafe_code, reason = "vector instructions; see the module's page")]
 mod single;
@@ -104,6 +113,15 @@ mod x86 {
 
     use super::{Kernel, Width};
     use crate::real::{Job, Lanes, Number, functions_of_lanes};
+
+    /// A hint about so many lines of memory, which may lie anywhere: no hint faults.
+    #[inline(always)]
+    pub fn fetch(from: *const i8, lines: usize) {
+        for line in 0..lines {
+            // Safety: nothing is read.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(from.wrapping_add(64 * line)) }
+        }
+    }
 
     /// The caller has asked the processor for this width, which is not one.
     pub fn run_side_by_side<K: Kernel>(width: Width, kernel: K) -> K::Output {
@@ -204,6 +222,94 @@ mod x86 {
     const TWO_52: f64 = 4_503_599_627_370_496.0;
     const TWO_52_BITS: i64 = 0x4330_0000_0000_0000;
 
+    /// Adds to two rows of four numbers, one after the other.
+    ///
+    /// # Safety
+    /// The processor has AVX.
+    #[inline(always)]
+    unsafe fn add_to_two(rows: &mut [[f64; 4]], [a, b]: [usize; 2], [first, second]: [__m256d; 2]) {
+        unsafe {
+            let row = rows[a].as_mut_ptr();
+            _mm256_storeu_pd(row, _mm256_add_pd(_mm256_loadu_pd(row), first));
+            let row = rows[b].as_mut_ptr();
+            _mm256_storeu_pd(row, _mm256_add_pd(_mm256_loadu_pd(row), second));
+        }
+    }
+
+    /// The opposite numbers.
+    ///
+    /// # Safety
+    /// The processor has AVX.
+    #[inline(always)]
+    unsafe fn opposite(row: __m256d) -> __m256d {
+        unsafe { _mm256_xor_pd(row, _mm256_set1_pd(-0.0)) }
+    }
+
+    /// Columns as rows, one a lane.
+    ///
+    /// # Safety
+    /// The processor has AVX.
+    #[inline(always)]
+    unsafe fn rows_of_four([x, y, z, w]: &[F64x4; 4]) -> [__m256d; 4] {
+        unsafe {
+            let (even, odd) = (_mm256_unpacklo_pd(x.0, y.0), _mm256_unpackhi_pd(x.0, y.0));
+            let (even_too, odd_too) = (_mm256_unpacklo_pd(z.0, w.0), _mm256_unpackhi_pd(z.0, w.0));
+            [
+                _mm256_permute2f128_pd::<0x20>(even, even_too),
+                _mm256_permute2f128_pd::<0x20>(odd, odd_too),
+                _mm256_permute2f128_pd::<0x31>(even, even_too),
+                _mm256_permute2f128_pd::<0x31>(odd, odd_too),
+            ]
+        }
+    }
+
+    /// Rows of four, row i and row i + 4 in one register, as columns.
+    ///
+    /// # Safety
+    /// The processor has AVX-512.
+    #[inline(always)]
+    unsafe fn columns_of_halves([a, b, c, d]: [__m512d; 4]) -> [F64x8; 4] {
+        unsafe {
+            let (even, odd) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+            let (even_too, odd_too) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
+            let (low, high) =
+                (_mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15));
+            [
+                F64x8(_mm512_permutex2var_pd(even, low, even_too)),
+                F64x8(_mm512_permutex2var_pd(odd, low, odd_too)),
+                F64x8(_mm512_permutex2var_pd(even, high, even_too)),
+                F64x8(_mm512_permutex2var_pd(odd, high, odd_too)),
+            ]
+        }
+    }
+
+    /// Columns as rows, one a lane.
+    ///
+    /// # Safety
+    /// The processor has AVX-512.
+    #[inline(always)]
+    unsafe fn rows_of_eight([x, y, z, w]: &[F64x8; 4]) -> [__m256d; 8] {
+        unsafe {
+            let (even, odd) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
+            let (even_too, odd_too) = (_mm512_unpacklo_pd(z.0, w.0), _mm512_unpackhi_pd(z.0, w.0));
+            let (low, high) =
+                (_mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15));
+            // Row i and row i + 4 in one register.
+            let (a, b) = (_mm512_permutex2var_pd(even, low, even_too), _mm512_permutex2var_pd(odd, low, odd_too));
+            let (c, d) = (_mm512_permutex2var_pd(even, high, even_too), _mm512_permutex2var_pd(odd, high, odd_too));
+            [
+                _mm512_castpd512_pd256(a),
+                _mm512_castpd512_pd256(b),
+                _mm512_castpd512_pd256(c),
+                _mm512_castpd512_pd256(d),
+                _mm512_extractf64x4_pd::<1>(a),
+                _mm512_extractf64x4_pd::<1>(b),
+                _mm512_extractf64x4_pd::<1>(c),
+                _mm512_extractf64x4_pd::<1>(d),
+            ]
+        }
+    }
+
     // Safety of every block below: see the module's page. Slices are checked to be long enough.
     impl Number for F64x4 {
         type Mask = __m256d;
@@ -295,6 +401,39 @@ mod x86 {
                     Self(_mm256_permute2f128_pd::<0x31>(even, even_too)),
                     Self(_mm256_permute2f128_pd::<0x31>(odd, odd_too)),
                 ]
+            }
+        }
+        #[inline(always)]
+        fn columns_apart(a: &[&[f64; 4]], b: &[&[f64; 4]]) -> [Self; 4] {
+            let (a, b) = (&a[..4], &b[..4]);
+            unsafe {
+                let mut apart = [Self(_mm256_setzero_pd()); 4];
+                for i in 0..4 {
+                    apart[i] = Self(_mm256_sub_pd(_mm256_loadu_pd(a[i].as_ptr()), _mm256_loadu_pd(b[i].as_ptr())));
+                }
+                // To turn rows into columns is to turn columns into rows.
+                let [x, y, z, w] = rows_of_four(&apart);
+                [Self(x), Self(y), Self(z), Self(w)]
+            }
+        }
+        #[inline(always)]
+        fn add_to_rows(first: &[Self; 4], second: &[Self; 4], places: &[[usize; 2]], rows: &mut [[f64; 4]]) {
+            let places = &places[..4];
+            unsafe {
+                let (first, second) = (rows_of_four(first), rows_of_four(second));
+                for lane in 0..4 {
+                    add_to_two(rows, places[lane], [first[lane], second[lane]]);
+                }
+            }
+        }
+        #[inline(always)]
+        fn exchange(columns: &[Self; 4], places: &[[usize; 2]], rows: &mut [[f64; 4]]) {
+            let places = &places[..4];
+            unsafe {
+                let given = rows_of_four(columns);
+                for lane in 0..4 {
+                    add_to_two(rows, places[lane], [opposite(given[lane]), given[lane]]);
+                }
             }
         }
         #[inline(always)]
@@ -449,17 +588,40 @@ mod x86 {
                     let low = _mm512_castpd256_pd512(_mm256_loadu_pd(rows[i].as_ptr()));
                     both[i] = _mm512_insertf64x4::<1>(low, _mm256_loadu_pd(rows[i + 4].as_ptr()));
                 }
-                let [a, b, c, d] = both;
-                let (even, odd) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
-                let (even_too, odd_too) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
-                let (low, high) =
-                    (_mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15));
-                [
-                    Self(_mm512_permutex2var_pd(even, low, even_too)),
-                    Self(_mm512_permutex2var_pd(odd, low, odd_too)),
-                    Self(_mm512_permutex2var_pd(even, high, even_too)),
-                    Self(_mm512_permutex2var_pd(odd, high, odd_too)),
-                ]
+                columns_of_halves(both)
+            }
+        }
+        #[inline(always)]
+        fn columns_apart(a: &[&[f64; 4]], b: &[&[f64; 4]]) -> [Self; 4] {
+            let (a, b) = (&a[..8], &b[..8]);
+            unsafe {
+                let mut both = [_mm512_setzero_pd(); 4];
+                for i in 0..4 {
+                    let low = _mm256_sub_pd(_mm256_loadu_pd(a[i].as_ptr()), _mm256_loadu_pd(b[i].as_ptr()));
+                    let high = _mm256_sub_pd(_mm256_loadu_pd(a[i + 4].as_ptr()), _mm256_loadu_pd(b[i + 4].as_ptr()));
+                    both[i] = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high);
+                }
+                columns_of_halves(both)
+            }
+        }
+        #[inline(always)]
+        fn add_to_rows(first: &[Self; 4], second: &[Self; 4], places: &[[usize; 2]], rows: &mut [[f64; 4]]) {
+            let places = &places[..8];
+            unsafe {
+                let (first, second) = (rows_of_eight(first), rows_of_eight(second));
+                for lane in 0..8 {
+                    add_to_two(rows, places[lane], [first[lane], second[lane]]);
+                }
+            }
+        }
+        #[inline(always)]
+        fn exchange(columns: &[Self; 4], places: &[[usize; 2]], rows: &mut [[f64; 4]]) {
+            let places = &places[..8];
+            unsafe {
+                let given = rows_of_eight(columns);
+                for lane in 0..8 {
+                    add_to_two(rows, places[lane], [opposite(given[lane]), given[lane]]);
+                }
             }
         }
         #[inline(always)]
@@ -563,6 +725,28 @@ mod tests {
                     [value, 2.0 * value, value - 1.0, 1.0]
                 });
                 let columns = V::columns(&rows.each_ref());
+                let others: [[f64; 4]; 8] =
+                    std::array::from_fn(|lane| [0.5, 3.0 * rows[lane][0], -1.0, rows[7 - lane][1]]);
+                let apart = V::columns_apart(&rows.each_ref(), &others.each_ref());
+                // Into rows that several lanes have in common.
+                let at: [[usize; 2]; 8] = std::array::from_fn(|lane| [lane / 3, lane / 2 + 1]);
+                let mut sums = [[0.0; 4]; 6];
+                V::exchange(&columns, &at, &mut sums);
+                V::add_to_rows(&columns, &apart, &at, &mut sums);
+                let mut expected = [[0.0; 4]; 6];
+                for lane in 0..V::LANES {
+                    for k in 0..4 {
+                        expected[at[lane][0]][k] -= rows[lane][k];
+                        expected[at[lane][1]][k] += rows[lane][k];
+                    }
+                }
+                for lane in 0..V::LANES {
+                    for k in 0..4 {
+                        expected[at[lane][0]][k] += rows[lane][k];
+                        expected[at[lane][1]][k] += rows[lane][k] - others[lane][k];
+                    }
+                }
+                assert_eq!(sums, expected);
                 let mut threes = [0.0; 24];
                 V::store_threes(&[columns[0], columns[1], columns[2]], &mut threes);
                 for (k, number) in threes[..3 * V::LANES].iter().enumerate() {
@@ -574,6 +758,8 @@ mod tests {
                     columns[1],
                     columns[2],
                     columns[3],
+                    apart[0],
+                    apart[1],
                     threes[0],
                     threes[1],
                     threes[2],

@@ -15,7 +15,7 @@ mod functions;
 mod lanes;
 
 pub use dual::Dual;
-pub use lanes::{Kernel, Width};
+pub use lanes::{Kernel, Width, fetch_ahead};
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -105,6 +105,35 @@ pub trait Lanes: Number {
     fn after(self, before: Self) -> Self;
     /// Rows of four, at least one per lane, as columns: number k of each row stands in column k.
     fn columns(rows: &[&[f64; 4]]) -> [Self; 4];
+    /// The differences a − b of such rows as columns.
+    #[inline(always)]
+    fn columns_apart(a: &[&[f64; 4]], b: &[&[f64; 4]]) -> [Self; 4] {
+        let (mut apart, from) = (Self::columns(a), Self::columns(b));
+        for k in 0..4 {
+            apart[k] = apart[k] - from[k];
+        }
+        apart
+    }
+    /// Adds columns to rows of four: lane after lane, `first` to the row in the first of the lane's two places, then `second` to that in the second.
+    #[inline(always)]
+    fn add_to_rows(first: &[Self; 4], second: &[Self; 4], places: &[[usize; 2]], rows: &mut [[f64; 4]]) {
+        for lane in 0..Self::LANES {
+            for (columns, place) in [first, second].into_iter().zip(places[lane]) {
+                for k in 0..4 {
+                    rows[place][k] += columns[k].lane(lane);
+                }
+            }
+        }
+    }
+    /// As [`add_to_rows`](Self::add_to_rows), of what is taken from one row and given to the other.
+    #[inline(always)]
+    fn exchange(columns: &[Self; 4], places: &[[usize; 2]], rows: &mut [[f64; 4]]) {
+        let mut taken = *columns;
+        for k in 0..4 {
+            taken[k] = -columns[k];
+        }
+        Self::add_to_rows(&taken, columns, places, rows);
+    }
     /// The first rows of three of a slice, one per lane, as columns; it must hold as many numbers.
     #[inline(always)]
     fn load_threes(from: &[f64]) -> [Self; 3] {

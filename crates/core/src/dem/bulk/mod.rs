@@ -321,9 +321,7 @@ impl Bulk {
             let arrivals = match &section.arrivals {
                 section::Arrivals::None => 0,
                 section::Arrivals::Speed(_, times) => 8 * times.len(),
-                section::Arrivals::Own(trackers) => {
-                    trackers.iter().map(ArrivalTracker::bytes).sum()
-                }
+                section::Arrivals::Own(trackers) => trackers.iter().map(ArrivalTracker::bytes).sum(),
             };
             motion
                 .chain([&section.past, &section.speed_squared, &section.acceleration_squared])

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Rig;
-use crate::dem::share::{parts, rows};
+use crate::dem::share::{joined, parts, rows};
 
 /// Two spheres that touch, or may do so before the list is made anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,8 +15,6 @@ pub(super) struct Near<const D: usize> {
     /// From the centre of the first to that of the second (its image) where they lay at the start (m), in as many numbers as there are axes; last |offset|²
     /// − (r₁ + r₂)² (m²), exactly zero where the spheres just touched. In one row, which registers take at once.
     pub rest: [f64; 4],
-    /// r₁ + r₂ (m)
-    pub reach: f64,
 }
 
 impl<const D: usize> Near<D> {
@@ -162,9 +160,8 @@ impl<const D: usize> Finder<D> {
             std::array::from_fn(|k| whole(at[k], k) as i32)
         });
         let grid = self.grid(&wrapped);
-        let mut lists = parts(spheres.len(), |these| self.near(rig, &grid, &wrapped, &turns, these));
-        // One needs no copy.
-        if lists.len() == 1 { lists.swap_remove(0) } else { lists.concat() }
+        let lists = parts(spheres.len(), |these| self.near(rig, &grid, &wrapped, &turns, these));
+        joined(lists)
     }
 
     /// The near pairs of which one of `these` spheres is the first.
@@ -216,6 +213,7 @@ impl<const D: usize> Finder<D> {
             }
             list[from..].sort_unstable_by_key(Near::key);
         }
+        list.shrink_to_fit();
         list
     }
 
@@ -340,7 +338,7 @@ pub(super) fn pair<const D: usize>(rig: &Rig<D>, [i, j]: [usize; 2], image: [i8;
     let touching = (squared.sqrt() - reach).abs() <= TOUCHING * reach;
     let mut rest = [0.0, 0.0, 0.0, if touching { 0.0 } else { squared - reach * reach }];
     rest[..D].copy_from_slice(&offset);
-    Near { ends: [i as u32, j as u32], image, rest, reach }
+    Near { ends: [i as u32, j as u32], image, rest }
 }
 
 #[cfg(test)]

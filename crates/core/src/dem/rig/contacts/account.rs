@@ -78,15 +78,11 @@ fn row([overlap, force, work, friction_work, power]: [&[f64]; 5], c: usize) -> A
 }
 
 impl Accounts {
-    /// The rows that stood in these places; see [`inherited`].
-    pub fn inherited(&self, from: &[u32]) -> Self {
+    /// Puts the rows that stood in these places where they stand now; see [`inherited`].
+    pub fn inherit(&mut self, from: &[u32]) {
         let Self { overlap, force, work, friction_work, power } = self;
-        Self {
-            overlap: inherited(overlap, from),
-            force: inherited(force, from),
-            work: inherited(work, from),
-            friction_work: inherited(friction_work, from),
-            power: inherited(power, from),
+        for column in [overlap, force, work, friction_work, power] {
+            *column = inherited(column, from);
         }
     }
 

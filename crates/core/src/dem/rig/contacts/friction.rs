@@ -10,7 +10,7 @@ use crate::dem::rig::{Rig, Spring};
 use crate::real::Lanes;
 
 use super::account::Account;
-use super::react::Meeting;
+use super::react::{Meeting, NEARLY_ONE, one_over_root};
 
 /// What [`Grip`] does at a contact.
 pub struct Rub<V> {
@@ -179,9 +179,10 @@ pub fn coulomb<V: Lanes, const D: usize>(
         drag[k] = V::select(springs, stretched, zero);
     }
     let held = dot(&turned, &turned);
-    let size = dot(&drag, &drag).sqrt();
-    let (slips, mut work) = (cap.lt(size), zero);
+    let squared = dot(&drag, &drag);
+    let (slips, mut work) = ((cap * cap).lt(squared), zero);
     if V::any(slips) {
+        let size = squared.sqrt();
         let cut = V::select(slips, cap / size, one);
         drag = times(&drag, cut);
         let slid = (size - cap) / yielding;
@@ -357,8 +358,13 @@ fn turned_into_plane<V: Lanes, const D: usize>(vector: &[V; D], normal: &[V; D])
     for k in 0..D {
         turned[k] = turned[k] - along * normal[k];
     }
-    let left = dot(&turned, &turned);
-    let zero = V::splat(0.0);
-    let factor = V::select(zero.lt(left), (length / left).sqrt(), V::splat(1.0));
+    let (left, zero, one) = (dot(&turned, &turned), V::splat(0.0), V::splat(1.0));
+    // √(length/left), which are nearly the same as long as the normal turns by little in a step.
+    let rest = (length - left) / V::select(zero.lt(length), length, one);
+    let mut factor = one_over_root(rest);
+    let far = V::splat(NEARLY_ONE).lt(rest);
+    if V::any(far) {
+        factor = V::select(far, V::select(zero.lt(left), (length / left).sqrt(), one), factor);
+    }
     times(&turned, factor)
 }

@@ -4,7 +4,7 @@
 //! (the same physics as one at a time, `react`), and then given to the disks in the order of the contacts.
 
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::PairLaw;
+use crate::dem::rig::law::{End, PairLaw};
 use crate::dem::rig::pairs::Near;
 use crate::dem::rig::spins;
 use crate::dem::share::rows;
@@ -25,12 +25,13 @@ pub struct Lines {
 }
 
 impl Lines {
-    pub fn of(near: &[Near<2>]) -> Self {
+    pub fn of(near: &[Near<2>], spheres: &[End]) -> Self {
+        let radius = |end: u32| spheres[end as usize].radius;
         Self {
             ends: rows(near.len(), |c| near[c].ends),
             offset: [0, 1].map(|k| rows(near.len(), |c| near[c].rest[k])),
             gap: rows(near.len(), |c| near[c].rest[3]),
-            reach: rows(near.len(), |c| near[c].reach),
+            reach: rows(near.len(), |c| radius(near[c].ends[0]) + radius(near[c].ends[1])),
         }
     }
 }

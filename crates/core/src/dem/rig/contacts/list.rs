@@ -10,7 +10,7 @@ use crate::dem::rig::Rig;
 use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::law::{End, LawMaker, reduced_mass};
 use crate::dem::rig::pairs::{Finder, Near};
-use crate::dem::share::{parts, rows};
+use crate::dem::share::{cut, parts, pieces, rows};
 
 impl<const D: usize, L: Swept<D>> Contacts<D, L> {
     /// Looks anew who is near whom; memories go with their contact.
@@ -36,38 +36,37 @@ impl<const D: usize, L: Swept<D>> Contacts<D, L> {
         from.extend(of_faces.from.iter().map(|&f| if f == NEW { NEW } else { f + old_pairs as u32 }));
         gone.extend(of_faces.gone.iter().map(|f| old_pairs + f));
 
-        let mut memory = inherited(&self.memory, &from);
-        let mut account = self.account.inherited(&from);
-        let stretch = self.stretch.each_ref().map(|axis| match self.turning {
-            true => inherited(axis, &from),
-            false => Vec::new(),
-        });
-        let extra = inherited_rows(&self.extra, &from, if self.turning { self.more.count::<D>() } else { 0 });
-        if !self.kept_pairs.is_empty() || !self.kept_faces.is_empty() {
-            for c in (0..from.len()).filter(|&c| from[c] == NEW) {
-                let kept = match near.get(c) {
-                    Some(pair) => self.kept_pairs.remove(&pair.key()),
-                    None => self.kept_faces.remove(&key(&faces[c - near.len()])),
-                };
-                if let Some(kept) = kept {
-                    memory[c] = kept.memory;
-                    account
-                        .put(c, Account { work: kept.work, friction_work: kept.friction_work, ..Account::default() });
-                }
-            }
-        }
         for c in gone {
             self.drop_contact(c, bodies);
         }
+        // One after the other, so that of one alone there are two.
         self.near = near;
         self.faces = faces;
-        (self.memory, self.account, self.stretch, self.extra) = (memory, account, stretch, extra);
+        self.memory = inherited(&self.memory, &from);
+        self.account.inherit(&from);
+        if self.turning {
+            self.stretch.iter_mut().for_each(|axis| *axis = inherited(axis, &from));
+        }
+        self.extra = inherited_rows(&self.extra, &from, if self.turning { self.more.count::<D>() } else { 0 });
+        if !self.kept_pairs.is_empty() || !self.kept_faces.is_empty() {
+            for c in (0..from.len()).filter(|&c| from[c] == NEW) {
+                let kept = match self.near.get(c) {
+                    Some(pair) => self.kept_pairs.remove(&pair.key()),
+                    None => self.kept_faces.remove(&key(&self.faces[c - self.near.len()])),
+                };
+                if let Some(kept) = kept {
+                    self.memory[c] = kept.memory;
+                    let account = Account { work: kept.work, friction_work: kept.friction_work, ..Account::default() };
+                    self.account.put(c, account);
+                }
+            }
+        }
         self.bind(rig, maker);
         self.share = match rig.mirrors.is_empty() {
             true => Vec::new(),
             false => rows(self.near.len(), |c| share_in_mirrors(rig, &self.near[c])),
         };
-        self.beside = L::beside(&self.near, &self.pair_laws, &self.pair_law[..self.near.len()]);
+        self.beside = L::beside(&self.near, &self.pair_laws, &self.pair_law[..self.near.len()], &self.ends);
         self.sections = Sections::of(&self.near, self.class.len());
     }
 
@@ -206,7 +205,15 @@ impl Heritage {
 
 /// The rows that stood in these places; of new ones nothing.
 pub fn inherited<T: Copy + Default + Send + Sync>(old: &[T], from: &[u32]) -> Vec<T> {
-    rows(from.len(), |c| old.get(from[c] as usize).copied().unwrap_or_default())
+    let mut new = vec![T::default(); from.len()];
+    let mut left = &mut new[..];
+    let take = |range: std::ops::Range<usize>| (cut(&mut left, range.len()), &from[range]);
+    pieces(from.len(), take, |(new, from)| {
+        for (new, &place) in new.iter_mut().zip(from).filter(|(_, place)| **place != NEW) {
+            *new = old[place as usize];
+        }
+    });
+    new
 }
 
 /// The same of rows of so many numbers each.

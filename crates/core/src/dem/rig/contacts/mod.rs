@@ -278,7 +278,7 @@ impl<const D: usize, L: Swept<D>> Contacts<D, L> {
                 let own = matches!(self.faces[f].facing, Facing::Flat(flat) if self.flat_is_own[flat as usize]);
                 if own { self.faces[f].radius } else { 2.0 * self.faces[f].radius }
             }
-            None => self.near[c].reach,
+            None => self.near[c].ends.map(|end| self.ends[end as usize].radius).iter().sum(),
         }
     }
 
@@ -384,7 +384,7 @@ impl<const D: usize, L: Swept<D>> Contacts<D, L> {
         };
         let approach: [f64; D] = std::array::from_fn(|k| factor * (first[k] - second[k]));
         let closing_speed = dot(&approach, normal);
-        let meeting = react::Meeting { overlap, closing_speed, normal: *normal, approach, turn };
+        let meeting = react::Meeting { overlap, closing_speed, normal: *normal, approach, turn, inverse: 0.0 };
         let stretch: [f64; D] = std::array::from_fn(|k| self.stretch[k][c]);
         let mut numbers = self.extra_of(c).to_vec();
         let held = friction::Held { more: self.more, numbers: &mut numbers };

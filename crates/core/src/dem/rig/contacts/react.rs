@@ -58,6 +58,8 @@ pub struct Meeting<V, const D: usize> {
     pub approach: [V; D],
     /// a₁ ω₁ + a₂ ω₂ with the lever arms a
     pub turn: [V; 3],
+    /// One over the distance of two spheres' centres (1/m).
+    pub inverse: V,
 }
 
 impl<V: Lanes, const D: usize> Meeting<V, D> {
@@ -82,13 +84,35 @@ pub fn sliding<V: Lanes, const D: usize>(approach: &[V; D], turn: &[V; 3], norma
 /// How far (m) the first end's surface slides over the second's in a step: from the centres' distance at its end, and the mean velocities and
 /// turns over it, which hold half a step before.
 #[inline(always)]
-pub fn slid<V: Lanes, const D: usize>(between: &[V; D], approach: &[V; D], turn: &[V; 3], step: f64) -> [V; D] {
+pub fn slid<V: Lanes, const D: usize>(
+    (between, inverse): (&[V; D], V),
+    approach: &[V; D],
+    turn: &[V; 3],
+    step: f64,
+) -> [V; D] {
     let mut middle = *between;
     for k in 0..D {
         middle[k] = between[k] + V::splat(0.5 * step) * approach[k];
     }
-    let inverse = V::splat(1.0) / dot(&middle, &middle).sqrt();
-    times(&sliding(approach, turn, &times(&middle, inverse)), V::splat(step))
+    // As long as half a step changes the distance by little, from that at its end.
+    let squared = dot(&middle, &middle);
+    let rest = V::splat(1.0) - squared * (inverse * inverse);
+    let mut of_middle = inverse * one_over_root(rest);
+    let far = V::splat(NEARLY_ONE).lt(rest.max(-rest));
+    if V::any(far) {
+        of_middle = V::select(far, V::splat(1.0) / squared.sqrt(), of_middle);
+    }
+    times(&sliding(approach, turn, &times(&middle, of_middle)), V::splat(step))
+}
+
+/// Up to which x its series is exact to rounding: what is left out is 231/1024 x⁶.
+pub const NEARLY_ONE: f64 = 1.0 / 1024.0;
+
+/// 1/√(1 − x) for |x| ≤ [`NEARLY_ONE`], without a root or a quotient, of which a processor does few at a time.
+#[inline(always)]
+pub fn one_over_root<V: Lanes>(x: V) -> V {
+    let c = V::splat;
+    c(1.0) + x * (c(0.5) + x * (c(0.375) + x * (c(0.3125) + x * (c(0.273_437_5) + x * c(0.246_093_75)))))
 }
 
 /// The part of a step in which a contact has been closed that closed within it: it has slid for that part only.
@@ -135,7 +159,7 @@ pub fn meet<V: Lanes, const D: usize>(
         normal[k] = between[k] * inverse;
     }
     let closing_speed = dot(approach, &normal);
-    Meeting { overlap, closing_speed, normal, approach: *approach, turn: *turn }
+    Meeting { overlap, closing_speed, normal, approach: *approach, turn: *turn, inverse }
 }
 
 /// Where the lever arms of contact forces end.
@@ -168,6 +192,15 @@ pub struct Motion<'a, const D: usize> {
 }
 
 impl<const D: usize> Motion<'_, D> {
+    /// The sum of two spheres' radii (m).
+    #[inline(always)]
+    fn reach(&self, [a, b]: [usize; 2]) -> f64 {
+        match self.arms {
+            Arms::Radius => self.lever[a] + self.lever[b],
+            Arms::Contact(radius) => radius[a] + radius[b],
+        }
+    }
+
     /// Mean of r ω (or ω) over the step.
     #[inline(always)]
     pub fn mean_turn(&self, sphere: usize) -> [f64; 3] {
@@ -202,9 +235,9 @@ pub fn react_pair<const D: usize, L: ContactLaw, const TURNING: bool>(
     mut held: Held<'_>,
 ) -> Option<(Reaction<D>, Past<L::Memory, D>)> {
     let Predicted { velocity, turn, step, .. } = motion.predicted;
-    let Near { ends: [a, b], reach, .. } = *near;
     let (offset, gap) = near.lies();
-    let (a, b) = (a as usize, b as usize);
+    let [a, b] = near.ends.map(|end| end as usize);
+    let reach = motion.reach([a, b]);
     let (from, to) = (&motion.bodies.displacement[a], &motion.bodies.displacement[b]);
     let mut shift = [0.0; D];
     for k in 0..D {
@@ -238,7 +271,7 @@ pub fn react_pair<const D: usize, L: ContactLaw, const TURNING: bool>(
                 let turned = std::array::from_fn(|k| (turned[0][k] - turned[1][k]) * step);
                 rolls = Rolls { radius: pair_law.slip.rolling_radius, turned };
             }
-            way = slid(&between, &approach, &together(turned[0], turned[1]), step);
+            way = slid((&between, meeting.inverse), &approach, &together(turned[0], turned[1]), step);
         }
     }
     let (reaction, past) =
@@ -393,7 +426,7 @@ impl<const D: usize> Meeting<f64, D> {
     #[inline(always)]
     fn in_plane(&self) -> Meeting<f64, 2> {
         let plane = |v: &[f64; D]| [v[0], v[D - 1]];
-        let Self { overlap, closing_speed, turn, .. } = *self;
-        Meeting { overlap, closing_speed, turn, normal: plane(&self.normal), approach: plane(&self.approach) }
+        let Self { overlap, closing_speed, turn, inverse, .. } = *self;
+        Meeting { overlap, closing_speed, turn, inverse, normal: plane(&self.normal), approach: plane(&self.approach) }
     }
 }

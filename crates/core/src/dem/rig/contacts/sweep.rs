@@ -189,7 +189,7 @@ impl<const D: usize, L: Swept<D>> Contacts<D, L> {
             let face_velocity = flat.map_or([0.0; D], |flat| predicted.flat_velocity[flat]);
             let approach = std::array::from_fn(|k| factor * (face_velocity[k] - predicted.velocity[i][k]));
             let (overlap, closing_speed) = (factor * (radius - distance), dot(&approach, &normal));
-            let meeting = Meeting { overlap, closing_speed, normal, approach, turn: [0.0; 3] };
+            let meeting = Meeting { overlap, closing_speed, normal, approach, turn: [0.0; 3], inverse: 0.0 };
             let past = Past { memory: self.memory[c], stretch: [0.0; D], account: row };
             let law = (&self.pair_laws[self.pair_law[c] as usize], self.reduced[c]);
             let (Reaction { force, excess, .. }, now) = release::<D, L>(&meeting, law, &past, predicted.step);
@@ -231,7 +231,8 @@ impl<const D: usize, L: Swept<D>> Contacts<D, L> {
         let still = [0.0; D];
         let approach = moving(&predicted.velocity[i], flat.map_or(&still, |flat| &predicted.flat_velocity[flat]));
         let overlap = factor * depth;
-        let mut meeting = Meeting { overlap, closing_speed: dot(&approach, &normal), normal, approach, turn: [0.0; 3] };
+        let mut meeting =
+            Meeting { overlap, closing_speed: dot(&approach, &normal), normal, approach, turn: [0.0; 3], inverse: 0.0 };
         let past = Past {
             memory: self.memory[c],
             stretch: spring_at::<D, TURNING>(self.stretch.each_ref().map(|axis| axis.as_slice()), c),
@@ -309,25 +310,27 @@ impl<const D: usize> Contacts<D, SolidLaw> {
         sums: &mut Sums<D>,
     ) {
         if TURNING {
-            self.sweep_groups::<TURNING, { solids::TURNING }>(bodies, predicted, sums);
+            self.sweep_lines::<TURNING, { solids::TURNING }>(bodies, predicted, sums);
         } else {
-            self.sweep_groups::<TURNING, { solids::STRAIGHT }>(bodies, predicted, sums);
+            self.sweep_lines::<TURNING, { solids::STRAIGHT }>(bodies, predicted, sums);
         }
     }
 
-    fn sweep_groups<const TURNING: bool, const GROUPS: usize>(
+    fn sweep_lines<const TURNING: bool, const LINES: usize>(
         &mut self,
         bodies: &Bodies<D>,
         predicted: Predicted<D>,
         sums: &mut Sums<D>,
     ) {
-        let Some(looked) = self.beside.as_ref() else { return };
-        let rows = solids::rows_of::<D, GROUPS>(bodies, &self.radius, predicted);
-        let Self { near, share, lever, pair_law, reduced, memory, stretch, account, sections, width, .. } = self;
+        let Self { near, share, lever, pair_law, reduced, memory, stretch, account, sections, width, beside, .. } =
+            self;
+        let Some(looked) = beside else { return };
+        solids::fill::<D, LINES>(bodies, predicted, &mut looked.lines);
+        let looked = &*looked;
         let (near, share, pair_law, reduced) = (&near[..], &share[..], &pair_law[..], &reduced[..]);
-        let (rows, step) = (&rows[..], predicted.step);
+        let (lines, step) = (looked.lines.as_chunks().0, predicted.step);
         sections.run::<_, TURNING>(memory, account.rows(), (stretch, &mut []), lever, sums, |piece| {
-            width.run(solids::Sweep::<D, GROUPS> { near, rows, looked, pair_law, reduced, share, piece, step });
+            width.run(solids::Sweep::<D, LINES> { near, lines, looked, pair_law, reduced, share, piece, step });
         });
     }
 }

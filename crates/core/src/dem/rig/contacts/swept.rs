@@ -5,15 +5,15 @@ use super::solids::Looked;
 use super::{Contacts, Predicted, Sums};
 use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::dashpot::SpringDashpot;
-use crate::dem::rig::law::{ContactLaw, PairLaw, SolidLaw};
+use crate::dem::rig::law::{ContactLaw, End, PairLaw, SolidLaw};
 use crate::dem::rig::pairs::Near;
 
 /// A law in `D` dimensions.
 pub trait Swept<const D: usize>: ContactLaw {
     /// What a list of pairs has besides, for those that are taken side by side.
     type Beside: Default + Send + Sync;
-    /// That of a list in which each pair has the law in its place.
-    fn beside(_near: &[Near<D>], _pair_laws: &[PairLaw<Self>], _pair_law: &[u32]) -> Self::Beside {
+    /// That of a list of such spheres in which each pair has the law in its place.
+    fn beside(_near: &[Near<D>], _pair_laws: &[PairLaw<Self>], _pair_law: &[u32], _ends: &[End]) -> Self::Beside {
         Self::Beside::default()
     }
     /// Adds up the forces of all pairs, and the torques of those that are `TURNING`; memories advance by one step.
@@ -31,8 +31,8 @@ impl<const D: usize> Swept<D> for SolidLaw {
     /// The numbers of their laws, if all pairs have one law.
     type Beside = Option<Looked>;
 
-    fn beside(_: &[Near<D>], pair_laws: &[PairLaw<Self>], pair_law: &[u32]) -> Option<Looked> {
-        Looked::of(pair_laws, pair_law)
+    fn beside(near: &[Near<D>], pair_laws: &[PairLaw<Self>], pair_law: &[u32], ends: &[End]) -> Option<Looked> {
+        Looked::of(pair_laws, pair_law, near, ends)
     }
     fn sweep<const TURNING: bool>(
         contacts: &mut Contacts<D, Self>,
@@ -56,8 +56,8 @@ impl Swept<2> for SpringDashpot {
     /// The pairs as parallel arrays.
     type Beside = Lines;
 
-    fn beside(near: &[Near<2>], _: &[PairLaw<Self>], _: &[u32]) -> Lines {
-        Lines::of(near)
+    fn beside(near: &[Near<2>], _: &[PairLaw<Self>], _: &[u32], ends: &[End]) -> Lines {
+        Lines::of(near, ends)
     }
     fn sweep<const TURNING: bool>(
         contacts: &mut Contacts<2, Self>,
