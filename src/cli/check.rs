@@ -7,14 +7,14 @@ use std::time::Instant;
 use granulens::dem::Stop;
 use granulens::design::{AnyDesign, SpaceDesign, Threshold};
 use granulens::evaluate::{
-    Beside, Evaluation, Forces, OverLawsError, Plan, Subject, beside_uniform, impact, method, parted, unnamed,
+    Beside, Drawing, Evaluation, Forces, OverLawsError, Plan, Subject, beside_uniform, impact, method, parted, unnamed,
 };
-use granulens::gate::{Asked, Gate, GateError, Word, gate};
+use granulens::gate::{Asked, Gate, GateError, Seen, Word, gate};
 use granulens::material::Material;
 use granulens::outcome::{self, Checked, FORMAT};
 use granulens::report::strengths;
 use granulens::score::{Measure, Scores};
-use granulens::tolerance::{Drawing, MOST_SAMPLES, Tolerances};
+use granulens::tolerance::{MOST_SAMPLES, Tolerances};
 use granulens::units::Dimension::{self, Energy, Mass};
 
 use super::compare::read_piece;
@@ -102,6 +102,7 @@ impl Check {
         }
         let read = read_piece(common, &design, &self.layout)?;
         let (layout, subject) = (&read.layout, Subject::from(&read));
+        let drawing = Drawing::Plane(&design, subject);
         let overrides = self.motion.overrides(common);
         let plan = Plan::new(&design, overrides, &layout.palette)
             .map_err(|error| Failure::of_plan(&design, &overrides, &error))?;
@@ -131,13 +132,16 @@ impl Check {
             return tell(common, &parts);
         }
         self.under.chosen(&design)?;
-        let gated = self.gated.asked(Drawing::Plane(&design, subject), common)?;
+        let gated = self.gated.asked(drawing, common)?;
         probe_all(common, &[self.spheres.as_ref(), common.out.as_ref()])?;
         let begun = Instant::now();
         let beside = beside_uniform(&design, subject, &plan, self.forces.or(Forces::ONE)?, context())?;
         let seconds = begun.elapsed().as_secs_f64();
         let gate = match beside.evaluation.record.stop {
-            None if self.gate || self.strict => Some(gate((&design, subject), &plan, &beside, &gated, context())?),
+            None if self.gate || self.strict => {
+                let over_forces = beside.over_forces.as_ref().map(|(scores, _)| scores);
+                Some(gate(drawing, &plan, Seen::of(&beside.evaluation, over_forces), &gated, context())?)
+            }
             _ => None,
         };
         let Beside { evaluation, reference, stopped, forces, over_forces } = beside;
@@ -161,7 +165,7 @@ impl Check {
             write_file(common, path, &spheres(subject, &record))?;
         }
         let laws = match &stop {
-            None => self.under.scores(&design, subject, overrides)?,
+            None => self.under.scores(drawing, overrides)?,
             Some(_) => None,
         };
         let (mean, spreads) = over_forces.unwrap_or_default();
@@ -204,24 +208,35 @@ impl Check {
 }
 
 impl Check {
-    /// In space there is no gate; thresholds are judged alone.
+    /// In space no frame holds the piece.
     fn in_space(self, common: &Common, design: &SpaceDesign) -> Result<(), Failure> {
         let strange = [
-            (self.gate, "--gate"),
-            (self.gated.least_yield.is_some(), "--yield"),
             (self.gated.frame_width.or(self.gated.frame_depth).is_some(), "the frame of the gate"),
-            (self.under.is_asked(), "--laws"),
             (common.dry_run, "--dry-run of check"),
         ];
         if let Some((_, what)) = strange.into_iter().find(|(given, _)| *given) {
             return Err(super::space::refuse(what));
         }
-        let asked = (self.forces.or(Forces::ONE)?, self.spheres.as_ref());
-        let checked = super::space::check(common, design, &self.layout, self.motion.overrides(common), asked)?;
+        let layout = super::space::read(design, &self.layout)?;
+        self.under.chosen(design)?;
+        let gated = match self.gate || self.strict {
+            true => Some(self.gated.asked(Drawing::Space(design, &layout), common)?),
+            false => None,
+        };
+        let asked = super::space::Asked {
+            forces: self.forces.or(Forces::ONE)?,
+            spheres: self.spheres.as_ref(),
+            gate: gated.as_ref(),
+            under: &self.under,
+        };
+        let overrides = self.motion.overrides(common);
+        let checked = super::space::check(common, design, (&self.layout, &layout), overrides, &asked)?;
         if common.json {
             emit_json(&checked);
         } else {
             emit(&words(&checked));
+            checked.laws.iter().for_each(|laws| emit(&laws.table()));
+            checked.gate.iter().for_each(|gate| emit(&gate.words()));
             checked.warnings.iter().for_each(|warning| note(common, &format!("warning: {warning}")));
         }
         self.ended(common, checked)

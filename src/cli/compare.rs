@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use granulens::dem::rig::Simulation;
 use granulens::dem::steps_in;
 use granulens::design::{AnyDesign, Design};
-use granulens::evaluate::{Comparison, Forces, compare, impact, stops};
+use granulens::evaluate::{Comparison, Drawing, Forces, compare, impact, stops};
 use granulens::inside;
 use granulens::layout::{self, Layout, ReadLayout};
 use granulens::outcome::Outcome;
@@ -70,7 +70,8 @@ impl Compare {
             write_file(common, path, &report::outcome_json(&outcome)?)?;
         }
         let whole = outcome.arrangements.len() == comparison.len();
-        let laws = if whole { self.under.scores(&design, comparison.piece(), overrides)? } else { None };
+        let laws =
+            if whole { self.under.scores(Drawing::Plane(&design, comparison.piece()), overrides)? } else { None };
         if common.json {
             let mut numbers = serde_json::json!(report::numbers(&outcome));
             if let Some(laws) = &laws {

@@ -1,8 +1,8 @@
 //! `--laws` of `check` and `compare`: the same under other contact laws.
 
 use granulens::contact::LawKind;
-use granulens::design::Design;
-use granulens::evaluate::{OverLaws, OverLawsError, Overrides, Subject, design_laws, over_laws};
+use granulens::design::{Design, DesignRef};
+use granulens::evaluate::{Drawing, OverLaws, OverLawsError, Overrides, design_laws, over_laws};
 
 use super::console::context;
 use super::failure::Failure;
@@ -22,7 +22,7 @@ impl UnderLaws {
     }
 
     /// The laws asked for; none without the option.
-    pub fn chosen(&self, design: &Design) -> Result<Vec<LawKind>, Failure> {
+    pub fn chosen<'a>(&self, design: impl Into<DesignRef<'a>>) -> Result<Vec<LawKind>, Failure> {
         if self.laws == ["all"] {
             return Ok(design_laws(design));
         }
@@ -37,21 +37,19 @@ impl UnderLaws {
     }
 
     /// The scores of a piece under these laws, where any are asked for.
-    pub fn scores(
-        &self,
-        design: &Design,
-        subject: Subject<'_>,
-        overrides: Overrides,
-    ) -> Result<Option<OverLaws>, Failure> {
-        let laws = self.chosen(design)?;
+    pub fn scores(&self, drawing: Drawing<'_>, overrides: Overrides) -> Result<Option<OverLaws>, Failure> {
+        let laws = self.chosen(drawing.design())?;
         if laws.is_empty() {
             return Ok(None);
         }
-        over_laws(design, subject, &laws, overrides, context()).map(Some).map_err(|error| match error {
-            OverLawsError::Plan { law, error } => {
+        over_laws(drawing, &laws, overrides, context()).map(Some).map_err(|error| match (error, drawing) {
+            (OverLawsError::Plan { law, error }, Drawing::Plane(design, _)) => {
                 Failure::of_plan(&Design { law, ..design.clone() }, &overrides, &error)
             }
-            OverLawsError::Evaluate(error) => error.into(),
+            (OverLawsError::Plan { law, error }, Drawing::Space(design, _)) => {
+                Failure::of_plan(&Design { law, ..design.clone() }, &overrides, &error)
+            }
+            (OverLawsError::Evaluate(error), _) => error.into(),
         })
     }
 }

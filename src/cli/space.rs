@@ -1,15 +1,16 @@
 //! Designs in space: what `design`, `run`, `compare` and `check` do with them.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use granulens::dem::Stop;
 use granulens::design::SpaceDesign;
 use granulens::evaluate::{
-    Evaluation, EvaluatorError, Forces, Overrides, Plan, SpaceComparison, compare_in_space, evaluate_in_space,
+    Drawing, Evaluation, EvaluatorError, Forces, Overrides, SpaceComparison, compare_in_space, evaluate_in_space,
     impact_in_space, method, parted, stops, struck_force,
 };
+use granulens::gate;
 use granulens::lattice::{Block, Layered};
 use granulens::layout::{self, Layout};
 use granulens::lens::{Body, LensRequest, Symmetry};
@@ -28,6 +29,7 @@ use super::cost::{Part, arrangement, tell};
 use super::design::about;
 use super::failure::Failure;
 use super::folder::{begin, probe, probe_all, write_file, write_json};
+use super::over_laws::UnderLaws;
 
 /// The design's lens and what it lays on the crystal.
 fn lens(design: &SpaceDesign) -> Result<(Body, &LensRequest, Vec<u8>), Failure> {
@@ -224,28 +226,29 @@ fn cost(common: &Common, comparison: &SpaceComparison) -> Result<(), Failure> {
     tell(common, &parts)
 }
 
+/// What is asked of `check`.
+pub struct Asked<'a> {
+    pub forces: Forces,
+    pub spheres: Option<&'a PathBuf>,
+    pub gate: Option<&'a gate::Asked>,
+    pub under: &'a UnderLaws,
+}
+
 /// `check` of a layout in space.
 pub fn check(
     common: &Common,
     design: &SpaceDesign,
-    path: &Path,
+    (path, layout): (&Path, &Layout<Block>),
     overrides: Overrides,
-    (forces, spheres): (Forces, Option<&std::path::PathBuf>),
+    asked: &Asked<'_>,
 ) -> Result<Checked, Failure> {
-    let layout = read(design, path)?;
-    let plan = Plan::in_space(
-        design,
-        overrides,
-        &SpaceComparison::of_layout(design, String::new(), layout.clone(), overrides)
-            .map_err(|error| Failure::of_plan(design, &overrides, &error))?
-            .subject
-            .palette,
-    )
-    .map_err(|error| Failure::of_plan(design, &overrides, &error))?;
+    let Asked { forces, spheres, .. } = *asked;
+    let drawing = Drawing::Space(design, layout);
+    let plan = drawing.plan(overrides).map_err(|error| Failure::of_plan(design, &overrides, &error))?;
     probe_all(common, &[spheres, common.out.as_ref()])?;
     let begun = Instant::now();
-    let Evaluation { mut scores, record, doubts } = evaluate_in_space(design, &layout, &plan, context())?;
-    let beside = granulens::evaluate::beside_in_space(design, &layout, &plan, forces, context());
+    let Evaluation { mut scores, record, doubts } = evaluate_in_space(design, layout, &plan, context())?;
+    let beside = granulens::evaluate::beside_in_space(design, layout, &plan, forces, context());
     let mut stop = record.stop.clone();
     let mut warnings: Vec<String> = plan.warnings.clone();
     let (reference, over, spreads) = match beside {
@@ -261,9 +264,17 @@ pub fn check(
         Err(error) => return Err(error.into()),
     };
     if let Some(path) = spheres {
-        write_file(common, path, &felt(&layout, &record))?;
+        write_file(common, path, &felt(layout, &record))?;
     }
     let evaluation = Evaluation { scores, record, doubts };
+    let (gate, laws) = match stop {
+        None => {
+            let seen = gate::Seen::of(&evaluation, spreads.as_ref().map(|(scores, _)| scores));
+            let gate = asked.gate.map(|gated| gate::gate(drawing, &plan, seen, gated, context())).transpose()?;
+            (gate, asked.under.scores(drawing, overrides)?)
+        }
+        Some(_) => (None, None),
+    };
     warnings.extend(evaluation.warnings("this layout"));
     let Evaluation { scores, record, .. } = evaluation;
     let (mean, spreads): (Scores, _) = spreads.unwrap_or_default();
@@ -286,8 +297,8 @@ pub fn check(
         steps: record.steps,
         seconds: begun.elapsed().as_secs_f64(),
         warnings,
-        laws: None,
-        gate: None,
+        laws,
+        gate,
         stop,
     };
     write_json(common, &checked)?;

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use granulens::dem::{Integrator, Projectile, Strike};
 use granulens::design::{AnyDesign, DesignRef};
 use granulens::evaluate::{
-    ImpactLoad, OverLawsError, Overrides, Plan, Subject, common_plan, evaluate_in_space, impact, impact_in_space,
-    method, over_laws, refer,
+    Drawing, ImpactLoad, OverLawsError, Overrides, Plan, Subject, common_plan, evaluate_in_space, impact,
+    impact_in_space, method, over_laws, refer,
 };
 use granulens::outcome::FORMAT;
 use granulens::output;
 use granulens::report::Provenance;
 use granulens::score::Measure;
 use granulens::tolerance::{
-    Criterion, Drawing, INTERVAL, KeptError, MOST_SAMPLES, Samples, State, Told, Tolerances, Workshop, WorkshopError,
-    as_built, assumed, derivative_runs, distributions, indices, indices_runs, indices_words, inverse, inverse_words,
-    page, rechoose, sensitivity, sites, sites_runs, yield_of,
+    Criterion, INTERVAL, KeptError, MOST_SAMPLES, Samples, State, Told, Tolerances, Workshop, WorkshopError, as_built,
+    assumed, derivative_runs, distributions, indices, indices_runs, indices_words, inverse, inverse_words, page,
+    rechoose, sensitivity, sites, sites_runs, yield_of,
 };
 use serde_json::json;
 
@@ -163,15 +163,14 @@ impl Tolerance {
         let mut files: Vec<(&str, String)> = Vec::new();
         let mut maps = Vec::new();
         let mut more = BTreeMap::new();
-        if let Drawing::Plane(design, subject) = drawing
-            && !tolerances.laws.is_empty()
-        {
-            let over = over_laws(design, subject, &tolerances.laws, self.motion.overrides(common), context()).map_err(
-                |error| match error {
-                    OverLawsError::Evaluate(error) => error.into(),
-                    error @ OverLawsError::Plan { .. } => Failure::input(error.to_string()),
-                },
-            )?;
+        if !tolerances.laws.is_empty() {
+            let over =
+                over_laws(drawing, &tolerances.laws, self.motion.overrides(common), context()).map_err(|error| {
+                    match error {
+                        OverLawsError::Evaluate(error) => error.into(),
+                        error @ OverLawsError::Plan { .. } => Failure::input(error.to_string()),
+                    }
+                })?;
             words += &over.table();
             more.insert("laws", json!(over));
         }
@@ -295,8 +294,9 @@ impl Tolerance {
 /// Step and window for all pieces, on what may strike them.
 fn plan(drawing: Drawing<'_>, tolerances: &Tolerances, overrides: Overrides) -> Result<Plan, Failure> {
     match drawing {
-        Drawing::Plane(design, subject) => Plan::new(design, overrides, &subject.layout.palette)
-            .map_err(|error| Failure::of_plan(design, &overrides, &error)),
+        Drawing::Plane(design, _) => {
+            drawing.plan(overrides).map_err(|error| Failure::of_plan(design, &overrides, &error))
+        }
         Drawing::Space(design, layout) => {
             // What Q refers to is among the materials, as in check.
             let mut palette = layout.palette.clone();

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{Design, DesignError, SpaceDesign, Threshold, space};
-use crate::contact::LawKind;
+use super::{Accuracy, Design, DesignError, SpaceDesign, Threshold, space};
+use crate::contact::{Constants, LawKind};
 use crate::dem::Strike;
 use crate::document;
 use crate::layout::{self, AnyLayout, Layout, LayoutFileError};
@@ -164,6 +164,16 @@ impl<'a> DesignRef<'a> {
     /// Prices of one sphere by the name of its material.
     pub fn prices(self) -> &'a BTreeMap<String, f64> {
         each!(self, design => &design.prices)
+    }
+
+    /// What the step is chosen for where it is not given.
+    pub fn accuracy(self) -> Accuracy {
+        each!(self, design => design.accuracy)
+    }
+
+    /// Set of fitted constants of the law.
+    pub fn constants(self) -> Constants {
+        each!(self, design => design.constants)
     }
 
     /// What `check --strict` asks of the scores.

@@ -3,10 +3,14 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{EvaluatorError, Forces, Overrides, Plan, PlanError, Subject, beside_uniform};
+use super::{
+    Drawing, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError, beside_in_space, beside_uniform,
+    evaluate_in_space,
+};
 use crate::Context;
 use crate::contact::LawKind;
-use crate::design::Design;
+use crate::dem::Stop;
+use crate::design::{Design, DesignRef, SpaceDesign};
 use crate::score::{Measure, Scores};
 
 /// The scores of a layout under one law.
@@ -61,11 +65,12 @@ pub enum OverLawsError {
 
 /// The laws by whose range a design is judged: those that yield and create no energy, with rate and without, and the one that the
 /// design names.
-pub fn design_laws(design: &Design) -> Vec<LawKind> {
+pub fn design_laws<'a>(design: impl Into<DesignRef<'a>>) -> Vec<LawKind> {
+    let own = design.into().law();
     let mut laws =
         vec![LawKind::Consistent, LawKind::ConsistentStatic, LawKind::Mdr, LawKind::MdrStatic, LawKind::Thornton];
-    if !laws.contains(&design.law) {
-        laws.insert(0, design.law);
+    if !laws.contains(&own) {
+        laws.insert(0, own);
     }
     laws
 }
@@ -76,37 +81,31 @@ pub fn design_laws(design: &Design) -> Vec<LawKind> {
 /// # Errors
 /// See [`OverLawsError`]. A run that a guard stops is none: it is told, and its scores are left out.
 pub fn over_laws<'a>(
-    design: &Design,
-    subject: impl Into<Subject<'a>>,
+    drawing: impl Into<Drawing<'a>>,
     laws: &[LawKind],
     overrides: Overrides,
     context: &Context,
 ) -> Result<OverLaws, OverLawsError> {
-    let subject: Subject<'_> = subject.into();
-    let designs: Vec<Design> = laws.iter().map(|&law| Design { law, ..design.clone() }).collect();
-    let plans = designs
-        .iter()
-        .map(|design| {
-            Plan::new(design, overrides, &subject.layout.palette)
-                .map_err(|error| OverLawsError::Plan { law: design.law, error })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let drawing = drawing.into();
     // Laws side by side, since a law's own runs are few.
-    let each = designs
-        .par_iter()
-        .zip(&plans)
-        .map(|(design, plan)| {
-            let beside = beside_uniform(design, subject, plan, Forces::ONE, context)?;
-            let (mut scores, stop) = (beside.evaluation.scores, beside.evaluation.record.stop);
-            if stop.is_some() {
-                for ratio in [Measure::Contrast, Measure::FocalGain, Measure::Protection] {
-                    scores.set(ratio, None);
-                }
-            }
-            let stop = stop.or_else(|| beside.stopped.into_iter().next().map(|(_, stop)| stop));
-            Ok(LawScores { law: design.law, scores, step_s: plan.step, stop: stop.map(|stop| stop.to_string()) })
-        })
-        .collect::<Result<Vec<_>, EvaluatorError>>()?;
+    let each = match drawing {
+        Drawing::Plane(design, subject) => {
+            let run = |design: &Design, plan: &Plan| {
+                let beside = beside_uniform(design, subject, plan, Forces::ONE, context)?;
+                Ok((beside.evaluation.scores, beside.evaluation.record.stop, beside.stopped))
+            };
+            under_each(design, |design| Drawing::Plane(design, subject).plan(overrides), run, laws)?
+        }
+        Drawing::Space(design, layout) => {
+            let run = |design: &SpaceDesign, plan: &Plan| {
+                let Evaluation { mut scores, record, .. } = evaluate_in_space(design, layout, plan, context)?;
+                let beside = beside_in_space(design, layout, plan, Forces::ONE, context)?;
+                scores.relate(beside.uniform[0], beside.uniform[1]);
+                Ok((scores, record.stop, beside.stopped))
+            };
+            under_each(design, |design| Drawing::Space(design, layout).plan(overrides), run, laws)?
+        }
+    };
     let range = |of: fn(&LawScores) -> Option<f64>| {
         let values = || each.iter().filter_map(of);
         Some([values().reduce(f64::min)?, values().reduce(f64::max)?])
@@ -117,6 +116,38 @@ pub fn over_laws<'a>(
         protection: range(|law| law.scores.protection),
     };
     Ok(OverLaws { each, range })
+}
+
+/// Scores of a layout, why its run ended early, and which uniform crystals' did.
+type Ran = (Scores, Option<Stop>, Vec<(String, Stop)>);
+
+/// A design's layout under each law, each with the plan that it asks for.
+fn under_each<L: Clone + Sync, R: Clone + Sync>(
+    design: &Design<L, R>,
+    plan: impl Fn(&Design<L, R>) -> Result<Plan, PlanError>,
+    run: impl Fn(&Design<L, R>, &Plan) -> Result<Ran, EvaluatorError> + Sync,
+    laws: &[LawKind],
+) -> Result<Vec<LawScores>, OverLawsError>
+where
+    Design<L, R>: Send,
+{
+    let of = |&law: &LawKind| {
+        let design = Design { law, ..design.clone() };
+        let plan = plan(&design).map_err(|error| OverLawsError::Plan { law, error })?;
+        Ok((design, plan))
+    };
+    let planned = laws.iter().map(of).collect::<Result<Vec<_>, OverLawsError>>()?;
+    let each = planned.par_iter().map(|(design, plan)| {
+        let (mut scores, stop, stopped) = run(design, plan)?;
+        if stop.is_some() {
+            for ratio in [Measure::Contrast, Measure::FocalGain, Measure::Protection] {
+                scores.set(ratio, None);
+            }
+        }
+        let stop = stop.or_else(|| stopped.into_iter().next().map(|(_, stop)| stop));
+        Ok(LawScores { law: design.law, scores, step_s: plan.step, stop: stop.map(|stop| stop.to_string()) })
+    });
+    Ok(each.collect::<Result<Vec<_>, EvaluatorError>>()?)
 }
 
 impl OverLaws {

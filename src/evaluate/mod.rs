@@ -13,6 +13,7 @@
 //! - `sensitivity`: how scores change with every sphere, by the adjoint; `swaps`: what exchanging single spheres does
 //! - `whole`: pieces whose halves differ
 //! - `space`: crystals in space: lens, baselines and strips in lanes
+//! - `drawing`: a layout under its design, of either kind
 //! - `made`: laws that gave back more than was put in
 
 mod batch;
@@ -20,6 +21,7 @@ mod beside;
 mod load;
 mod compare;
 mod decay;
+mod drawing;
 mod forces;
 mod surrogate;
 mod glimpse;
@@ -41,6 +43,7 @@ pub use batch::{Detail, Evaluated, Evaluator, EvaluatorError};
 pub use beside::{Beside, beside_uniform, refer, unnamed};
 pub use compare::{Comparison, compare, judged, proposal, stops};
 pub use decay::{calibrate, decay};
+pub use drawing::Drawing;
 pub use forces::{Forces, ForcesError};
 pub use glimpse::glimpse;
 pub use held::{Frame, HeldError, HeldSphere, held_energies, held_spheres, settled};
@@ -72,7 +75,7 @@ use crate::dem::{
     ContactRecord, ForcePulse, Impact, Mirror, OVERLAP_WARNING, OverlapAtRest, RESIDUAL_LIMIT, Record, Strike,
     simulate, simulate_with_friction,
 };
-use crate::design::Design;
+use crate::design::{Design, DesignRef};
 use crate::lattice::{HexagonalSheet, SheetPacking};
 use crate::layout::Layout;
 use crate::material::Material;
@@ -203,10 +206,16 @@ pub fn dimension_of(lattice: &HexagonalSheet) -> Dimension {
 }
 
 /// How strong the impact is for each material: contact force over F_p, and what that means for the wave-speed bound.
-pub fn validity(design: &Design, material: &Material) -> Validity {
-    let dimension = dimension_of(&design.lattice);
-    let force = struck_force(design, dimension, material, design.lattice.diameter());
-    Validity::new(dimension, force, material, design.lattice.diameter(), design.constants)
+pub fn validity<'a>(design: impl Into<DesignRef<'a>>, material: &Material) -> Validity {
+    fn of<L, R>(design: &Design<L, R>, dimension: Dimension, diameter: f64, material: &Material) -> Validity {
+        let force = struck_force(design, dimension, material, diameter);
+        Validity::new(dimension, force, material, diameter, design.constants)
+    }
+    let design = design.into();
+    match design {
+        DesignRef::Plane(sheet) => of(sheet, dimension_of(&sheet.lattice), design.diameter(), material),
+        DesignRef::Space(crystal) => of(crystal, Dimension::Three, design.diameter(), material),
+    }
 }
 
 /// What limits the trust in one run's numbers, as measured on it.

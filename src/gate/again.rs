@@ -6,7 +6,7 @@
 
 use super::{GateError, Line, Look, Word, given};
 use crate::contact::{AnyLaw, ForceLaw, Pair};
-use crate::evaluate::{Evaluator, EvaluatorError, ImpactLoad, Imperfection, LoadCase};
+use crate::evaluate::{Drawing, Evaluator, EvaluatorError, ImpactLoad, Imperfection, LoadCase};
 use crate::score::Measure;
 use crate::units::Dimension::Length;
 
@@ -14,24 +14,25 @@ use crate::units::Dimension::Length;
 const CHANCE: f64 = 0.03;
 
 pub(super) fn line(look: &Look) -> Result<Option<Line>, GateError> {
-    let Look { design, subject, .. } = look;
-    let layout = look.layout();
-    if !design.law.is_plastic() {
+    let drawing = look.drawing;
+    let design = drawing.design();
+    if !design.law().is_plastic() {
         return Ok(None);
     }
-    let diameter = design.lattice.diameter();
-    let record = &look.beside.evaluation.record;
+    let diameter = design.diameter();
     // Of a piece whose halves differ the record is of all spheres.
-    let of: Vec<u8> = match subject.left {
-        Some(_) => subject.spheres().iter().map(|sphere| sphere.material).collect(),
-        None => layout.materials.clone(),
+    let of: Vec<u8> = match drawing {
+        Drawing::Plane(_, subject) if subject.left.is_some() => {
+            subject.spheres().iter().map(|sphere| sphere.material).collect()
+        }
+        _ => drawing.materials(),
     };
     let mut sums = vec![[0.0, 0.0]; of.len()];
     let mut deepest = 0.0_f64;
-    for contact in &record.contacts {
-        let materials = contact.spheres.map(|i| &layout.palette[usize::from(of[i])]);
-        let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants);
-        let dent = residual(&AnyLaw::new(design.law, &pair), contact.overlap_max, contact.force_max);
+    for contact in look.seen.contacts {
+        let materials = contact.spheres.map(|i| &drawing.palette()[usize::from(of[i])]);
+        let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants());
+        let dent = residual(&AnyLaw::new(design.law(), &pair), contact.overlap_max, contact.force_max);
         deepest = deepest.max(dent);
         for sphere in contact.spheres {
             sums[sphere][0] += dent;
@@ -41,15 +42,19 @@ pub(super) fn line(look: &Look) -> Result<Option<Line>, GateError> {
     let mean = |[sum, count]: &[f64; 2]| if *count > 0.0 { sum / count } else { 0.0 };
     // Half of a dent is each sphere's, and a dent takes a radius.
     let radii: Vec<f64> = sums.iter().map(|sum| 1.0 - mean(sum) / diameter).collect();
-    let dented = Imperfection { radii: subject.on_places(&radii), ..Imperfection::default() };
-    let load = ImpactLoad::from(design.impact);
+    let radii = match drawing {
+        Drawing::Plane(_, subject) => subject.on_places(&radii),
+        Drawing::Space(..) => radii,
+    };
+    let dented = Imperfection { radii, ..Imperfection::default() };
+    let load = ImpactLoad::from(design.impact());
     let cases = [look.case(load), LoadCase { imperfection: dented, ..look.case(load) }];
     let overrides = given(look.plan, look.plan.step, look.plan.window);
-    let evaluator = match Evaluator::new(*design, &cases, layout.palette.clone(), overrides, look.context) {
+    let evaluator = match Evaluator::new(design, &cases, drawing.palette().to_vec(), overrides, look.context) {
         Err(EvaluatorError::Baseline { .. }) => return Ok(None),
         evaluator => evaluator?,
     };
-    let runs = evaluator.scores(&[subject.drawn()], look.context)?.concat();
+    let runs = evaluator.scores(&[drawing.materials()], look.context)?.concat();
     let why = "A piece that is struck twice is another piece; spheres that yielded are to be replaced.";
     let check = "second blow";
     if let Some(stop) = runs.iter().find_map(|run| run.stop.as_ref()) {

@@ -1,7 +1,8 @@
 //! Whether the piece fits, stands, and is made of what can be bought.
 
 use super::{Line, Look, Word};
-use crate::evaluate::{held_spheres, settled};
+use crate::design::Design;
+use crate::evaluate::{Drawing, Subject, held_spheres, settled};
 use crate::material;
 use crate::units::Dimension::Length;
 
@@ -12,9 +13,20 @@ const ROUNDING: f64 = 1e-9;
 const GAP: f64 = 1e-3;
 
 pub(super) fn lines(look: &Look, frame: [Option<f64>; 2]) -> Vec<Line> {
+    let mut lines = match look.drawing {
+        Drawing::Plane(design, subject) => in_frame((design, subject), frame),
+        Drawing::Space(..) => Vec::new(),
+    };
+    lines.push(catalogue_diameter(look.drawing.design().diameter()));
+    lines.push(catalogue_materials(look));
+    lines
+}
+
+/// Whether a sheet goes into its frame, and stands there.
+fn in_frame((design, subject): (&Design, Subject<'_>), frame: [Option<f64>; 2]) -> Vec<Line> {
     let mut lines = Vec::new();
-    let diameter = look.design.lattice.diameter();
-    let mut spheres = held_spheres(look.subject);
+    let diameter = design.lattice.diameter();
+    let mut spheres = held_spheres(subject);
     let far = |axis: usize| spheres.iter().map(|sphere| sphere.centre[axis]).fold(0.0, f64::max);
     // Between the side walls, and from the centres of row 1 to the end wall, as the frame of `build` is.
     let piece = [2.0 * far(0) + diameter, far(1) + 0.5 * diameter];
@@ -53,7 +65,7 @@ pub(super) fn lines(look: &Look, frame: [Option<f64>; 2]) -> Vec<Line> {
     let why =
         "Spheres of nominal diameter, laid in the frame, without friction, have to find their place near their sites.";
     let limit = Length.show(0.25 * diameter);
-    lines.push(match settled(look.design, &look.layout().palette, &mut spheres, [0.5 * gaps[0], gaps[1]]) {
+    lines.push(match settled(design, &subject.layout.palette, &mut spheres, [0.5 * gaps[0], gaps[1]]) {
         Ok(moved) => Line::new(
             "stack under gravity",
             Word::Pass,
@@ -63,8 +75,6 @@ pub(super) fn lines(look: &Look, frame: [Option<f64>; 2]) -> Vec<Line> {
         ),
         Err(error) => Line::new("stack under gravity", Word::Fail, error.to_string(), limit, why),
     });
-    lines.push(catalogue_diameter(diameter));
-    lines.push(catalogue_materials(look));
     lines
 }
 
@@ -97,8 +107,8 @@ fn catalogue_diameter(diameter: f64) -> Line {
 }
 
 fn catalogue_materials(look: &Look) -> Line {
-    let palette = &look.layout().palette;
-    let used = (0..palette.len()).filter(|&m| look.subject.holds(m as u8));
+    let palette = look.drawing.palette();
+    let used = look.drawing.letters().into_iter().map(usize::from);
     let missing: Vec<&str> =
         used.map(|m| palette[m].name.as_str()).filter(|name| material::canonical(name).is_none()).collect();
     let (word, number) = match missing.is_empty() {

@@ -1,7 +1,8 @@
 //! The gate: whether a layout is fit to be built, line by line, each with its number, its limit and why it matters.
 //!
 //! In: a layout under its design, as `check` has simulated it. Out: [`Gate`]. A line *fails* only where building would be a mistake whatever one thinks of models:
-//! the geometry does not close, the stack does not stand, the numbers are not numbers yet, or what was asked is missed. All else *warns*.
+//! the geometry does not close, the stack does not stand, the numbers are not numbers yet, or what was asked is missed. All else *warns*. Of a crystal in space there are the
+//! same lines but for those of frame, stack and interfaces, which are of sheets.
 //!
 //! - `geometry`: frame, stack, catalogue; `numbers`: step and window; `physics`: what the wave does and the laws leave open
 //! - `again`: what a second blow on the same piece finds
@@ -16,9 +17,10 @@ use std::fmt::Write as _;
 use serde::{Deserialize, Serialize};
 
 use crate::Context;
-use crate::design::{Design, Threshold};
-use crate::evaluate::{Beside, EvaluatorError, LoadCase, OverLawsError, Overrides, Plan, Subject};
-use crate::layout::Layout;
+use crate::dem::ContactRecord;
+use crate::design::Threshold;
+use crate::evaluate::{Doubts, Drawing, Evaluation, EvaluatorError, LoadCase, OverLawsError, Overrides, Plan};
+use crate::score::Scores;
 use crate::tolerance::{Criterion, Samples, Tolerances, Workshop, WorkshopError};
 
 /// What a line says.
@@ -115,24 +117,39 @@ pub enum GateError {
     Workshop(#[from] WorkshopError),
 }
 
+/// What the run of a layout showed, beside the uniform crystals.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// Its scores, under the design's own force.
+    pub scores: &'a Scores,
+    /// Those over several forces, where it was judged over them.
+    pub over_forces: Option<&'a Scores>,
+    /// What limits the trust in them.
+    pub doubts: &'a Doubts,
+    /// Its contacts.
+    pub contacts: &'a [ContactRecord],
+}
+
+impl<'a> Seen<'a> {
+    /// Of an evaluation, and the scores over several forces where there are some.
+    pub fn of<const D: usize>(evaluation: &'a Evaluation<D>, over_forces: Option<&'a Scores>) -> Self {
+        let Evaluation { scores, record, doubts } = evaluation;
+        Self { scores, over_forces, doubts, contacts: &record.contacts }
+    }
+}
+
 /// What the gate looks at.
 struct Look<'a> {
-    design: &'a Design,
-    subject: Subject<'a>,
+    drawing: Drawing<'a>,
     plan: &'a Plan,
-    beside: &'a Beside,
+    seen: Seen<'a>,
     context: &'a Context,
 }
 
-impl<'a> Look<'a> {
-    /// The layout, or the right half of a piece whose halves differ.
-    fn layout(&self) -> &'a Layout {
-        self.subject.layout
-    }
-
+impl Look<'_> {
     /// A case of this piece.
     fn case(&self, case: impl Into<LoadCase>) -> LoadCase {
-        LoadCase { halves_differ: self.subject.left.is_some(), ..case.into() }
+        LoadCase { halves_differ: self.drawing.halves_differ(), ..case.into() }
     }
 }
 
@@ -141,13 +158,13 @@ impl<'a> Look<'a> {
 /// # Errors
 /// See [`GateError`].
 pub fn gate<'a>(
-    (design, subject): (&'a Design, Subject<'a>),
+    drawing: impl Into<Drawing<'a>>,
     plan: &'a Plan,
-    beside: &'a Beside,
+    seen: Seen<'a>,
     asked: &Asked,
     context: &'a Context,
 ) -> Result<Gate, GateError> {
-    let look = Look { design, subject, plan, beside, context };
+    let look = Look { drawing: drawing.into(), plan, seen, context };
     let mut lines = geometry::lines(&look, asked.frame);
     lines.extend(numbers::lines(&look)?);
     lines.extend(thresholds(&look));
@@ -162,7 +179,7 @@ pub fn gate<'a>(
 
 /// What the design asks.
 fn thresholds(look: &Look) -> Vec<Line> {
-    let scores = look.beside.over_forces.as_ref().map_or(&look.beside.evaluation.scores, |(scores, _)| scores);
+    let scores = look.seen.over_forces.unwrap_or(look.seen.scores);
     let line = |threshold: &Threshold| {
         let value = scores.get(threshold.measure).filter(|value| value.is_finite());
         let met = value.is_some_and(|value| threshold.admits(value));
@@ -181,18 +198,18 @@ fn thresholds(look: &Look) -> Vec<Line> {
             "The design file asks for it.",
         )
     };
-    look.design.thresholds.iter().map(line).collect()
+    look.drawing.design().thresholds().iter().map(line).collect()
 }
 
 /// How many pieces keep what is asked once they are built.
 fn as_built(look: &Look, least: f64, tolerances: &Tolerances, [count, seed]: [u64; 2]) -> Result<Line, GateError> {
-    let (design, subject, plan) = (look.design, look.subject, look.plan);
+    let (drawing, plan) = (look.drawing, look.plan);
     let given = given(plan, plan.step, plan.window);
-    let criterion = Criterion::new((design, subject), tolerances, given, look.context)?;
-    let workshop = Workshop::new((design, subject), tolerances, plan, &criterion.measures())?;
+    let criterion = Criterion::new(drawing, tolerances, given, look.context)?;
+    let workshop = Workshop::new(drawing, tolerances, plan, &criterion.measures())?;
     let mut samples = Samples::new(&workshop, seed);
     samples.grow(&workshop, count, look.context, |_| Ok::<_, WorkshopError>(()))?;
-    let of_layout = subject.scores(|material| design.price(material));
+    let of_layout = drawing.scores();
     let share = samples.share(count as usize, &criterion, &of_layout);
     // What the pieces made decide: only a share that is surely too small fails.
     let word = match share {

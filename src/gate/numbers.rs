@@ -30,17 +30,18 @@ pub(super) fn lines(look: &Look) -> Result<Vec<Line>, GateError> {
 type Runs = Vec<(Measure, Vec<f64>)>;
 
 fn scores(look: &Look, step: f64, window: f64) -> Result<Option<Runs>, GateError> {
-    let own = look.design.impact;
+    let design = look.drawing.design();
+    let own = design.impact();
     let strengths = Forces::USUAL.about(own.strength()).into_iter();
     let cases = strengths.map(|strength| look.case(own.with_strength(strength)));
     let cases: Vec<LoadCase> = cases.collect();
-    let palette = look.layout().palette.clone();
-    let evaluator = match Evaluator::new(look.design, &cases, palette, given(look.plan, step, window), look.context) {
+    let palette = look.drawing.palette().to_vec();
+    let evaluator = match Evaluator::new(design, &cases, palette, given(look.plan, step, window), look.context) {
         // Where the host alone gives way nothing can be said; the check has told it.
         Err(EvaluatorError::Baseline { .. }) => return Ok(None),
         evaluator => evaluator?,
     };
-    let runs = evaluator.scores(&[look.subject.drawn()], look.context)?.concat();
+    let runs = evaluator.scores(&[look.drawing.materials()], look.context)?.concat();
     if runs.iter().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
         return Err(EvaluatorError::Interrupted.into());
     }
@@ -55,7 +56,7 @@ fn scores(look: &Look, step: f64, window: f64) -> Result<Option<Runs>, GateError
 }
 
 fn line(look: &Look, check: &str, (before, after): (&Option<Runs>, &Option<Runs>), why: &str) -> Line {
-    let most = if look.design.accuracy.fraction() > 5e-3 { MOVES_COARSE } else { MOVES };
+    let most = if look.drawing.design().accuracy().fraction() > 5e-3 { MOVES_COARSE } else { MOVES };
     let (Some(before), Some(after)) = (before, after) else {
         return Line::new(check, Word::Fail, "a guard stops the run", format!("{} %", 100.0 * most), why);
     };

@@ -2,7 +2,10 @@
 
 use super::{GateError, Line, Look, Word, given};
 use crate::dem::Stop;
-use crate::evaluate::{Comparison, EvaluatorError, Forces, design_laws, evaluate, judged, over_laws, validity};
+use crate::design::Design;
+use crate::evaluate::{
+    Drawing, EvaluatorError, Subject, design_laws, evaluate, evaluate_in_space, over_laws, validity,
+};
 use crate::layout::{Baseline, Layout, PieceSphere};
 use crate::outcome::{Verdict, Word as Judged};
 use crate::score::Measure;
@@ -17,13 +20,12 @@ const FITTED: f64 = 2.0;
 
 pub(super) fn lines(look: &Look) -> Result<Vec<Line>, GateError> {
     let overrides = given(look.plan, look.plan.step, look.plan.window);
-    let comparison = Comparison::of_layout(look.design, "layout".to_owned(), look.subject, overrides)
-        .map_err(EvaluatorError::from)?
-        .over(Forces::USUAL);
-    let judgement = judged(&comparison, look.context)?;
+    let judgement = look.drawing.verdict(overrides, look.context)?;
     let mut lines = strength(look);
     lines.push(overlaps(look));
-    lines.push(interfaces(look));
+    if let Drawing::Plane(design, subject) = look.drawing {
+        lines.push(interfaces(design, subject));
+    }
     lines.extend(verdict(&judgement));
     lines.push(laws(look, &judgement)?);
     lines.extend(behind(look)?);
@@ -32,24 +34,32 @@ pub(super) fn lines(look: &Look) -> Result<Vec<Line>, GateError> {
 
 /// Whether the impact is strong enough for the bound by which lenses are designed.
 fn strength(look: &Look) -> Vec<Line> {
-    let used = (0..look.layout().palette.len()).filter(|&m| look.subject.holds(m as u8));
-    let line = |m: usize| {
-        let material = &look.layout().palette[m];
-        let validity = validity(look.design, material);
+    let row = row(look);
+    let line = |letter: u8| {
+        let material = &look.drawing.palette()[usize::from(letter)];
+        let validity = validity(look.drawing.design(), material);
         let word = if validity.speed_reached.is_some() { Word::Pass } else { Word::Warn };
         Line::new(
             &format!("impact on {}", material.name),
             word,
             validity.words(),
-            format!("at least {} F_p at a contact of row 1, from where on the speed of a wave is known", AMPLITUDES[0]),
+            format!(
+                "at least {} F_p at a contact of {row} 1, from where on the speed of a wave is known",
+                AMPLITUDES[0]
+            ),
             "Rays and proposals use the bound of the wave speed; where it does not hold, only the simulation counts.",
         )
     };
-    used.map(line).collect()
+    look.drawing.letters().into_iter().map(line).collect()
+}
+
+/// What its layers are called.
+fn row(look: &Look) -> &'static str {
+    if look.drawing.is_in_space() { "layer" } else { "row" }
 }
 
 fn overlaps(look: &Look) -> Line {
-    let doubts = &look.beside.evaluation.doubts;
+    let doubts = look.seen.doubts;
     let (over_diameter, depth) = (doubts.greatest_overlap(), doubts.greatest_depth());
     let limit = crate::dem::OVERLAP_WARNING;
     let word = if over_diameter > limit || depth > FITTED { Word::Warn } else { Word::Pass };
@@ -63,14 +73,14 @@ fn overlaps(look: &Look) -> Line {
 }
 
 /// Where a wave that comes straight down passes from a slow to a fast material more obliquely than it can.
-fn interfaces(look: &Look) -> Line {
-    let Layout { lattice, palette, .. } = look.layout();
+fn interfaces(design: &Design, subject: Subject<'_>) -> Line {
+    let Layout { lattice, palette, .. } = subject.layout;
     // Of halves that differ all spheres; of others the half, which says the same.
-    let all = look.subject.spheres();
-    let sites: Vec<&PieceSphere> = all.iter().filter(|s| look.subject.left.is_some() || s.x >= 0.0).collect();
+    let all = subject.spheres();
+    let sites: Vec<&PieceSphere> = all.iter().filter(|s| subject.left.is_some() || s.x >= 0.0).collect();
     let diameter = lattice.diameter();
     let speed: Vec<f64> =
-        palette.iter().map(|m| wave::bound(Dimension::Two, [m, m], diameter, look.design.constants).speed).collect();
+        palette.iter().map(|m| wave::bound(Dimension::Two, [m, m], diameter, design.constants).speed).collect();
     let of = |site: usize| speed[usize::from(sites[site].material)];
     let (mut count, mut above, mut worst) = (0_usize, 0_usize, 0.0_f64);
     for (i, site) in sites.iter().enumerate() {
@@ -137,7 +147,7 @@ fn verdict(judgement: &[Verdict]) -> Vec<Line> {
 /// What other contact laws make of it.
 fn laws(look: &Look, judgement: &[Verdict]) -> Result<Line, GateError> {
     let overrides = crate::evaluate::Overrides { window: Some(look.plan.window), ..Default::default() };
-    let over = over_laws(look.design, look.subject, &design_laws(look.design), overrides, look.context)?;
+    let over = over_laws(look.drawing, &design_laws(look.drawing.design()), overrides, look.context)?;
     let best = judgement
         .iter()
         .filter(|verdict| verdict.measure == Measure::Contrast.name())
@@ -163,19 +173,31 @@ fn laws(look: &Look, judgement: &[Verdict]) -> Result<Line, GateError> {
 
 /// What stands behind the piece.
 fn behind(look: &Look) -> Result<Vec<Line>, GateError> {
-    let host = Baseline::AllHost.layout(look.layout(), [1, 1], 0);
-    let host = evaluate(look.design, &host, look.plan, look.context).map_err(EvaluatorError::from)?;
-    match host.record.stop {
+    let (plan, context) = (look.plan, look.context);
+    let (host, stop) = match look.drawing {
+        Drawing::Plane(design, subject) => {
+            let host = Baseline::AllHost.layout(subject.layout, [1, 1], 0);
+            let host = evaluate(design, &host, plan, context).map_err(EvaluatorError::from)?;
+            (host.scores, host.record.stop)
+        }
+        Drawing::Space(design, layout) => {
+            let host = Baseline::AllHost.layout(layout, [1, 1], 0);
+            let host = evaluate_in_space(design, &host, plan, context).map_err(EvaluatorError::from)?;
+            (host.scores, host.record.stop)
+        }
+    };
+    match stop {
         None => {}
         Some(Stop::Interrupted { .. }) => return Err(EvaluatorError::Interrupted.into()),
         Some(_) => return Ok(Vec::new()),
     }
-    let (own, host) = (&look.beside.evaluation.scores, &host.scores);
+    let (own, host) = (look.seen.scores, &host);
+    let row = row(look);
     let line = |check: &str, measure: Measure, show: &dyn Fn(f64) -> String, why: &str| {
         let (own, host) = (own.get(measure)?, host.get(measure)?);
         // The whole piece is two halves.
         let word = if own > host { Word::Warn } else { Word::Pass };
-        let number = format!("{} on the last row of the whole piece", show(2.0 * own));
+        let number = format!("{} on the last {row} of the whole piece", show(2.0 * own));
         let limit = format!("{} behind the host alone", show(2.0 * host));
         Some(Line::new(check, word, number, limit, why))
     };

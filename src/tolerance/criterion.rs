@@ -2,11 +2,10 @@
 
 use serde::Serialize;
 
-use super::drawing::Drawing;
 use super::{Tolerances, WorkshopError};
 use crate::Context;
 use crate::design::Threshold;
-use crate::evaluate::{Comparison, EvaluatorError, Forces, Overrides, SpaceComparison, judged, judged_in_space};
+use crate::evaluate::{Drawing, EvaluatorError, Overrides};
 use crate::score::{Measure, Needs, Scores};
 
 /// What a piece has to do.
@@ -38,16 +37,7 @@ pub fn best_baseline(
     overrides: Overrides,
     context: &Context,
 ) -> Result<Option<Beaten>, EvaluatorError> {
-    let name = "layout".to_owned();
-    let verdict = match drawing {
-        Drawing::Plane(design, subject) => {
-            judged(&Comparison::of_layout(design, name, subject, overrides)?.over(Forces::USUAL), context)?
-        }
-        Drawing::Space(design, layout) => {
-            let comparison = SpaceComparison::of_layout(design, name, layout.clone(), overrides)?;
-            judged_in_space(&comparison.over(Forces::USUAL), context)?
-        }
-    };
+    let verdict = drawing.verdict(overrides, context)?;
     let rivals = verdict.into_iter().filter(|verdict| verdict.measure == Measure::Contrast.name());
     let best = rivals.reduce(|a, b| if b.best > a.best { b } else { a });
     Ok(best.map(|verdict| Beaten { arrangement: verdict.arrangement, contrast: verdict.best }))

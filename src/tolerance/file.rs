@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use super::drawing::Drawing;
 use super::grade::{GRADES, Grade};
 use super::{ImpactLimits, State, Tolerances};
 use crate::contact::LawKind;
 use crate::dem::Projectile;
 use crate::design::{THRESHOLDS, ThresholdsFile, thresholds};
 use crate::document::{self, DocumentError, Entry, Scope, Section, Source, Written, joined, section};
-use crate::evaluate::Subject;
+use crate::evaluate::{Drawing, Subject};
 use crate::units::Dimension::{Angle, Fraction, Length, Mass, Speed};
 
 #[derive(serde::Deserialize)]
@@ -163,8 +162,6 @@ fn forbid_sheets(top: &Scope, file: &TolerancesFile) -> Result<(), DocumentError
             "Write state = \"nominal-sites\": how spheres settle in a frame is of sheets.",
         ));
     }
-    let one = "Leave it out; take one law after the other: crystal.law in copies of the design file.";
-    top.forbid(&[("laws", &file.laws)], IN_SPACE, one)?;
     if let Some((scope, file)) = top.section("frame", &file.frame) {
         scope.forbid(&[("side_gap", &file.side_gap), ("end_gap", &file.end_gap)], IN_SPACE, ON_SITES)?;
     }

@@ -1,19 +1,18 @@
 //! Before it is built: what a layout is worth once a workshop has made it.
 //!
-//! In: a layout, its design, and [`Tolerances`], what may turn out otherwise and by how much. Out: how much each score changes with each
+//! In: a layout under its design, a [`Drawing`](crate::evaluate::Drawing), and [`Tolerances`], what may turn out otherwise and by how much. Out: how much each score changes with each
 //! quantity, which share of pieces does what is asked, and what to do about it. Sheets and crystals in space are made alike; what settles in a frame, friction,
 //! oblique blows, derivatives and maps are of sheets. Every piece is a [`Piece`], values and a seed, so that
 //! the k-th one is the same whoever makes it and whenever; pieces are simulated side by side.
 //!
 //! - `grade`: what makers of balls promise; `file`: tolerances as written; `quantity`: what may turn out otherwise
-//! - `drawing`: what is to be made, a sheet or a crystal in space; `piece`: one piece as made; `workshop`: makes and simulates many
+//! - `piece`: one piece as made; `workshop`: makes and simulates many
 //! - `criterion`: what is asked of a piece; `yields`: how many do; `samples`: pieces that are kept, and their file
 //! - `sensitivity`: quantity by quantity; `indices`: anywhere within the limits; `sites`: site by site
 //! - `inverse`: what tolerances may be; `rechoose`: what measuring wins
 //! - `told`: all of it as JSON and in words; `page`: as a page
 
 mod criterion;
-mod drawing;
 mod file;
 mod grade;
 mod indices;
@@ -30,7 +29,6 @@ mod workshop;
 mod yields;
 
 pub use criterion::{Criterion, best_baseline};
-pub use drawing::Drawing;
 pub use file::MOST_SAMPLES;
 pub use grade::{GRADES, Grade};
 pub use indices::{Index, indices, indices_runs, indices_words};

@@ -1,10 +1,9 @@
 //! One piece as a workshop made it: from the values of quantities and a seed to what is simulated.
 
 use super::Tolerances;
-use super::drawing::Drawing;
 use super::quantity::{Kind, Quantity};
 use crate::dem::{ForcePulse, Projectile, Strike};
-use crate::evaluate::{ImpactLoad, Imperfection, LoadCase};
+use crate::evaluate::{Drawing, ImpactLoad, Imperfection, LoadCase};
 use crate::material::Material;
 use crate::search::Rng;
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Tolerances;
-use super::drawing::Drawing;
+use crate::evaluate::Drawing;
 use crate::units::Dimension;
 
 /// Which quantity; those of a material name its place in the palette.

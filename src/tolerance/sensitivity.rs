@@ -10,13 +10,12 @@
 use serde::Serialize;
 
 use super::State;
-use super::drawing::Drawing;
 use super::piece::Piece;
 use super::quantity::{Kind, Quantity};
 use super::workshop::{Made, Workshop, WorkshopError};
 use crate::Context;
 use crate::dem::{GradientError, Stop};
-use crate::evaluate::{EvaluatorError, Forces, MEASURES, SensitivityError, Shared, shared_slopes};
+use crate::evaluate::{Drawing, EvaluatorError, Forces, MEASURES, SensitivityError, Shared, shared_slopes};
 use crate::score::{Measure, geometric};
 use crate::stats::Mean;
 

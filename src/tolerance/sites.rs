@@ -5,10 +5,9 @@
 
 use serde::Serialize;
 
-use super::drawing::Drawing;
 use super::workshop::{Made, Workshop, WorkshopError};
 use crate::design::Design;
-use crate::evaluate::{Forces, ImpactLoad, Imperfection, LoadCase, Subject};
+use crate::evaluate::{Drawing, Forces, ImpactLoad, Imperfection, LoadCase, Subject};
 use crate::report::site_map;
 use crate::score::geometric;
 use crate::stats::Mean;

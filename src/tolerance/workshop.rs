@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::drawing::Drawing;
 use super::piece::Piece;
 use super::quantity::{Quantity, quantities};
 use super::{State, Tolerances};
@@ -11,8 +10,8 @@ use crate::dem::Stop;
 use crate::dem::rig::RigStop;
 use crate::design::Design;
 use crate::evaluate::{
-    Detail, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, ImpactLoad, LoadCase, Overrides, Plan, Subject,
-    held_energies, held_spheres,
+    Detail, Drawing, Evaluator, EvaluatorError, Frame, HeldError, HeldSphere, ImpactLoad, LoadCase, Overrides, Plan,
+    Subject, held_energies, held_spheres,
 };
 use crate::material::Material;
 use crate::score::{Measure, Needs, Scores};

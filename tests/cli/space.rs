@@ -218,7 +218,7 @@ fn what_is_wrong_or_cannot_be_done_is_said() {
         &["simulate", "space.toml"],
         &["bench", "space.toml"],
         &["design", "space.toml", "--rank"],
-        &["check", "lens.csv", "--design", "space.toml", "--gate"],
+        &["check", "lens.csv", "--design", "space.toml", "--gate", "--frame-depth", "1 m"],
         &["compare", "space.toml", "--laws", "all"],
     ] {
         let ran = desk.run(command);

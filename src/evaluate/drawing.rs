@@ -1,10 +1,15 @@
-//! What a workshop is given: a layout and the design by which it is judged, of a sheet or of a crystal in space.
+//! A layout and the design by which it is judged, of a sheet or of a crystal in space: what a workshop is given, and what is asked of either kind.
 
+use super::{
+    Comparison, EvaluatorError, Forces, Overrides, Plan, PlanError, SpaceComparison, Subject, add_piece, judged,
+    judged_in_space,
+};
+use crate::Context;
 use crate::design::{Design, DesignRef, SpaceDesign};
-use crate::evaluate::{Subject, add_piece};
 use crate::lattice::Block;
 use crate::layout::Layout;
 use crate::material::Material;
+use crate::outcome::Verdict;
 use crate::score::Scores;
 
 /// A layout under its design.
@@ -85,6 +90,39 @@ impl<'a> Drawing<'a> {
                 let mut scores = Scores::default();
                 add_piece(&mut scores, design, layout);
                 scores
+            }
+        }
+    }
+
+    /// Step and window for it alone.
+    ///
+    /// # Errors
+    /// See [`PlanError`].
+    pub fn plan(self, overrides: Overrides) -> Result<Plan, PlanError> {
+        match self {
+            Self::Plane(design, subject) => Plan::new(design, overrides, &subject.layout.palette),
+            Self::Space(design, layout) => {
+                // What Q refers to is simulated beside it.
+                let mut palette = layout.palette.clone();
+                palette.extend(design.reference().filter(|material| !layout.palette.contains(material)).cloned());
+                Plan::in_space(design, overrides, &palette)
+            }
+        }
+    }
+
+    /// The verdict of `compare` over the usual forces.
+    ///
+    /// # Errors
+    /// See [`EvaluatorError`].
+    pub fn verdict(self, overrides: Overrides, context: &Context) -> Result<Vec<Verdict>, EvaluatorError> {
+        let name = "layout".to_owned();
+        match self {
+            Self::Plane(design, subject) => {
+                judged(&Comparison::of_layout(design, name, subject, overrides)?.over(Forces::USUAL), context)
+            }
+            Self::Space(design, layout) => {
+                let comparison = SpaceComparison::of_layout(design, name, layout.clone(), overrides)?;
+                judged_in_space(&comparison.over(Forces::USUAL), context)
             }
         }
     }
