@@ -4,7 +4,7 @@ Quantities are in SI unless a name says otherwise; tables are dicts of columns, 
 as those of the command line, for any number of threads.
 
 - `materials`, `Material`, `contact`, `contact_path`, `collide`, `wave_speed`, `surface`: materials, contacts and waves
-- `Design`, `design`, `Lens`, `Layout`: what is asked for and what is proposed
+- `Design`, `design`, `Lens`, `Layout`: what is asked for and what is proposed; `SpaceDesign`, `SpaceLayout`: the same of crystals in space
 - `evaluate`, `Evaluator`, `simulate`, `Record`: layouts under an impact
 - `sensitivity`, `tolerance`: how scores change with every sphere, and what pieces as made are worth
 - `Rig`, `Bed`, `Packing`: anything a lab can build, and granular beds; `Frames`, `read_frames`, `network`, `motion`: what goes on inside
@@ -26,6 +26,8 @@ from ._granulens import (
     Material,
     Packing,
     Rig,
+    SpaceDesign,
+    SpaceLayout,
     __commit__,
     __version__,
     collide,
@@ -74,6 +76,8 @@ __all__ = [
     "Result",
     "Rig",
     "Sensitivity",
+    "SpaceDesign",
+    "SpaceLayout",
     "Study",
     "Surface",
     "__commit__",

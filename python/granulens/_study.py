@@ -14,7 +14,7 @@ from typing import Any, Callable
 
 from . import _granulens
 from ._errors import Error, LostError
-from ._granulens import Layout
+from ._granulens import Layout, SpaceLayout
 from ._run import table_html
 
 # Layouts that fill the registers of a core: a shard of fewer takes as long.
@@ -174,7 +174,7 @@ class Result:
 
     Attributes
     ----------
-    best : Layout or None
+    best : Layout, SpaceLayout or None
         The best layout, or the nearest to the limits.
     within_limits : bool
     scores : dict of float
@@ -183,7 +183,7 @@ class Result:
         Every evaluation that was the best so far: evaluations, step_s, loss, within_limits.
     front : dict of columns or None
         Where several measures are traded: each of them, evaluation, loss, in the order of the first, best first.
-    front_layouts : list of Layout
+    front_layouts : list of Layout or SpaceLayout
     stages, baselines : list of dict
     evaluations : int
     ended : str
@@ -193,12 +193,12 @@ class Result:
         All of study.json.
     """
 
-    best: Layout | None
+    best: Layout | SpaceLayout | None
     within_limits: bool
     scores: dict[str, float]
     history: dict[str, Any]
     front: dict[str, Any] | None
-    front_layouts: list[Layout]
+    front_layouts: list[Layout] | list[SpaceLayout]
     stages: list[dict[str, Any]]
     baselines: list[dict[str, Any]]
     evaluations: int

@@ -240,8 +240,8 @@ fn put(table: &mut toml::Table, values: serde_json::Map<String, serde_json::Valu
 }
 
 /// The palette that is given, or the design's.
-pub fn palette(
-    design: &granulens::design::Design,
+pub fn palette<L, R>(
+    design: &granulens::design::Design<L, R>,
     given: Option<Vec<MaterialLike>>,
 ) -> Result<Vec<granulens::material::Material>> {
     let Some(given) = given else { return Ok(design.palette()) };
@@ -259,7 +259,16 @@ pub fn check(
     materials: &[u8],
     number: usize,
 ) -> Result<()> {
-    let sites = design.lattice.len();
+    numbers_of(design.lattice.len(), palette, materials, number)
+}
+
+/// Whether numbers are those of materials of the palette, one for each of so many sites.
+pub fn numbers_of(
+    sites: usize,
+    palette: &[granulens::material::Material],
+    materials: &[u8],
+    number: usize,
+) -> Result<()> {
     if materials.len() != sites {
         return Err(Failure::input(format!(
             "layouts must be an array of uint8 of shape (n, {sites}), a number for each site; this one has {}",

@@ -20,6 +20,7 @@ mod rig;
 mod robust;
 mod running;
 mod simulate;
+mod space;
 mod study;
 mod surface;
 mod values;
@@ -46,6 +47,8 @@ mod _granulens {
     use super::robust::{sensitivity, tolerance};
     #[pymodule_export]
     use super::simulate::simulate;
+    #[pymodule_export]
+    use super::space::{SpaceDesign, SpaceLayout};
     #[pymodule_export]
     use super::study::{Study, evaluate_lines};
     #[pymodule_export]

@@ -19,6 +19,7 @@ use pyo3::types::PyDict;
 use crate::design::{Design, Layout};
 use crate::failure::{Failure, Result};
 use crate::running::run;
+use crate::space::{SpaceDesign, SpaceLayout};
 use crate::values::{Table, maybe, nested, vector};
 
 /// A study: what is wanted of a design's layouts, and what is done to find one.
@@ -33,9 +34,30 @@ use crate::values::{Table, maybe, nested, vector};
 pub struct Study {
     inner: study::Study,
     /// The design whose layouts are searched.
-    sheet: Arc<granulens::design::Design>,
+    design: Lent,
     /// Of one that evaluates for others: what it needs for that, made once.
     local: Mutex<Option<Local>>,
+}
+
+/// The design of a study, of a sheet or in space, as its layouts hold it.
+#[derive(Clone)]
+enum Lent {
+    Sheet(Arc<granulens::design::Design>),
+    Space(Arc<granulens::design::SpaceDesign>),
+}
+
+/// A design of either kind.
+#[derive(IntoPyObject)]
+enum AnyDesign {
+    Sheet(Design),
+    Space(SpaceDesign),
+}
+
+/// A layout of either kind.
+#[derive(IntoPyObject)]
+enum AnyLayout {
+    Sheet(Layout),
+    Space(SpaceLayout),
 }
 
 #[pymethods]
@@ -44,13 +66,11 @@ impl Study {
     #[pyo3(signature = (path, *, seed = None))]
     fn new(path: PathBuf, seed: Option<u64>) -> Result<Self> {
         let inner = study::Study::read(&path, seed)?;
-        let Some(sheet) = inner.design.plane().cloned().map(Arc::new) else {
-            return Err(Failure::with_help(
-                format!("{}: searches a crystal in space, and granulens.Study takes sheets", path.display()),
-                "Run it with granulens study run.",
-            ));
+        let design = match &inner.design {
+            granulens::design::AnyDesign::Plane(design) => Lent::Sheet(Arc::new((**design).clone())),
+            granulens::design::AnyDesign::Space(design) => Lent::Space(Arc::new((**design).clone())),
         };
-        Ok(Self { inner, sheet, local: Mutex::new(None) })
+        Ok(Self { inner, design, local: Mutex::new(None) })
     }
 
     /// The file, as it was named.
@@ -78,39 +98,53 @@ impl Study {
     fn free<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         vector(py, self.inner.free.iter().map(|&site| site as i64).collect())
     }
-    /// The letters at the start: uint8, shape (free,).
+    /// For each letter the sites that it stands for, each int64: one, or in space all that change together.
+    #[getter]
+    fn groups<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyAny>> {
+        let of = |group: &Vec<usize>| vector(py, group.iter().map(|&site| site as i64).collect());
+        self.inner.groups.iter().map(of).collect()
+    }
+    /// The letters at the start: uint8, shape (letters,).
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         vector(py, self.inner.first().swap_remove(0))
     }
     /// The design whose layouts are searched.
     #[getter]
-    fn design(&self) -> Design {
-        Design { inner: self.sheet.clone() }
+    fn design(&self) -> AnyDesign {
+        match self.design.clone() {
+            Lent::Sheet(inner) => AnyDesign::Sheet(Design { inner }),
+            Lent::Space(inner) => AnyDesign::Space(SpaceDesign { inner }),
+        }
     }
 
-    /// The layout that letters stand for: uint8, shape (free,).
-    fn layout(&self, letters: Vec<u8>) -> Result<Layout> {
+    /// The layout that letters stand for: uint8, shape (letters,).
+    fn layout(&self, letters: Vec<u8>) -> Result<AnyLayout> {
         let study = &self.inner;
         let known = |letter: &u8| usize::from(*letter) < study.alphabet.len();
-        if letters.len() != study.free.len() || !letters.iter().all(known) {
+        if letters.len() != study.variables() || !letters.iter().all(known) {
             return Err(Failure::input(format!(
-                "letters must be {} numbers below {}, one for each site that may change",
-                study.free.len(),
+                "letters must be {} numbers below {}, one for each site, or group of sites, that may change",
+                study.variables(),
                 study.alphabet.len()
             )));
         }
         let (palette, materials) = (study.palette.clone(), study.materials(&letters));
-        let inner = granulens::layout::Layout { lattice: self.sheet.lattice.clone(), palette, materials };
-        Ok(Layout { inner, design: self.sheet.clone() })
+        Ok(match &self.design {
+            Lent::Sheet(design) => {
+                let inner = granulens::layout::Layout { lattice: design.lattice.clone(), palette, materials };
+                AnyLayout::Sheet(Layout { inner, design: design.clone() })
+            }
+            Lent::Space(design) => AnyLayout::Space(SpaceLayout::of(design, palette, materials)),
+        })
     }
 
-    /// Random layouts of the study, as its searches begin with: letters, uint8, shape (count, free).
+    /// Random layouts of the study, as its searches begin with: letters, uint8, shape (count, letters).
     #[pyo3(signature = (count, *, seed = None))]
     fn random<'py>(&self, py: Python<'py>, count: usize, seed: Option<u64>) -> PyResult<Bound<'py, PyAny>> {
         let (space, mut rng) = (self.inner.space(), Rng::new(seed.unwrap_or(self.inner.seed)));
         let flat: Vec<u8> = (0..count).flat_map(|_| space.random(&mut rng)).collect();
-        vector(py, flat).call_method1("reshape", (count, self.inner.free.len()))
+        vector(py, flat).call_method1("reshape", (count, self.inner.variables()))
     }
 
     /// The study's files by name, so that it can be read elsewhere; the first is the study file.
@@ -260,13 +294,18 @@ impl Study {
     /// The journal of a folder as a table, one entry per evaluation.
     ///
     /// Columns, shape (n,): step_s; evaluation, from 1 at each step; each measure over all impacts, NaN where it has no value; loss;
-    /// within_limits (bool); stop (str or None); letters, uint8, shape (n, free).
+    /// within_limits (bool); stop (str or None); letters, uint8, shape (n, letters).
     fn journal<'py>(&self, py: Python<'py>, folder: PathBuf) -> PyResult<Bound<'py, PyDict>> {
         let study = &self.inner;
         let entries = Journal::read(&folder.join("journal.jsonl")).map_err(Failure::from)?.entries;
         let mut rungs: Vec<(f64, Rung)> = Vec::new();
         for place in 0..study.rungs.len() {
-            let plan = study.plan(place).map_err(|error| Failure::from(self.sheet.blame_plan(&error)))?;
+            let plan = study.plan(place).map_err(|error| {
+                Failure::from(match &self.design {
+                    Lent::Sheet(design) => design.blame_plan(&error),
+                    Lent::Space(design) => design.blame_plan(&error),
+                })
+            })?;
             let mut rung = Rung::default();
             let at = study.at(place);
             for (assignment, entry) in Key::new(&at, &plan).own(&at, &entries) {
@@ -296,7 +335,7 @@ impl Study {
             }
         }
         let letters: Vec<u8> = all.iter().flat_map(|(.., judged)| judged.assignment.iter().copied()).collect();
-        let letters = vector(py, letters).call_method1("reshape", (all.len(), study.free.len()))?;
+        let letters = vector(py, letters).call_method1("reshape", (all.len(), study.variables()))?;
         let stops: Vec<Option<&String>> = all.iter().map(|(.., judged)| judged.entry.stop.as_ref()).collect();
         Ok(table.with("stop", stops)?.with("letters", letters)?.0)
     }
@@ -318,9 +357,9 @@ impl Study {
 }
 
 impl Study {
-    fn of_entry(&self, entry: &Entry) -> Result<Layout> {
+    fn of_entry(&self, entry: &Entry) -> Result<AnyLayout> {
         let letters = entry
-            .assignment(self.inner.free.len(), self.inner.alphabet.len() as u8)
+            .assignment(self.inner.variables(), self.inner.alphabet.len() as u8)
             .ok_or_else(|| Failure::input("the layout belongs to another study"))?;
         self.layout(letters)
     }
@@ -427,7 +466,7 @@ pub fn evaluate_lines(
     }
     let letters = study.alphabet.len() as u8;
     let assignment = |text: &String| {
-        study::unpack(text, study.free.len(), letters)
+        study::unpack(text, study.variables(), letters)
             .ok_or_else(|| Failure::input(format!("{text} is no layout of {}", study.path.display())))
     };
     let assignments = layouts.iter().map(assignment).collect::<Result<Vec<Assignment>>>()?;

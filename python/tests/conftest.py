@@ -53,6 +53,52 @@ start = ["lens", "random"]
 """
 
 
+# A crystal in space of 1260 spheres: a twentieth of a second a layout.
+SPACE = """format = 1
+name = "small-space"
+[crystal]
+packing = "hcp"
+diameter = "6.35 mm"
+layers = 9
+cells = [10, 7]
+axis_layer = 2
+sides = ["mirror", "period"]
+host = "stainless-440c"
+law = "thesis"
+[impact]
+kind = "force-pulse"
+force = "20 kN"
+duration = "20 us"
+[target]
+focus = { layers = [7, 8], r = ["0 D", "1.1 D"] }
+protect = { layers = [7, 8], r = ["4 D", "5 D"] }
+[lens]
+family = "plano-convex"
+material = "brass-260"
+apex_layer = 2
+back_layer = 5
+radius = "5.5 D"
+max_interface_angle = "75 deg"
+[run]
+window = "70 us"
+step = "500 ns"
+"""
+
+# Bodies of revolution: spheres of a layer at one distance from the axis change together.
+SPACE_STUDY = """format = 1
+design = "space.toml"
+materials = ["stainless-440c", "brass-260"]
+layers = [2, 5]
+r = ["0 D", "3 D"]
+symmetry = "axis"
+objective = { contrast = { maximise = 1 }, piece_mass = { minimise = 0.5 } }
+budget = 32
+seed = 1
+method = "nsga2"
+start = ["lens", "random"]
+"""
+
+
 def program() -> str:
     """The command-line program, beside which numbers are held."""
     for path in (os.environ.get("GRANULENS"), REPOSITORY / "target/debug/granulens", REPOSITORY / "target/release/granulens"):

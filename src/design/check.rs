@@ -187,7 +187,7 @@ fn sheet(scope: &Scope, file: &CrystalFile) -> Result<HexagonalSheet, DesignErro
     {
         return Err(packing.fail(
             "is a crystal in space, which this command does not take",
-            "granulens design, run, check, compare, tolerance, study and build take it, and a rig of it granulens simulate; explore and Python take sheets.",
+            "granulens design, run, check, compare, tolerance, study and build take it, and a rig of it granulens simulate; Python has SpaceDesign for it; explore takes sheets.",
         ));
     }
     // What is in space has been told apart; it is named for those who slip.
