@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::events::State;
 use super::streams::Streams;
 use super::{Halved, RunError, write};
-use crate::dem::rig::{Simulation, sealed, unsealed};
+use crate::dem::rig::Simulation;
+use crate::dem::{sealed, unsealed};
 use crate::setup::PreparedRig;
 
 /// First line of the file; the number is that of the format.

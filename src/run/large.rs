@@ -20,8 +20,8 @@ use super::tables::{Peaks, write_peaks};
 use super::{CHECKPOINT, Ending, Halved, Keeping, RunError, SUMMARY, Summary, begin, write};
 use crate::Context;
 use crate::dem::bulk::{Arrivals, Bulk, MANY, Recording};
-use crate::dem::rig::{Arrival, Body, Curve, EnergyLedger, Law, LawBook, LoadKind, RigStop, sealed, unsealed};
-use crate::dem::{ForcePulse, Impact, InAny, MoveIn, Period, Spheres, Stop};
+use crate::dem::rig::{Arrival, Body, Curve, EnergyLedger, Law, LawBook, LoadKind, RigStop};
+use crate::dem::{ForcePulse, Impact, InAny, MoveIn, Period, Spheres, Stop, sealed, unsealed};
 use crate::real::Width;
 use crate::setup::{Contacts, PreparedRig, Quantity};
 

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::measure::surface;
 use super::{Bed, Disk, Frame, Grains, Intruder, Outline};
 use crate::Context;
-use crate::dem::rig::{CheckpointError, EnergyLedger, Face, RigError, RigStop, Simulation};
+use crate::dem::CheckpointError;
+use crate::dem::rig::{EnergyLedger, Face, RigError, RigStop, Simulation};
 
 /// An impact on a bed.
 #[derive(Clone, Copy, Debug, PartialEq)]

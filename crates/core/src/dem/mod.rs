@@ -15,6 +15,7 @@
 //! - `dimension`: in how many dimensions all this is compiled
 //! - `adjoint`: how scores change with each sphere: derivatives of a run
 //! - `share`: long loops on several threads
+//! - `checkpoint`: states as bytes
 //! - `sheet`: large hexagonal sheets of elastic spheres, by a stencil in place of lists
 //! - `rig`: everything else that a lab can build: contacts that come and go, flats, bars, friction, gravity
 //!
@@ -27,6 +28,7 @@ mod batch;
 mod body;
 mod boundary;
 pub mod bulk;
+mod checkpoint;
 mod clock;
 mod contacts;
 mod dimension;
@@ -54,6 +56,7 @@ pub use batch::{
     simulate_batch_with_friction, simulate_batch_within,
 };
 pub use boundary::{Face, Mirror, Period};
+pub use checkpoint::{CheckpointError, sealed, unsealed};
 pub use clock::Phases;
 pub use dimension::{InAny, MoveIn, Spheres};
 pub use guard::{OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};

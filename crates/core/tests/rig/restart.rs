@@ -1,8 +1,8 @@
 //! Stored and taken up again: the same bits.
 
 use granulens_core::contact::LawKind;
-use granulens_core::dem::Integrator;
-use granulens_core::dem::rig::{Arrival, Body, CheckpointError, Curve, Flat, Load, LoadKind, Rig, Simulation};
+use granulens_core::dem::{CheckpointError, Integrator};
+use granulens_core::dem::rig::{Arrival, Body, Curve, Flat, Load, LoadKind, Rig, Simulation};
 
 use crate::rigs::{DIAMETER, GO, hexagonal, rig};
 
@@ -105,7 +105,7 @@ fn what_is_no_checkpoint_of_this_rig_is_refused_with_the_reason() {
     assert_eq!(refusal(b"hello"), CheckpointError::Foreign);
     let mut version = bytes.clone();
     version[20] = 9;
-    assert_eq!(refusal(&version), CheckpointError::Version(9));
+    assert_eq!(refusal(&version), CheckpointError::Version { of: 9, read: 8 });
     for cut in [21, 27, 40, bytes.len() - 1] {
         assert_eq!(refusal(&bytes[..cut]), CheckpointError::Damaged);
     }

@@ -1,138 +1,128 @@
 //! The state of a run as bytes, and back: a run that is taken up goes on to the same bits.
 //!
-//! A header with version and a digest of the crystal and its impact, then the numbers, little-endian, of those sections that the wave has
-//! reached, then a checksum of it all. It is written and read as a stream, so that no second copy of the state is held.
+//! Words with the version, then blocks, each its length and a [`sealed`] value: what is so of the whole crystal, and what each section remembers that the wave has
+//! reached. It is written and read as a stream, so that no more than a section's state is ever held twice.
 
+use std::borrow::Cow;
 use std::io::{self, Read, Write};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::Bulk;
 use super::section::{Arrivals, Section};
-use crate::dem::arrival::{ArrivalTracker, Point};
+use crate::dem::arrival::ArrivalTracker;
+use crate::dem::checkpoint::{CheckpointError, sealed, unsealed};
 
-const MAGIC: &[u8; 24] = b"granulens bulk version 3";
+/// The version follows as a digit.
+const MAGIC: &[u8; 23] = b"granulens bulk version ";
+const VERSION: u8 = 4;
 
 /// Why a checkpoint cannot be written or taken up.
 #[derive(Debug, thiserror::Error)]
 pub enum BulkCheckpointError {
-    /// It is something else, or of another version.
-    #[error("this is no checkpoint of a large crystal by this version")]
-    Foreign,
-    /// It ends early or was changed.
-    #[error("the checkpoint is damaged: its checksum does not fit")]
-    Damaged,
-    /// It is of another crystal, impact or record.
-    #[error("the checkpoint was written for another crystal or impact")]
-    Other,
-    /// It cannot be read or written.
+    /// Its state.
+    #[error(transparent)]
+    State(#[from] CheckpointError),
+    /// It cannot be read.
     #[error(transparent)]
     File(#[from] io::Error),
 }
 
-/// Numbers written or read at once.
-const CHUNK: usize = 4096;
-
-struct Out<'a> {
-    to: &'a mut dyn Write,
-    checksum: crc32fast::Hasher,
+/// What is so of the whole crystal.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Whole {
+    digest: u32,
+    steps: u64,
+    /// Work of the load so far, and in the step to come (J).
+    work: [f64; 2],
+    /// Greatest momentum (kg m/s) and force (N) of the exit.
+    exit: [f64; 2],
+    /// How far spheres can have come since strangers were looked for, and how far they may.
+    way: f64,
+    room: f64,
+    judged: Vec<f64>,
+    /// Which sections the wave has reached.
+    reached: Vec<bool>,
 }
 
-impl Out<'_> {
-    fn bytes(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.checksum.update(bytes);
-        self.to.write_all(bytes)
-    }
-
-    fn numbers(&mut self, numbers: &[f64]) -> io::Result<()> {
-        let mut bytes = Vec::with_capacity(8 * CHUNK);
-        for chunk in numbers.chunks(CHUNK) {
-            bytes.clear();
-            bytes.extend(chunk.iter().flat_map(|number| number.to_le_bytes()));
-            self.bytes(&bytes)?;
-        }
-        Ok(())
-    }
+/// What a section remembers that the wave has reached; see [`Section`].
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Remembered<'a> {
+    /// Of its rows, those that the wave has reached.
+    active: Cow<'a, [bool]>,
+    displacement: [Cow<'a, [f64]>; 3],
+    predicted: [Cow<'a, [f64]>; 3],
+    past: Cow<'a, [f64]>,
+    speed_squared: Cow<'a, [f64]>,
+    acceleration_squared: Cow<'a, [f64]>,
+    contacts: Cow<'a, [f64]>,
+    /// Contacts with the sections before and after it. They stand with the first of the two that is reached.
+    before: Option<Cow<'a, [f64]>>,
+    after: Option<Cow<'a, [f64]>>,
+    /// First arrivals, as times or by what they follow from; of what is recorded.
+    times: Cow<'a, [f64]>,
+    trackers: Cow<'a, [ArrivalTracker]>,
 }
 
-struct In<'a> {
-    from: &'a mut dyn Read,
-    checksum: crc32fast::Hasher,
+/// Writes a block.
+fn put(to: &mut dyn Write, value: &impl Serialize) -> io::Result<()> {
+    let block = sealed(value);
+    to.write_all(&(block.len() as u64).to_le_bytes())?;
+    to.write_all(&block)
 }
 
-impl In<'_> {
-    fn bytes(&mut self, bytes: &mut [u8]) -> Result<(), BulkCheckpointError> {
-        self.from.read_exact(bytes).map_err(|error| match error.kind() {
-            io::ErrorKind::UnexpectedEof => BulkCheckpointError::Damaged,
-            _ => BulkCheckpointError::File(error),
-        })?;
-        self.checksum.update(bytes);
-        Ok(())
-    }
+/// Reads so many bytes, or what there is where there are fewer.
+fn bytes(from: &mut dyn Read, count: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    from.take(count).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
 
-    fn numbers(&mut self, numbers: &mut [f64]) -> Result<(), BulkCheckpointError> {
-        let mut bytes = vec![0; 8 * CHUNK];
-        for chunk in numbers.chunks_mut(CHUNK) {
-            let bytes = &mut bytes[..8 * chunk.len()];
-            self.bytes(bytes)?;
-            for (number, bytes) in chunk.iter_mut().zip(bytes.chunks_exact(8)) {
-                *number = f64::from_le_bytes(bytes.try_into().unwrap_or_default());
-            }
-        }
-        Ok(())
-    }
+/// Reads a block.
+fn take<T: DeserializeOwned>(from: &mut dyn Read) -> Result<T, BulkCheckpointError> {
+    let length = bytes(from, 8)?.try_into().map_err(|_| CheckpointError::Damaged)?;
+    Ok(unsealed(&bytes(from, u64::from_le_bytes(length))?).ok_or(CheckpointError::Damaged)?)
+}
 
-    fn count(&mut self) -> Result<u64, BulkCheckpointError> {
-        let mut bytes = [0; 8];
-        self.bytes(&mut bytes)?;
-        Ok(u64::from_le_bytes(bytes))
+/// Puts what was remembered in its place, which has room for as much.
+fn fill<T: Copy>(place: &mut [T], remembered: &[T]) -> Result<(), CheckpointError> {
+    if place.len() != remembered.len() {
+        return Err(CheckpointError::Damaged);
     }
+    place.copy_from_slice(remembered);
+    Ok(())
 }
 
 impl Bulk {
-    /// Writes the state; in a file of its own, by way of a buffer of some kilobytes or none.
+    /// Writes the state; in a file of its own.
     ///
     /// # Errors
     /// What is written to fails.
     pub fn save(&self, to: &mut dyn Write) -> io::Result<()> {
-        let mut out = Out { to, checksum: crc32fast::Hasher::new() };
-        out.bytes(MAGIC)?;
-        out.bytes(&self.digest().to_le_bytes())?;
-        out.bytes(&self.steps.to_le_bytes())?;
-        out.numbers(&self.few())?;
-        out.numbers(&self.judged)?;
-        for section in &self.sections {
-            out.bytes(&[u8::from(section.any_active)])?;
-        }
+        to.write_all(MAGIC)?;
+        to.write_all(&[b'0' + VERSION])?;
+        put(
+            to,
+            &Whole {
+                digest: self.digest(),
+                steps: self.steps,
+                work: self.work,
+                exit: self.exit,
+                way: self.strangers.way,
+                room: self.strangers.room,
+                judged: self.judged.clone(),
+                reached: self.sections.iter().map(|section| section.any_active).collect(),
+            },
+        )?;
         for (k, section) in self.sections.iter().enumerate().filter(|(_, section)| section.any_active) {
-            let active: Vec<u8> = section.active.iter().map(|&active| u8::from(active)).collect();
-            out.bytes(&active)?;
-            for numbers in section.x.iter().chain(&section.predicted) {
-                out.numbers(numbers.get())?;
-            }
-            let rest = [&section.past, &section.speed_squared, &section.acceleration_squared, &section.store.numbers];
-            for numbers in rest {
-                out.numbers(numbers.get())?;
-            }
-            match &section.arrivals {
-                Arrivals::None => {}
-                Arrivals::Speed(_, times) => out.numbers(times)?,
-                Arrivals::Own(trackers) => {
-                    for ArrivalTracker { points, last, base, previous } in trackers {
-                        out.bytes(&(points.len() as u64).to_le_bytes())?;
-                        out.numbers(&[*previous, *base])?;
-                        for &Point { speed, steps } in points.iter().chain([last]) {
-                            out.numbers(&[speed])?;
-                            out.bytes(&steps.to_le_bytes())?;
-                        }
-                    }
-                }
-            }
-            // A seam belongs to the section above it, and acts only where that or the one below is reached.
-            for seam in [k.checked_sub(1), Some(k)].into_iter().flatten().filter(|&seam| self.keeps_seam(seam, k)) {
-                out.numbers(self.seams[seam].store.numbers.get())?;
-            }
+            let seam = |seam: Option<usize>| {
+                let seam = seam.filter(|&seam| self.keeps_seam(seam, k))?;
+                Some(self.seams[seam].store.numbers.get().into())
+            };
+            put(to, &section.remembered([seam(k.checked_sub(1)), seam(Some(k))]))?;
         }
-        let checksum = out.checksum.clone().finalize();
-        out.to.write_all(&checksum.to_le_bytes())
+        Ok(())
     }
 
     /// Takes up a state that was written of the same crystal under the same impact; where this fails the crystal is to be made anew.
@@ -140,42 +130,41 @@ impl Bulk {
     /// # Errors
     /// See [`BulkCheckpointError`].
     pub fn restore(&mut self, from: &mut dyn Read) -> Result<(), BulkCheckpointError> {
-        let mut source = In { from, checksum: crc32fast::Hasher::new() };
-        let mut magic = [0; 24];
-        source.bytes(&mut magic)?;
-        if magic != *MAGIC {
-            return Err(BulkCheckpointError::Foreign);
+        let opening = bytes(from, MAGIC.len() as u64 + 1)?;
+        match opening.strip_prefix(MAGIC) {
+            Some([version]) if *version == b'0' + VERSION => {}
+            Some([version @ b'0'..=b'9']) => {
+                let [of, read] = [version - b'0', VERSION].map(u32::from);
+                return Err(CheckpointError::Version { of, read }.into());
+            }
+            _ => return Err(CheckpointError::Foreign.into()),
         }
-        let mut digest = [0; 4];
-        source.bytes(&mut digest)?;
-        if u32::from_le_bytes(digest) != self.digest() {
-            return Err(BulkCheckpointError::Other);
+        let Whole { digest, steps, work, exit, way, room, judged, reached } = take(from)?;
+        if digest != self.digest() {
+            return Err(CheckpointError::Other("crystal or impact").into());
         }
-        self.steps = source.count()?;
-        let mut few = self.few();
-        source.numbers(&mut few)?;
-        [self.work[0], self.work[1], self.exit[0], self.exit[1], self.strangers.way, self.strangers.room] = few;
-        source.numbers(&mut self.judged)?;
-        let mut any = vec![0; self.sections.len()];
-        source.bytes(&mut any)?;
-        for (section, any) in self.sections.iter_mut().zip(any) {
-            section.any_active = any == 1;
+        if reached.len() != self.sections.len() {
+            return Err(CheckpointError::Damaged.into());
+        }
+        (self.steps, self.work, self.exit) = (steps, work, exit);
+        (self.strangers.way, self.strangers.room) = (way, room);
+        fill(&mut self.judged, &judged)?;
+        for (section, reached) in self.sections.iter_mut().zip(reached) {
+            section.any_active = reached;
         }
         for k in 0..self.sections.len() {
             if !self.sections[k].any_active {
                 continue;
             }
-            read_section(&mut source, &mut self.sections[k])?;
-            let seams = [k.checked_sub(1), Some(k)].into_iter().flatten();
-            for seam in seams.filter(|&seam| self.keeps_seam(seam, k)).collect::<Vec<usize>>() {
-                source.numbers(self.seams[seam].store.numbers.get_mut())?;
+            let mut remembered: Remembered<'_> = take(from)?;
+            for (seam, contacts) in [(k.checked_sub(1), remembered.before.take()), (Some(k), remembered.after.take())] {
+                match (seam.filter(|&seam| self.keeps_seam(seam, k)), contacts) {
+                    (Some(seam), Some(contacts)) => fill(self.seams[seam].store.numbers.get_mut(), &contacts)?,
+                    (None, None) => {}
+                    _ => return Err(CheckpointError::Damaged.into()),
+                }
             }
-        }
-        let expected = source.checksum.clone().finalize();
-        let mut checksum = [0; 4];
-        source.bytes(&mut checksum)?;
-        if u32::from_le_bytes(checksum) != expected {
-            return Err(BulkCheckpointError::Damaged);
+            self.sections[k].recall(remembered)?;
         }
         self.terms.load = self.load(self.steps);
         Ok(())
@@ -184,11 +173,6 @@ impl Bulk {
     /// Whether a seam is written with a section: with the first of its two that is reached.
     fn keeps_seam(&self, seam: usize, section: usize) -> bool {
         seam < self.seams.len() && (section == seam || !self.sections[seam].any_active)
-    }
-
-    fn few(&self) -> [f64; 6] {
-        let ([work, ahead], [momentum, force]) = (self.work, self.exit);
-        [work, ahead, momentum, force, self.strangers.way, self.strangers.room]
     }
 
     /// Of all that a run is made by.
@@ -208,40 +192,47 @@ impl Bulk {
     }
 }
 
-fn read_section(source: &mut In<'_>, section: &mut Section) -> Result<(), BulkCheckpointError> {
-    let mut active = vec![0; section.active.len()];
-    source.bytes(&mut active)?;
-    section.active = active.into_iter().map(|active| active == 1).collect();
-    for numbers in section.x.iter_mut().chain(&mut section.predicted) {
-        source.numbers(numbers.get_mut())?;
-    }
-    let Section { past, speed_squared, acceleration_squared, store, .. } = section;
-    for numbers in [past, speed_squared, acceleration_squared, &mut store.numbers] {
-        source.numbers(numbers.get_mut())?;
-    }
-    match &mut section.arrivals {
-        Arrivals::None => {}
-        Arrivals::Speed(_, times) => source.numbers(times)?,
-        Arrivals::Own(trackers) => {
-            for tracker in trackers {
-                let count = source.count()?;
-                let mut speeds = [0.0; 2];
-                source.numbers(&mut speeds)?;
-                [tracker.previous, tracker.base] = speeds;
-                tracker.points.clear();
-                for n in 0..=count {
-                    let (mut speed, mut steps) = ([0.0], [0; 4]);
-                    source.numbers(&mut speed)?;
-                    source.bytes(&mut steps)?;
-                    let point = Point { speed: speed[0], steps: u32::from_le_bytes(steps) };
-                    if n < count {
-                        tracker.points.push(point);
-                    } else {
-                        tracker.last = point;
-                    }
-                }
-            }
+impl Section {
+    fn remembered<'a>(&'a self, [before, after]: [Option<Cow<'a, [f64]>>; 2]) -> Remembered<'a> {
+        let (times, trackers) = match &self.arrivals {
+            Arrivals::None => (&[][..], &[][..]),
+            Arrivals::Speed(_, times) => (&times[..], &[][..]),
+            Arrivals::Own(trackers) => (&[][..], &trackers[..]),
+        };
+        Remembered {
+            active: self.active[..].into(),
+            displacement: self.x.each_ref().map(|axis| axis.get().into()),
+            predicted: self.predicted.each_ref().map(|axis| axis.get().into()),
+            past: self.past.get().into(),
+            speed_squared: self.speed_squared.get().into(),
+            acceleration_squared: self.acceleration_squared.get().into(),
+            contacts: self.store.numbers.get().into(),
+            before,
+            after,
+            times: times.into(),
+            trackers: trackers.into(),
         }
     }
-    Ok(())
+
+    /// Seams are not the section's.
+    fn recall(&mut self, remembered: Remembered<'_>) -> Result<(), CheckpointError> {
+        fill(&mut self.active, &remembered.active)?;
+        let axes = self.x.iter_mut().zip(&remembered.displacement);
+        for (axis, numbers) in axes.chain(self.predicted.iter_mut().zip(&remembered.predicted)) {
+            fill(axis.get_mut(), numbers)?;
+        }
+        fill(self.past.get_mut(), &remembered.past)?;
+        fill(self.speed_squared.get_mut(), &remembered.speed_squared)?;
+        fill(self.acceleration_squared.get_mut(), &remembered.acceleration_squared)?;
+        fill(self.store.numbers.get_mut(), &remembered.contacts)?;
+        match &mut self.arrivals {
+            Arrivals::None => Ok(()),
+            Arrivals::Speed(_, times) => fill(times, &remembered.times),
+            Arrivals::Own(trackers) if trackers.len() == remembered.trackers.len() => {
+                *trackers = remembered.trackers.into_owned();
+                Ok(())
+            }
+            Arrivals::Own(_) => Err(CheckpointError::Damaged),
+        }
+    }
 }

@@ -256,7 +256,11 @@ fn a_run_goes_on_from_a_checkpoint_to_the_same_bits() {
             assert!(new(&impact).restore(&mut &bytes[..bytes.len() - 9]).is_err());
             let middle = bytes.len() / 2;
             bytes[middle] ^= 1;
-            assert!(new(&impact).restore(&mut &bytes[..]).is_err());
+            let refused = |bytes: &[u8]| new(&impact).restore(&mut &*bytes).unwrap_err().to_string();
+            assert_eq!(refused(&bytes), "the checkpoint is damaged: its checksum does not fit");
+            let older = [b"granulens bulk version 2", &bytes[24..]].concat();
+            assert_eq!(refused(&older), "the checkpoint has version 2; this program reads version 4");
+            assert_eq!(refused(b"granulens checkpoint"), "this is no checkpoint of granulens");
         }
     }
 }

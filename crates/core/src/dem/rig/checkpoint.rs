@@ -5,12 +5,12 @@
 
 use std::fmt::Write as _;
 
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::Rig;
 use crate::dem::Integrator;
 use crate::dem::arrival::ArrivalTracker;
+use crate::dem::checkpoint::{CheckpointError, sealed, unsealed};
 
 const MAGIC: &[u8; 20] = b"granulens checkpoint";
 const VERSION: u32 = 8;
@@ -83,23 +83,6 @@ pub(super) struct PeaksSoFar {
     pub trackers: Vec<ArrivalTracker>,
 }
 
-/// Why a checkpoint cannot be taken up.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CheckpointError {
-    /// It is something else.
-    #[error("this is no checkpoint of granulens")]
-    Foreign,
-    /// It was written by another version.
-    #[error("the checkpoint has version {0}; this program reads version {VERSION}")]
-    Version(u32),
-    /// It ends early or was changed.
-    #[error("the checkpoint is damaged: its checksum does not fit")]
-    Damaged,
-    /// It is of another rig, or of another step.
-    #[error("the checkpoint was written for another {0}")]
-    Other(&'static str),
-}
-
 impl State {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
@@ -113,25 +96,10 @@ impl State {
         let (version, rest) = rest.split_first_chunk::<4>().ok_or(CheckpointError::Damaged)?;
         let version = u32::from_le_bytes(*version);
         if version != VERSION {
-            return Err(CheckpointError::Version(version));
+            return Err(CheckpointError::Version { of: version, read: VERSION });
         }
         unsealed(rest).ok_or(CheckpointError::Damaged)
     }
-}
-
-/// A value as `postcard` writes it, behind a checksum of that.
-pub fn sealed(value: &impl Serialize) -> Vec<u8> {
-    let body = postcard::to_stdvec(value).expect("numbers, texts and lists of them can always be written");
-    let mut bytes = crc32fast::hash(&body).to_le_bytes().to_vec();
-    bytes.extend(body);
-    bytes
-}
-
-/// The value that [`sealed`] made these bytes of; none where their checksum does not fit, or they are of another type.
-pub fn unsealed<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
-    let (checksum, body) = bytes.split_first_chunk::<4>()?;
-    let whole = crc32fast::hash(body) == u32::from_le_bytes(*checksum);
-    whole.then(|| postcard::from_bytes(body).ok())?
 }
 
 /// A checksum over everything that a rig is.

@@ -41,8 +41,6 @@ mod spins;
 mod view;
 
 pub use check::RigError;
-pub use checkpoint::CheckpointError;
-pub use checkpoint::{sealed, unsealed};
 pub use cluster::{Cluster, ClusterState};
 pub use curve::{Curve, CurveError};
 pub use dashpot::{Loss, SpringDashpot};

@@ -1,7 +1,7 @@
 //! A rig from start to end.
 
 use super::check::{RigError, check};
-use super::checkpoint::{CheckpointError, State, digest};
+use super::checkpoint::{State, digest};
 use super::contacts::Swept;
 use super::dashpot::SpringDashpot;
 use super::engine::Engine;
@@ -15,7 +15,7 @@ use super::view::View;
 use super::{Body, LawBook, Rig};
 use crate::Context;
 use crate::dem::share::MANY;
-use crate::dem::{ContactRecord, Integrator, MoveIn, Spheres, stable_step};
+use crate::dem::{CheckpointError, ContactRecord, Integrator, MoveIn, Spheres, stable_step};
 
 /// A rig in motion.
 pub struct Simulation<const D: usize> {
