@@ -8,8 +8,8 @@
 //! Each module uses only those above it:
 
 pub use granulens_core::{
-    Context, Progress, contact, dem, lattice, lens, material, pattern, ray, real, sample, score, search, stats, target,
-    units, wave,
+    Context, Progress, contact, dem, lattice, lens, material, pattern, period, ray, real, sample, score, search, stats,
+    target, units, wave,
 };
 
 mod memory;

@@ -5,6 +5,7 @@
 //! cos 30° in a hexagonal sheet, a third over √(2/3) in a close-packed crystal, all of it in a chain.
 
 use crate::dem::rig::{Body, Face, Load, Rig};
+use crate::period::nearest_image;
 
 /// Spheres this many radii apart count as touching.
 const TOUCH: f64 = 1e-6;
@@ -56,12 +57,6 @@ fn ahead<const D: usize>(rig: &Rig<D>, i: usize, direction: &[f64; D]) -> Vec<[f
         }
     }
     normals
-}
-
-/// The least of the distances along an axis to a body and to its images (m).
-pub(super) fn nearest_image(apart: f64, period: f64) -> f64 {
-    // Most are near enough as they are, and rounding takes long.
-    if apart.abs() < 0.5 * period { apart } else { apart - period * (apart / period).round() }
 }
 
 /// The greatest force of contacts along these normals that together hold 1 along a direction; none where they cannot, or one would have

@@ -15,9 +15,10 @@ use crate::dem::{Integrator, MoveIn, Spheres};
 use crate::design::Accuracy;
 use crate::evaluate::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 use crate::material::Material;
+use crate::period::nearest_image;
 use crate::units::Dimension::{Speed, Stiffness, Time};
 
-use super::handed::{handed_on, nearest_image};
+use super::handed::handed_on;
 
 /// Greatest ω h of a blow. Verlet's peak force then errs by −0.083 (ω h)² to +0.042 (ω h)² under Hertz's law (the peak lies up to half
 /// a step beside a state; the rest is the scheme's), its duration by less.

@@ -10,6 +10,7 @@
 mod context;
 pub mod units;
 pub mod stats;
+pub mod period;
 pub mod search;
 pub mod real;
 pub mod material;

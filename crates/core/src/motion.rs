@@ -5,6 +5,8 @@
 //!
 //!   D² = Σ_m |Δ'_m − A Δ_m|²   is least for   A = (Σ Δ' ⊗ Δ) (Σ Δ ⊗ Δ)⁻¹.
 
+use crate::period::nearest_image;
+
 /// What the motion around one grain is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Local {
@@ -82,7 +84,7 @@ pub fn follow(
     if let Some(grain) = (0..before.len()).find(|&i| !(finite(&before[i]) && finite(&after[i]))) {
         return Err(MotionError::Number(grain));
     }
-    let nearest = |x: f64| period.map_or(x, |period| x - period * (x / period).round());
+    let nearest = |x: f64| period.map_or(x, |period| nearest_image(x, period));
     let rows = Rows::new(before, radius, period);
     let around = |i: usize| {
         let mut moves: Vec<Move> = Vec::new();

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Bed, Disk};
+use crate::period::nearest_image;
 
 /// Numbers of a bed at rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,7 +49,7 @@ pub fn surface(bed: &Bed, middle: f64) -> f64 {
     for Disk { centre: [x, y], diameter } in &bed.grains {
         let mut x = x - middle;
         if bed.periodic {
-            x -= bed.width * (x / bed.width).round();
+            x = nearest_image(x, bed.width);
         }
         let bin = (x + 5.0).floor();
         if (0.0..10.0).contains(&bin) {
@@ -94,10 +95,8 @@ fn pairs(disks: &[Disk], period: Option<f64>, reach: f64, mut visit: impl FnMut(
         for (n, &(x, i)) in row.iter().enumerate() {
             let beside = near(&row[n + 1..], x, period, reach);
             for &(other, j) in beside.into_iter().chain(near(above, x, period, reach)).flatten() {
-                let (mut dx, dy) = (x - other, disks[i].centre[1] - disks[j].centre[1]);
-                if let Some(period) = period.filter(|period| dx.abs() > 0.5 * period) {
-                    dx -= period.copysign(dx);
-                }
+                let dx = period.map_or(x - other, |period| nearest_image(x - other, period));
+                let dy = disks[i].centre[1] - disks[j].centre[1];
                 // Most are too far: they cost no root.
                 let squared = dx * dx + dy * dy;
                 if squared < reach * reach {

@@ -8,6 +8,7 @@
 //! between the planes, so that contacts there, and those with an image in one plane, are all that there are. What several elements of the group of
 //! images leave in its place weighs one over their number: a sphere on one plane 1/2, on the line where two meet 1/2m, and contacts alike.
 
+use crate::period::nearest_image;
 use crate::real::Lanes;
 
 /// A plane of symmetry across one axis. The simulated half lies on the side that `inward` points to.
@@ -252,7 +253,7 @@ impl Period {
     #[inline(always)]
     pub(super) fn nearest<const D: usize>(periods: &[Self], mut between: [f64; D]) -> [f64; D] {
         for Self { axis, length } in periods {
-            between[*axis] -= length * (between[*axis] / length).round();
+            between[*axis] = nearest_image(between[*axis], *length);
         }
         between
     }

@@ -21,6 +21,8 @@ pub use filtration::{Bar, Filtration};
 pub use stress::{Cell, StressMap};
 pub use topology::{Topology, default_thresholds};
 
+use crate::period::nearest_image;
+
 /// Two grains that touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
@@ -46,7 +48,7 @@ impl Branch {
     /// Between two centres, with the period along x, if any.
     pub fn between(from: [f64; 2], to: [f64; 2], period: Option<f64>) -> Self {
         let across = to[0] - from[0];
-        let vector = [across - period.map_or(0.0, |period| period * (across / period).round()), to[1] - from[1]];
+        let vector = [period.map_or(across, |period| nearest_image(across, period)), to[1] - from[1]];
         Self { from, vector }
     }
 

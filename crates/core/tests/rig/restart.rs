@@ -1,8 +1,8 @@
 //! Stored and taken up again: the same bits.
 
 use granulens_core::contact::LawKind;
-use granulens_core::dem::{CheckpointError, Integrator};
 use granulens_core::dem::rig::{Arrival, Body, Curve, Flat, Load, LoadKind, Rig, Simulation};
+use granulens_core::dem::{CheckpointError, Integrator};
 
 use crate::rigs::{DIAMETER, GO, hexagonal, rig};
 
