@@ -77,20 +77,20 @@ impl<const D: usize> Sections<D> {
         Self { sections, spills: vec![Vec::new(); count], excesses: vec![Vec::new(); count] }
     }
 
-    /// Lets every section do its part, from zero on. `work` adds up the forces on its spheres, with `TURNING` their torques too, and
+    /// Lets every section do its part, from zero on. `work` adds up the forces on its spheres, where these turn their torques too, and
     /// lays by what others are to have. `lever` has the radii (m) of all spheres.
-    pub fn run<M: Send, const TURNING: bool>(
+    pub fn run<M: Send>(
         &mut self,
         mut memory: &mut [M],
         mut account: AccountRows<'_>,
         (stretch, mut extra): (&mut [Vec<f64>; D], &mut [f64]),
-        lever: &[f64],
+        (lever, turning): (&[f64], bool),
         sums: &mut Sums<D>,
         work: impl Fn(Piece<'_, D, M>) + Sync,
     ) {
         let work = |piece: Piece<'_, D, M>| {
             piece.force.fill([0.0; D]);
-            if TURNING {
+            if turning {
                 piece.twist.fill(0.0);
             }
             work(piece);
@@ -111,7 +111,7 @@ impl<const D: usize> Sections<D> {
                 first_sphere,
                 memory: cut(&mut memory, pairs),
                 account: account.cut(pairs),
-                stretch: stretch.each_mut().map(|axis| cut(axis, if TURNING { pairs } else { 0 })),
+                stretch: stretch.each_mut().map(|axis| cut(axis, if turning { pairs } else { 0 })),
                 extra: cut(&mut extra, pairs * each),
                 force: cut(&mut force, spheres),
                 twist: cut(&mut twist, spheres * Spins::<D>::AXES),
@@ -134,7 +134,7 @@ impl<const D: usize> Sections<D> {
             for k in 0..D {
                 sums.force[i][k] += force[k];
             }
-            if TURNING {
+            if turning {
                 sums.torque.add(i, lever[i], twist);
             }
         }

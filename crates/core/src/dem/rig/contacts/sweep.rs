@@ -84,7 +84,7 @@ impl<const D: usize, L: Swept<D>> Contacts<D, L> {
         let (pair_laws, lever) = (&pair_laws[..], &lever[..]);
         let motion = Motion { bodies, lever, arms: arms(radius), predicted };
         let more = self.more;
-        sections.run::<_, TURNING>(memory, account.rows(), (stretch, extra), lever, sums, |piece| {
+        sections.run(memory, account.rows(), (stretch, extra), (lever, TURNING), sums, |piece| {
             let Piece { first, first_sphere, memory, mut account, stretch, extra, .. } = piece;
             let Piece { force: sum, twist: couple, lever, spill, excess: beyond, .. } = piece;
             for n in 0..account.overlap.len() {
@@ -302,21 +302,8 @@ fn spring_at<const D: usize, const TURNING: bool>(stretch: [&[f64]; D], c: usize
 }
 
 impl<const D: usize> Contacts<D, SolidLaw> {
-    /// As `sweep_any`, in the lanes of vector registers.
-    pub(super) fn sweep_solids<const TURNING: bool>(
-        &mut self,
-        bodies: &Bodies<D>,
-        predicted: Predicted<D>,
-        sums: &mut Sums<D>,
-    ) {
-        if TURNING {
-            self.sweep_lines::<TURNING, { solids::TURNING }>(bodies, predicted, sums);
-        } else {
-            self.sweep_lines::<TURNING, { solids::STRAIGHT }>(bodies, predicted, sums);
-        }
-    }
-
-    fn sweep_lines<const TURNING: bool, const LINES: usize>(
+    /// As `sweep_any`, in the lanes of vector registers, with so many lines of numbers for each sphere: [`solids::TURNING`] where spheres turn.
+    pub(super) fn sweep_solids<const LINES: usize>(
         &mut self,
         bodies: &Bodies<D>,
         predicted: Predicted<D>,
@@ -328,8 +315,8 @@ impl<const D: usize> Contacts<D, SolidLaw> {
         solids::fill::<D, LINES>(bodies, predicted, &mut looked.lines);
         let looked = &*looked;
         let (near, share, pair_law, reduced) = (&near[..], &share[..], &pair_law[..], &reduced[..]);
-        let (lines, step) = (looked.lines.as_chunks().0, predicted.step);
-        sections.run::<_, TURNING>(memory, account.rows(), (stretch, &mut []), lever, sums, |piece| {
+        let (lines, step, turning) = (looked.lines.as_chunks().0, predicted.step, LINES == solids::TURNING);
+        sections.run(memory, account.rows(), (stretch, &mut []), (lever, turning), sums, |piece| {
             width.run(solids::Sweep::<D, LINES> { near, lines, looked, pair_law, reduced, share, piece, step });
         });
     }
@@ -356,7 +343,7 @@ impl Contacts<2, SpringDashpot> {
             beside: lines, lever, pair_laws, pair_law, reduced, memory, stretch, account, sections, width, ..
         } = self;
         let (lines, pair_laws, pair_law, reduced) = (&*lines, &pair_laws[..], &pair_law[..], &reduced[..]);
-        sections.run::<_, TURNING>(memory, account.rows(), (stretch, &mut []), lever, sums, |piece| {
+        sections.run(memory, account.rows(), (stretch, &mut []), (lever, TURNING), sums, |piece| {
             width.run(Sweep::<TURNING, SPRING> { lines, disks, pair_laws, pair_law, reduced, piece, step });
         });
     }

@@ -1,7 +1,7 @@
 //! How pairs under a law are swept over: several side by side where the law and the dimension have that, else one at a time.
 
 use super::lanes::Lines;
-use super::solids::Looked;
+use super::solids::{self, Looked};
 use super::{Contacts, Predicted, Sums};
 use crate::dem::rig::bodies::Bodies;
 use crate::dem::rig::dashpot::SpringDashpot;
@@ -40,10 +40,12 @@ impl<const D: usize> Swept<D> for SolidLaw {
         predicted: Predicted<'_, D>,
         sums: &mut Sums<D>,
     ) {
-        if contacts.beside.is_some() && !contacts.radius.is_empty() {
-            contacts.sweep_solids::<TURNING>(bodies, predicted, sums);
-        } else {
+        if contacts.beside.is_none() || contacts.radius.is_empty() {
             contacts.sweep_any::<TURNING>(bodies, predicted, sums);
+        } else if TURNING {
+            contacts.sweep_solids::<{ solids::TURNING }>(bodies, predicted, sums);
+        } else {
+            contacts.sweep_solids::<{ solids::STRAIGHT }>(bodies, predicted, sums);
         }
     }
 }
