@@ -9,13 +9,14 @@
 //!
 //! - `rows`: the rows of a sample, who touches whom, and who does not
 //! - `section`: rows with all that belongs to them in memory, and the seams between sections
-//! - `sweep`: one step of a section or a seam
+//! - `sweep`: one step of a section or a seam; `motion`: how its rows move
 //! - `strangers`: spheres that are no neighbours and meet all the same
 //! - `guard`: what stops a run; `look`: what it came to; `checkpoint`: all that the rest of it depends on
 
 mod checkpoint;
 mod guard;
 mod look;
+mod motion;
 mod rows;
 mod section;
 mod strangers;
