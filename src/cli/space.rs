@@ -216,7 +216,8 @@ fn cost(common: &Common, comparison: &SpaceComparison) -> Result<(), Failure> {
     let impact = impact_in_space(comparison.design, &comparison.plan);
     let alone = arrangement(&comparison.subject.sample_in_space(), &impact)?;
     let each = 1 + if comparison.forces.is_one() { 0 } else { comparison.forces.count() as u64 };
-    let runs = comparison.len() as u64 * each;
+    // Under its own force the lens is followed with records alone.
+    let runs = comparison.len() as u64 * each - 1;
     // In lanes without records a run takes about a fifth of one with them.
     let in_lanes = format!("runs in lanes, {} arrangements under {each} forces", comparison.len());
     let parts = [

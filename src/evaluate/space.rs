@@ -106,7 +106,7 @@ pub(crate) fn add_piece(scores: &mut Scores, design: &SpaceDesign, layout: &Layo
 /// A run's scores, and the greatest kinetic energy of each sphere (J).
 type Run = (Evaluated, Vec<f64>);
 
-/// Layouts of one design under several forces, in lanes: for each layout its energies and scores under each, not yet related to uniform crystals.
+/// Layouts of one design, each under its forces, in lanes: for each layout its energies and scores under each, not yet related to uniform crystals.
 /// The bits of a layout's numbers depend neither on the number of threads nor on what stands beside it.
 ///
 /// # Errors
@@ -114,19 +114,19 @@ type Run = (Evaluated, Vec<f64>);
 fn under_forces(
     design: &SpaceDesign,
     plan: &Plan,
-    layouts: &[&Layout<Block>],
-    forces: &[f64],
+    asked: &[(&Layout<Block>, &[f64])],
     context: &Context,
 ) -> Result<Vec<Vec<Run>>, EvaluatorError> {
     let (impact, within) = (impact_in_space(design, plan), design.target.on(&design.lattice));
     let width = Width::widest();
     // The forces of a layout stand together, so that a lane's contacts are of few kinds.
-    let members: Vec<(usize, f64)> = (0..layouts.len()).flat_map(|k| forces.iter().map(move |&f| (k, f))).collect();
-    let groups: Vec<&[(usize, f64)]> = members.chunks(width.lanes()).collect();
+    let members: Vec<(&Layout<Block>, f64)> =
+        asked.iter().flat_map(|&(layout, forces)| forces.iter().map(move |&force| (layout, force))).collect();
+    let groups: Vec<&[(&Layout<Block>, f64)]> = members.chunks(width.lanes()).collect();
     let found = groups
         .par_iter()
         .map(|group| {
-            let samples: Vec<Sample<3>> = group.iter().map(|&(k, _)| layouts[k].sample_in_space()).collect();
+            let samples: Vec<Sample<3>> = group.iter().map(|(layout, _)| layout.sample_in_space()).collect();
             let strikes: Vec<Strike> =
                 group.iter().map(|&(_, strength)| impact.strike().with_strength(strength)).collect();
             let briefs = simulate_batch_under(&samples, &impact, &strikes, None, None, width, context)?;
@@ -138,7 +138,7 @@ fn under_forces(
         })
         .collect::<Result<Vec<_>, EvaluatorError>>()?;
     let mut all = found.into_iter().flatten();
-    Ok(layouts.iter().map(|_| all.by_ref().take(forces.len()).collect()).collect())
+    Ok(asked.iter().map(|(_, forces)| all.by_ref().take(forces.len()).collect()).collect())
 }
 
 /// A layout in space beside the uniform crystals that G and Q refer to.
@@ -174,14 +174,12 @@ pub fn beside_in_space(
     let own = design.impact.strength();
     let over = if forces.is_one() { Vec::new() } else { forces.about(own) };
     let all: Vec<f64> = [own].into_iter().chain(over.iter().copied()).collect();
-    let layouts: Vec<&Layout<Block>> = std::iter::once(&subject).chain(&uniform).collect();
-    let first = if forces.is_one() { 1 } else { 0 };
-    let mut runs = under_forces(design, plan, &layouts[first..], &all, context)?;
+    // Under the design's own force the subject has been followed already, with records.
+    let asked: Vec<(&Layout<Block>, &[f64])> =
+        std::iter::once((&subject, &over[..])).chain(uniform.iter().map(|layout| (layout, &all[..]))).collect();
+    let runs = under_forces(design, plan, &asked, context)?;
     if runs.iter().flatten().any(|(run, _)| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
         return Err(EvaluatorError::Interrupted);
-    }
-    if first == 1 {
-        runs.insert(0, Vec::new());
     }
     let stopped = runs.iter().skip(1).zip(&names);
     let stopped = stopped.filter_map(|(runs, name)| Some((name.clone(), runs[0].0.stop.clone()?))).collect();
@@ -189,13 +187,14 @@ pub fn beside_in_space(
     let means = |force: usize| {
         [of(1, force).map(|run| run.scores.focal_mean), of(2, force).map(|run| run.scores.protected_mean)]
     };
-    let related = |force: usize| {
-        let mut scores = of(0, force)?.scores.clone();
-        let [host, lens] = means(force);
+    let related = |k: usize| {
+        let mut scores = of(0, k)?.scores.clone();
+        let [host, lens] = means(k + 1);
         scores.relate(host, lens);
         Some(scores)
     };
-    let over_forces = if over.is_empty() { None } else { (1..all.len()).map(related).collect::<Option<Vec<Scores>>>() };
+    let over_forces =
+        if over.is_empty() { None } else { (0..over.len()).map(related).collect::<Option<Vec<Scores>>>() };
     Ok(SpaceBeside {
         uniform: means(0),
         stopped,
@@ -333,54 +332,56 @@ pub fn compare_in_space(comparison: &SpaceComparison<'_>, context: &Context) -> 
     let begun = Begun::now();
     let named = comparison.arrangements();
     let own = design.impact.strength();
-    // The design's own force comes first; where the verdict is over it alone it is not simulated twice.
+    // The design's own force comes first; where the verdict is over it alone it is not simulated twice. Under it the subject is followed with
+    // records, which say the same energies.
     let over = if comparison.forces.is_one() { Vec::new() } else { comparison.forces.about(own) };
     let forces: Vec<f64> = [own].into_iter().chain(over.iter().copied()).collect();
     let subject = evaluate_in_space(design, &comparison.subject, plan, context)?;
     context.finished(&comparison.name);
+    let Evaluation { scores, record, doubts } = subject;
+    let mut subject = Some((
+        Evaluated { scores, stop: record.stop },
+        SphereRecord {
+            max_kinetic: record.max_kinetic,
+            max_net_force: record.max_net_force,
+            max_contact_force: record.max_contact_force,
+            arrival: record.arrival,
+            dissipated: record.dissipated,
+        },
+    ));
+    let under = |layout: &Layout<Block>| if std::ptr::eq(layout, &named[0].3) { &over[..] } else { &forces[..] };
     let mut runs = Vec::new();
     // A few at a time, so that progress is seen.
     let lanes = Width::widest().lanes() * rayon::current_num_threads();
     let mut arrangements = Vec::new();
     for some in named.chunks(lanes.div_ceil(forces.len()).max(1)) {
-        let layouts: Vec<&Layout<Block>> = some.iter().map(|(.., layout)| layout).collect();
-        let found = under_forces(design, plan, &layouts, &forces, context)?;
+        let asked: Vec<(&Layout<Block>, &[f64])> = some.iter().map(|(.., layout)| (layout, under(layout))).collect();
+        let found = under_forces(design, plan, &asked, context)?;
         for ((name, kind, seed, layout), mut of_layout) in some.iter().zip(found) {
-            let (first, max_kinetic) = of_layout.remove(0);
-            let mut scores = first.scores;
-            add_piece(&mut scores, design, layout);
+            let (own, record) = subject.take().unwrap_or_else(|| {
+                let (mut run, max_kinetic) = of_layout.remove(0);
+                add_piece(&mut run.scores, design, layout);
+                context.finished(name);
+                (run, SphereRecord { max_kinetic, ..SphereRecord::default() })
+            });
             arrangements.push(ArrangementOutcome {
                 name: name.clone(),
                 kind: kind.clone(),
                 seed: *seed,
-                scores,
+                scores: own.scores,
                 over_forces: None,
                 simulated: None,
                 layout: layout.materials.clone(),
-                record: SphereRecord { max_kinetic, ..SphereRecord::default() },
-                stop: first.stop,
+                record,
+                stop: own.stop,
             });
             runs.push(of_layout.into_iter().map(|(run, _)| run).collect::<Vec<Evaluated>>());
-            if name != &comparison.name {
-                context.finished(name);
-            }
         }
         if arrangements.iter().any(|a| matches!(a.stop, Some(Stop::Interrupted { .. }))) {
             return Err(EvaluatorError::Interrupted);
         }
     }
     let mut warnings = plan.warnings.clone();
-    let Evaluation { scores, record, doubts } = subject;
-    let first = &mut arrangements[0];
-    first.scores = scores;
-    first.record = SphereRecord {
-        max_kinetic: record.max_kinetic,
-        max_net_force: record.max_net_force,
-        max_contact_force: record.max_contact_force,
-        arrival: record.arrival,
-        dissipated: record.dissipated,
-    };
-    first.stop = first.stop.take().or(record.stop);
     relate(&mut arrangements);
     let (forces, verdict) = judge(own, over, &mut arrangements, runs);
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
