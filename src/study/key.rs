@@ -1,6 +1,8 @@
 //! What an evaluation depends on, hashed.
 
-use super::{Entry, Stage, Study, Work};
+use std::path::{Path, PathBuf};
+
+use super::{Entry, Stage, Start, Study, Work};
 use crate::contact::LawKind;
 use crate::dem::Strike;
 use crate::design::DesignRef;
@@ -130,14 +132,38 @@ impl Study {
     }
 
     /// How it is looked for, hashed: the problem, starts, methods and steps, and seeds; not how long. Two runs that are alike in it come to the
-    /// same.
+    /// same, from whichever folder they are begun.
     pub fn settings(&self) -> String {
+        self.settings_with(&self.starts_from_above())
+    }
+
+    /// The same with starts by the ways to them as they were given, which was hashed before: it depends on the folder from which the study was begun.
+    pub(super) fn settings_as_given(&self) -> String {
+        self.settings_with(&self.starts)
+    }
+
+    /// The starts, files by the ways to them from the folder above the study's, from which those of 0.2 were that are still known.
+    fn starts_from_above(&self) -> Vec<Start> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        // Where the folder has no name, or cannot be asked for it, the ways are those given.
+        let name = here.canonicalize().ok().and_then(|whole| Some(PathBuf::from(whole.file_name()?)));
+        let from_above = |start: &Start| match (start, &name) {
+            (Start::File(path), Some(name)) => {
+                Start::File(path.strip_prefix(folder).map_or_else(|_| path.clone(), |way| name.join(way)))
+            }
+            _ => start.clone(),
+        };
+        self.starts.iter().map(from_above).collect()
+    }
+
+    fn settings_with(&self, starts: &[Start]) -> String {
         let mut key = Key(BEGIN);
         key.add(self.problem().as_bytes());
         // How long a climb is decides about its temperature all along.
         let length = |stage: &Stage| if stage.work == Work::Climb { stage.evaluations } else { 0 };
         let stages: Vec<_> = self.stages.iter().map(|stage| Stage { evaluations: length(stage), ..*stage }).collect();
-        let looked = (self.seed, self.tolerance, &self.starts, &self.bases, stages, &self.rungs);
+        let looked = (self.seed, self.tolerance, starts, &self.bases, stages, &self.rungs);
         key.add(as_hashed(&format!("{looked:?}")).as_bytes());
         key.text()
     }
@@ -173,8 +199,6 @@ fn said(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
 
     /// What 0.2.0 wrote of four studies of the repository, into settings.json and beside the journal: a name that changes in here must change nothing
@@ -217,9 +241,14 @@ mod tests {
             ),
         ];
         for (name, problem, settings, keys) in known {
-            // From the repository's folder: the settings hold the way to the layout that a study starts from.
-            let study = Study::read(Path::new(&format!("studies/{name}.toml")), None).unwrap();
+            // From the repository's folder, from its own, and by the whole way.
+            let path = format!("studies/{name}.toml");
+            let study = Study::read(Path::new(&path), None).unwrap();
             assert_eq!((study.problem().as_str(), study.settings().as_str()), (problem, settings), "{name}");
+            assert_eq!(study.settings_as_given(), settings, "{name}");
+            for path in [Path::new(env!("CARGO_MANIFEST_DIR")).join(&path), Path::new("src/../").join(&path)] {
+                assert_eq!(Study::read(&path, None).unwrap().settings(), settings, "{}", path.display());
+            }
             let of = |rung: usize| Key::new(&study.at(rung), &study.plan(rung).unwrap()).text();
             let mut found: Vec<String> = (0..study.rungs.len()).map(of).collect();
             found.sort();

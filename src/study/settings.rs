@@ -44,7 +44,12 @@ fn json<T: serde::de::DeserializeOwned>(path: &Path) -> Option<T> {
 pub fn differs(folder: &Path, study: &Study) -> Option<String> {
     let ours = Settings::of(study);
     let seeds = |theirs: u64| format!("holds the study with seed {theirs}, and this is seed {}", ours.seed);
-    match json::<Settings>(&folder.join(FILE)) {
+    let mut theirs = json::<Settings>(&folder.join(FILE));
+    // Versions before this one hashed the ways to starts as they were given.
+    if let Some(theirs) = theirs.as_mut().filter(|theirs| theirs.settings == study.settings_as_given()) {
+        theirs.settings.clone_from(&ours.settings);
+    }
+    match theirs {
         Some(theirs) if theirs == ours => None,
         Some(theirs) if theirs.problem != ours.problem => Some(
             "holds a study of another problem: design, materials, rows, impacts, tolerances or objective differ"
