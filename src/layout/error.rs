@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 
 use miette::{LabeledSpan, NamedSource, SourceCode};
 
-use super::read::HEADER;
-
 /// Why a layout file was refused. Shown in one line, as `FILE:LINE: WHAT`; what to try is in `help`.
 #[derive(Debug, thiserror::Error)]
 #[error("{}:{} {message}", .path.display(), .line.map_or(String::new(), |line| format!("{line}:")))]
@@ -62,6 +60,8 @@ impl LayoutFileError {
 pub(super) struct Source<'a> {
     pub path: &'a Path,
     pub text: &'a str,
+    /// What its columns are called.
+    pub columns: &'static [&'static str],
 }
 
 impl Source<'_> {
@@ -78,7 +78,7 @@ impl Source<'_> {
         LayoutFileError {
             path: self.path.to_owned(),
             line: Some(self.line(at)),
-            key: key.map(|key| HEADER[key]),
+            key: key.map(|key| self.columns[key]),
             message,
             help: None,
             excerpt: Some(Box::new(Excerpt {

@@ -1,6 +1,6 @@
 //! Which material sits on which site (from the core), and layouts as files.
 //!
-//! - `write`: as CSV and JSON; `read`: the half or the whole piece; `error`: what a refused file hears
+//! - `write`: as CSV and JSON; `read`: the half or the whole piece; `table`: lines and cells of any; `error`: what a refused file hears
 //! - `space`: layouts of crystals in space; `any`: of either kind
 //! - `extent`: the lattice that a file was written for; `piece`: the whole piece, both halves
 
@@ -10,6 +10,7 @@ mod extent;
 mod piece;
 mod read;
 mod space;
+mod table;
 mod write;
 
 pub use any::AnyLayout;

@@ -6,9 +6,9 @@ use serde_json::Value;
 
 use super::Layout;
 use super::error::{LayoutFileError, Source};
-use crate::input::{self, Unreadable};
+use super::table::{self, Row, START, Table};
 use crate::lattice::{HexagonalSheet, Site};
-use crate::material::{self, Material};
+use crate::material::Material;
 use crate::units::Dimension::Length;
 
 pub(super) const HEADER: [&str; 6] = ["row", "column", "x", "z", "diameter", "material"];
@@ -31,8 +31,6 @@ pub struct ReadLayout {
 
 /// One line of the file.
 struct Line {
-    /// Where in the text it begins.
-    at: usize,
     site: Site,
     /// The index of its site in the simulated half.
     index: usize,
@@ -93,16 +91,7 @@ fn find(
     palette: &[Material],
     own: &[Material],
 ) -> Result<(ReadLayout, Option<LayoutFileError>), LayoutFileError> {
-    let text = input::text(path).map_err(|error| {
-        let (message, help) = match error {
-            Unreadable::NotText { valid, .. } => {
-                (format!("is no UTF-8 text from byte {valid} on."), "Save it as CSV in UTF-8.")
-            }
-            Unreadable::Folder => ("cannot be read: Is a directory (os error 21).".to_owned(), START),
-            error => (format!("{error}."), START),
-        };
-        LayoutFileError::of_file(path, message, help)
-    })?;
+    let text = table::text(path)?;
     if text.trim_start().starts_with('{') {
         let rows = of_json(&text).map_err(|message| {
             LayoutFileError::of_file(path, message, "A layout as JSON is layout.json of granulens run, or like it.")
@@ -138,66 +127,33 @@ fn parse(
     palette: &[Material],
     own: &[Material],
 ) -> Result<(ReadLayout, Option<LayoutFileError>), LayoutFileError> {
-    let source = Source { path, text };
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .has_headers(false)
-        .flexible(true)
-        .from_reader(text.as_bytes());
-    let mut records = reader.records();
-    let begin_of_error = |error: &csv::Error| source.begin(error.position());
-    let header = match records.next() {
-        Some(record) => record.map_err(|error| source.error(begin_of_error(&error), None, error.to_string()))?,
-        None => return Err(LayoutFileError::of_file(path, "holds no lines but comments.".to_owned(), START)),
-    };
-    if header != HEADER[..] {
-        let found: Vec<&str> = header.iter().collect();
-        let message = format!("the header is \"{}\", expected \"{}\".", found.join(","), HEADER.join(","));
-        let help = if found.concat().contains(';') || found.concat().contains('\t') {
+    let source = Source { path, text, columns: &HEADER };
+    let table = Table::of(source, |found| {
+        if found.concat().contains(';') || found.concat().contains('\t') {
             "Separate the columns by commas."
         } else {
             "Name the six columns in this order; lengths are in metres."
-        };
-        return Err(source.error(source.begin(header.position()), None, message).trying(help));
-    }
-
-    let records: Vec<csv::StringRecord> = records
-        .map(|record| record.map_err(|error| source.error(begin_of_error(&error), None, error.to_string())))
-        .collect::<Result<_, _>>()?;
+        }
+    })?;
     // A sphere clearly left of the axis is in no simulated half.
-    let left = |record: &csv::StringRecord| {
-        record.get(2).and_then(|x| x.parse::<f64>().ok()).is_some_and(|x| x < -0.25 * lattice.diameter())
-    };
-    let whole = records.iter().any(left);
+    let left = |row: Row| row.number(2).is_some_and(|x| x < -0.25 * lattice.diameter());
+    let whole = table.rows().any(left);
     let sites = lattice.sites();
     let mut palette = palette.to_vec();
     // The material of each site of the half, and of its image, and where in the text its line begins.
     let mut given: Vec<[Option<(u8, usize)>; 2]> = vec![[None; 2]; sites.len()];
     let (mut snapped, mut farthest) = (0, 0.0);
-    for record in &records {
-        let at = source.begin(record.position());
-        let fail = |key, message| source.error(at, key, message);
-        let Line { at, site, index, off, material } = line(record, at, lattice, &sites, whole, own, fail)?;
+    for row in table.rows() {
+        let Line { site, index, off, material } = line(&row, lattice, &sites, whole, own)?;
         if off > EXACT * lattice.diameter() {
             snapped += 1;
             farthest = f64::max(farthest, off);
         }
-        let side = usize::from(whole && site.x < 0.0);
-        if let Some((_, earlier)) = given[index][side] {
-            let Site { row, column, .. } = site;
-            let message = format!("row {row}, column {column} is given twice, first in line {}.", source.line(earlier));
-            return Err(source.error(at, None, message).trying("Keep one of the two lines."));
-        }
-        let place = palette.iter().position(|m| m.name == material.name).unwrap_or_else(|| {
-            palette.push(material);
-            palette.len() - 1
-        });
-        let place = u8::try_from(place)
-            .map_err(|_| source.error(at, Some(5), "the file names more than 256 materials.".to_owned()))?;
-        given[index][side] = Some((place, at));
+        let given = &mut given[index][usize::from(whole && site.x < 0.0)];
+        row.is_first(*given, || format!("row {}, column {}", site.row, site.column))?;
+        *given = Some((row.place(5, material, &mut palette)?, row.at));
     }
-    let header = source.begin(header.position());
+    let header = table.header;
     let halves: &[usize] = if whole { &[0, 1] } else { &[0] };
     for &side in halves {
         // A sphere on the axis has no image.
@@ -258,9 +214,6 @@ fn parse(
     Ok((ReadLayout { layout: Layout { lattice: lattice.clone(), palette, materials }, left, notes }, uneven))
 }
 
-/// How to come by a layout to begin with.
-pub(super) const START: &str = "Begin with a proposed layout: granulens design DESIGN.toml --out LAYOUT.csv.";
-
 /// Where in the simulated half the sphere of a row and column of the whole piece is, and whether it is left of the axis there.
 fn folded(lattice: &HexagonalSheet, sites: &[Site], row: u32, column: u32) -> Option<(usize, bool)> {
     let first = lattice.index(row, 1)?;
@@ -274,31 +227,15 @@ fn folded(lattice: &HexagonalSheet, sites: &[Site], row: u32, column: u32) -> Op
 
 /// Reads one line.
 fn line(
-    record: &csv::StringRecord,
-    at: usize,
+    row: &Row<'_>,
     lattice: &HexagonalSheet,
     sites: &[Site],
     is_whole: bool,
     own: &[Material],
-    fail: impl Fn(Option<usize>, String) -> LayoutFileError,
 ) -> Result<Line, LayoutFileError> {
-    if record.len() != HEADER.len() {
-        let values = if record.len() == 1 { "1 value".to_owned() } else { format!("{} values", record.len()) };
-        return Err(fail(None, format!("the line has {values}, expected {}: {}.", HEADER.len(), HEADER.join(","))));
-    }
-    let whole = |k: usize| {
-        record[k]
-            .parse::<u32>()
-            .map_err(|_| fail(Some(k), format!("{} = \"{}\" is not a whole number from 1 on.", HEADER[k], &record[k])))
-    };
-    let length = |k: usize| {
-        record[k].parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
-            fail(Some(k), format!("{} = \"{}\" is not a number.", HEADER[k], &record[k]))
-                .trying("Write lengths in metres, without a unit: 0.00635.")
-        })
-    };
-    let (row, column) = (whole(0)?, whole(1)?);
-    let lengths = [length(2)?, length(3)?, length(4)?];
+    row.check()?;
+    let (number, column) = (row.whole(0)?, row.whole(1)?);
+    let lengths = [row.length(2)?, row.length(3)?, row.length(4)?];
     let extent_help = match is_whole {
         true => {
             "The file holds the whole piece, both halves, as it has spheres left of the axis; columns count from the left."
@@ -306,21 +243,21 @@ fn line(
         false => "The file holds the simulated half, x >= 0, not the whole piece (granulens design without --full).",
     };
     let known = if is_whole {
-        folded(lattice, sites, row, column)
+        folded(lattice, sites, number, column)
     } else {
-        lattice.index(row, column).map(|index| (index, false))
+        lattice.index(number, column).map(|index| (index, false))
     };
     let (index, is_left) = known.ok_or_else(|| {
-        let (key, extent) = if (1..=lattice.rows()).contains(&row) {
-            let half = lattice.columns(row);
-            let on_axis = lattice.index(row, 1).is_some_and(|first| sites[first].x == 0.0);
+        let (key, extent) = if (1..=lattice.rows()).contains(&number) {
+            let half = lattice.columns(number);
+            let on_axis = lattice.index(number, 1).is_some_and(|first| sites[first].x == 0.0);
             let columns = if is_whole { 2 * half - u32::from(on_axis) } else { half };
-            (1, format!("row {row} has columns 1 to {columns}"))
+            (1, format!("row {number} has columns 1 to {columns}"))
         } else {
             (0, format!("there are rows 1 to {}", lattice.rows()))
         };
-        let message = format!("row {row}, column {column} is no site of the design's lattice: {extent}.");
-        fail(Some(key), message).trying(extent_help)
+        let message = format!("row {number}, column {column} is no site of the design's lattice: {extent}.");
+        row.fail(Some(key), message).trying(extent_help)
     })?;
     let mut site = sites[index];
     if is_left {
@@ -328,27 +265,14 @@ fn line(
     }
     site.column = column;
     let mut off: f64 = 0.0;
-    for (k, (value, expected)) in (2..).zip(lengths.into_iter().zip([site.x, site.z, lattice.row_diameter(row)])) {
-        let allowed = if k == 4 { EXACT } else { ROUNDED };
-        if (value - expected).abs() > allowed * lattice.diameter() {
-            let what = if k == 4 { "spheres of" } else { "this site at" };
-            let message = format!("{} = {value} m, but the design has {what} {expected} m.", HEADER[k]);
-            let help = match k {
-                2 if value < 0.0 => extent_help,
-                4 => "Diameters are those of the design file, crystal.diameter or crystal.diameters, to 1e-6.",
-                _ => "Positions follow from row and column, in metres, to 1e-3 D; only the materials are free.",
-            };
-            return Err(fail(Some(k), message).trying(help));
-        }
-        off = off.max((value - expected).abs());
+    for (k, (value, expected)) in (2..).zip(lengths.into_iter().zip([site.x, site.z, lattice.row_diameter(number)])) {
+        let (part, what) = if k == 4 { (EXACT, "spheres of") } else { (ROUNDED, "this site at") };
+        let help = match k {
+            2 if value < 0.0 => extent_help,
+            4 => "Diameters are those of the design file, crystal.diameter or crystal.diameters, to 1e-6.",
+            _ => "Positions follow from row and column, in metres, to 1e-3 D; only the materials are free.",
+        };
+        off = off.max(row.off(k, (value, expected), part * lattice.diameter(), (what, help))?);
     }
-    let material = material::find(&record[5], own).map_err(|unknown| {
-        let near = unknown.nearest.as_ref().map_or(String::new(), |near| format!("Did you mean {near}? "));
-        let help = format!(
-            "{near}Known are {}; own ones are described in the design file, as [materials.NAME].",
-            unknown.known.join(", ")
-        );
-        fail(Some(5), format!("material = \"{}\" is unknown.", unknown.name)).trying(help)
-    })?;
-    Ok(Line { at, site, index, off, material })
+    Ok(Line { site, index, off, material: row.material(5, own)? })
 }
