@@ -311,51 +311,59 @@ pub(super) fn judge(
 ) -> Result<(Vec<f64>, Vec<Verdict>), EvaluatorError> {
     let Comparison { design, plan, .. } = comparison;
     let forces = forces.about(design.impact.strength());
-    let runs: Vec<Vec<Evaluated>> = if forces.len() == 1 {
-        let own = |a: &ArrangementOutcome| vec![Evaluated { scores: a.scores.clone(), stop: a.stop.clone() }];
-        arrangements.iter().map(own).collect()
+    let runs = if forces.len() == 1 {
+        Vec::new()
     } else {
         let pieces: Vec<Subject<'_>> = simulated.iter().map(Job::piece).collect();
-        let kinds: Vec<&str> = arrangements.iter().map(|arrangement| arrangement.kind.as_str()).collect();
-        match related(design, plan, (&kinds, &pieces), &forces, context) {
+        match under_forces(design, plan, &pieces, &forces, context) {
             Err(EvaluatorError::Interrupted) => return Ok((Vec::new(), Vec::new())),
             runs => runs?,
         }
     };
-    let scores: Vec<Option<Vec<Scores>>> = runs
-        .into_iter()
-        .map(|runs| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect())
-        .collect();
-    if forces.len() > 1 {
+    Ok((forces, over_runs(arrangements, runs)))
+}
+
+/// The verdict on the first arrangement over the runs of each under several forces, of which each also gets how its scores scatter; without runs, over what they did
+/// under the design's own.
+pub(super) fn over_runs(arrangements: &mut [ArrangementOutcome], runs: Vec<Vec<Evaluated>>) -> Vec<Verdict> {
+    let scores = if runs.iter().all(Vec::is_empty) {
+        let own = |a: &ArrangementOutcome| a.stop.is_none().then(|| vec![a.scores.clone()]);
+        arrangements.iter().map(own).collect()
+    } else {
+        let scores = related(&kinds(arrangements), runs);
         for (arrangement, scores) in arrangements.iter_mut().zip(&scores) {
             arrangement.over_forces = scores.as_ref().map(|scores| over_forces(scores).1);
         }
-    }
-    let kinds: Vec<&str> = arrangements.iter().map(|arrangement| arrangement.kind.as_str()).collect();
-    Ok((forces, of_first(&kinds, &scores)))
+        scores
+    };
+    of_first(&kinds(arrangements), &scores)
 }
 
-/// Arrangements of some kinds under several forces: for each its runs, related to the uniform ones among them.
-fn related(
-    design: &Design,
-    plan: &Plan,
-    (kinds, pieces): (&[&str], &[Subject<'_>]),
-    forces: &[f64],
-    context: &Context,
-) -> Result<Vec<Vec<Evaluated>>, EvaluatorError> {
-    let mut runs = under_forces(design, plan, pieces, forces, context)?;
+fn kinds(arrangements: &[ArrangementOutcome]) -> Vec<&str> {
+    arrangements.iter().map(|arrangement| arrangement.kind.as_str()).collect()
+}
+
+/// Scores of the runs of each arrangement under each force, related to the uniform crystals under it; none of an arrangement that a guard stopped.
+fn related(kinds: &[&str], mut runs: Vec<Vec<Evaluated>>) -> Vec<Option<Vec<Scores>>> {
     let [host, lens] = ["all-host", "all-lens"].map(|kind| kinds.iter().position(|known| *known == kind));
-    for force in 0..forces.len() {
+    for force in 0..runs.first().map_or(0, Vec::len) {
         let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
         let host = of(host).map(|run| run.scores.focal_mean);
         let lens = of(lens).map(|run| run.scores.protected_mean);
         runs.iter_mut().for_each(|runs| runs[force].scores.relate(host, lens));
     }
-    Ok(runs)
+    let finished =
+        |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
+    runs.into_iter().map(finished).collect()
+}
+
+/// The verdict on the first of arrangements of these kinds, by their runs alone.
+pub(super) fn of_runs(kinds: &[&str], runs: Vec<Vec<Evaluated>>) -> Vec<Verdict> {
+    of_first(kinds, &related(kinds, runs))
 }
 
 /// The first of some arrangements against the others; those without scores were stopped by a guard.
-pub(super) fn of_first(kinds: &[&str], scores: &[Option<Vec<Scores>>]) -> Vec<Verdict> {
+fn of_first(kinds: &[&str], scores: &[Option<Vec<Scores>>]) -> Vec<Verdict> {
     let judged = kinds.iter().zip(scores).skip(1);
     let others: Vec<Judged> =
         judged.filter_map(|(kind, scores)| Some(Judged { kind, runs: scores.as_ref()? })).collect();
@@ -372,10 +380,8 @@ pub fn judged(comparison: &Comparison<'_>, context: &Context) -> Result<Vec<Verd
     let (kinds, pieces): (Vec<&str>, Vec<Subject<'_>>) = std::iter::once((name.as_str(), comparison.piece()))
         .chain(baselines.iter().map(|(baseline, layout)| (baseline.kind(), Subject::from(layout))))
         .unzip();
-    let runs = related(design, plan, (&kinds, &pieces), &forces.about(design.impact.strength()), context)?;
-    let finished =
-        |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
-    Ok(of_first(&kinds, &runs.into_iter().map(finished).collect::<Vec<_>>()))
+    let runs = under_forces(design, plan, &pieces, &forces.about(design.impact.strength()), context)?;
+    Ok(of_runs(&kinds, runs))
 }
 
 /// What ray tracing proposed, as it is stored.

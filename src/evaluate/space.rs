@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 use super::beside::reference;
-use super::compare::{of_first, relate};
+use super::compare::{of_runs, over_runs, relate};
 use super::{Doubts, EvaluateError, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError};
 use super::{NO_PULSE, method, parted, stops, unnamed};
 use crate::Context;
@@ -383,45 +383,11 @@ pub fn compare_in_space(comparison: &SpaceComparison<'_>, context: &Context) -> 
     }
     let mut warnings = plan.warnings.clone();
     relate(&mut arrangements);
-    let (forces, verdict) = judge(own, over, &mut arrangements, runs);
+    let verdict = over_runs(&mut arrangements, runs);
+    let forces = if over.is_empty() { vec![own] } else { over };
     warnings.extend(stops(&arrangements).into_iter().map(|stop| format!("FAILED: {stop}")));
     warnings.extend(doubts.words(&comparison.name));
     Ok(outcome(comparison, begun, (forces, verdict), arrangements, warnings))
-}
-
-/// Relates the runs under each force to the uniform crystals under it, and judges the first.
-fn judge(
-    own: f64,
-    over: Vec<f64>,
-    arrangements: &mut [ArrangementOutcome],
-    runs: Vec<Vec<Evaluated>>,
-) -> (Vec<f64>, Vec<Verdict>) {
-    let kinds: Vec<String> = arrangements.iter().map(|arrangement| arrangement.kind.clone()).collect();
-    let kinds: Vec<&str> = kinds.iter().map(String::as_str).collect();
-    if over.is_empty() {
-        let own_scores = |a: &ArrangementOutcome| a.stop.is_none().then(|| vec![a.scores.clone()]);
-        let scores: Vec<Option<Vec<Scores>>> = arrangements.iter().map(own_scores).collect();
-        return (vec![own], of_first(&kinds, &scores));
-    }
-    let scores = related(&kinds, runs);
-    for (arrangement, scores) in arrangements.iter_mut().zip(&scores) {
-        arrangement.over_forces = scores.as_ref().map(|scores| over_forces_of(scores).1);
-    }
-    (over, of_first(&kinds, &scores))
-}
-
-/// Relates runs, those of each arrangement under each force, to the uniform crystals under it; none of an arrangement that a guard stopped.
-fn related(kinds: &[&str], mut runs: Vec<Vec<Evaluated>>) -> Vec<Option<Vec<Scores>>> {
-    let [host, lens] = ["all-host", "all-lens"].map(|kind| kinds.iter().position(|known| *known == kind));
-    for force in 0..runs.first().map_or(0, Vec::len) {
-        let of = |k: Option<usize>| k.map(|k| &runs[k][force]).filter(|run| run.stop.is_none());
-        let host = of(host).map(|run| run.scores.focal_mean);
-        let lens = of(lens).map(|run| run.scores.protected_mean);
-        runs.iter_mut().for_each(|runs| runs[force].scores.relate(host, lens));
-    }
-    let finished =
-        |runs: Vec<Evaluated>| runs.into_iter().map(|run| run.stop.is_none().then_some(run.scores)).collect();
-    runs.into_iter().map(finished).collect()
 }
 
 /// The verdict of [`compare_in_space`] alone, by energies.
@@ -432,14 +398,14 @@ pub fn judged_in_space(comparison: &SpaceComparison<'_>, context: &Context) -> R
     let SpaceComparison { design, plan, .. } = comparison;
     let named = comparison.arrangements();
     let kinds: Vec<&str> = named.iter().map(|(_, kind, ..)| kind.as_str()).collect();
-    let layouts: Vec<&Layout<Block>> = named.iter().map(|(.., layout)| layout).collect();
     let forces = comparison.forces.about(design.impact.strength());
-    let runs = under_forces(design, plan, &layouts, &forces, context)?;
+    let asked: Vec<(&Layout<Block>, &[f64])> = named.iter().map(|(.., layout)| (layout, &forces[..])).collect();
+    let runs = under_forces(design, plan, &asked, context)?;
     let runs: Vec<Vec<Evaluated>> = runs.into_iter().map(|of| of.into_iter().map(|(run, _)| run).collect()).collect();
     if runs.iter().flatten().any(|run| matches!(run.stop, Some(Stop::Interrupted { .. }))) {
         return Err(EvaluatorError::Interrupted);
     }
-    Ok(of_first(&kinds, &related(&kinds, runs)))
+    Ok(of_runs(&kinds, runs))
 }
 
 fn outcome(
