@@ -7,6 +7,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::real::fetch_ahead;
+
 /// In samples of fewer spheres speeds are kept as good as all.
 const FEW: usize = 5_000;
 
@@ -98,6 +100,13 @@ impl ArrivalTracker {
         }
         self.base = if is_smooth { self.last.speed } else { self.previous };
         self.last = point;
+    }
+
+    /// Asks for the memory of the speeds that a greater one is kept with.
+    #[inline(always)]
+    pub fn fetch(&self) {
+        fetch_ahead(&self.points, 0, 64);
+        fetch_ahead(&self.points, self.points.len().saturating_sub(1), 64);
     }
 
     /// The greatest speed so far (m/s); none if there was no motion.

@@ -25,6 +25,9 @@ impl Arrival {
     }
 }
 
+/// So many spheres ahead memory is asked for their earlier speeds, which lie anywhere.
+const AHEAD: usize = 12;
+
 /// Greatest speeds and forces over accepted steps, and first arrivals.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Peaks {
@@ -100,6 +103,9 @@ impl Peaks {
         }
         let is_asked = self.own.min(self.of_first) < f64::INFINITY;
         for i in 0..self.trackers.len() {
+            if let Some(tracker) = self.trackers.get(i + AHEAD) {
+                tracker.fetch();
+            }
             let speed_squared = bodies.speed_squared(i);
             let is_maximum = speed_squared > self.speed_squared[i];
             if is_maximum {
