@@ -349,6 +349,9 @@ pub struct ArrangementOutcome {
     /// How it was simulated, where that is not as the manifest says: integrator and step (s) of a run that had to find its contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulated: Option<(String, f64)>,
+    /// In space the part of the crystal that was simulated: 1/2, or 1/6 where layout and crystal have three planes of symmetry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated_fraction: Option<f64>,
     /// For each site an index into the outcome's materials; of a piece whose halves differ then for each site's image.
     pub layout: Vec<u8>,
     /// What each sphere felt, in the order of `layout`.
@@ -405,6 +408,9 @@ pub struct Checked {
     /// With what, and how.
     #[serde(flatten)]
     pub method: Method,
+    /// In space the part of the crystal that was simulated: 1/2, or 1/6 where layout and crystal have three planes of symmetry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated_fraction: Option<f64>,
     /// Accepted steps.
     pub steps: u64,
     /// Wall time (s).

@@ -8,7 +8,7 @@ use granulens::build::{
 use granulens::dem::rig::RigStop;
 use granulens::dem::{Integrator, Stop};
 use granulens::design::{AnyDesign, SpaceDesign};
-use granulens::evaluate::{HeldError, Overrides, Plan, Subject, evaluate_in_space, impact, impact_in_space, method};
+use granulens::evaluate::{HeldError, Overrides, Plan, Subject, evaluate_in_space, impact, method, part_in_space};
 use granulens::input;
 use granulens::lattice::Layered;
 use granulens::layout::{Layout, write_piece, write_whole_in_space};
@@ -156,7 +156,8 @@ impl Build {
             .map_err(|error| Failure::of_plan(design, &overrides, &error))?;
         note(common, &format!("inspection list: {}", method(design, &plan).words()));
         if common.dry_run {
-            let alone = arrangement(&layout.sample_in_space(), &impact_in_space(design, &plan))?;
+            let (sample, impact) = part_in_space(design, &plan, &layout);
+            let alone = arrangement(&sample, &impact)?;
             return tell(common, &[cost::Part::new("the layout, for the inspection list", 1, Some(alone))]);
         }
         let spares = self.spares(common, &design.name)?;

@@ -187,6 +187,7 @@ impl Check {
             piece: subject.piece(price),
             half: subject.left.is_none().then(|| layout.half(price)),
             method: method(&design, &plan),
+            simulated_fraction: None,
             steps: record.steps,
             seconds,
             warnings: plan.warnings.iter().cloned().chain(warnings).collect(),

@@ -8,7 +8,7 @@ use granulens::dem::Stop;
 use granulens::design::SpaceDesign;
 use granulens::evaluate::{
     Drawing, Evaluation, EvaluatorError, Forces, Overrides, SpaceComparison, compare_in_space, evaluate_in_space,
-    impact_in_space, method, parted, stops, struck_force,
+    method, part_in_space, parted, simulated_fraction, stops, struck_force,
 };
 use granulens::gate;
 use granulens::lattice::{Block, Layered};
@@ -81,6 +81,11 @@ fn words(design: &SpaceDesign, body: &Body, request: &LensRequest, layout: &Layo
         .map(|(material, count)| format!("{count} {}", material.name))
         .collect();
     let [wide, high] = block.cells();
+    let sites = block.sites().len();
+    let simulated = match block.sixth().filter(|_| simulated_fraction(layout) < 0.5) {
+        Some(sixth) => format!("a sixth of it is simulated, {} of {sites} sites of the half", sixth.sites.len()),
+        None => format!("half of it is simulated, {sites} sites"),
+    };
     let radius = match (request.family.radius(), body.radius) {
         (Some(name), Some(radius)) => format!(", {name} {} ({})", in_diameters(radius), Length.show(radius)),
         _ => String::new(),
@@ -91,7 +96,7 @@ fn words(design: &SpaceDesign, body: &Body, request: &LensRequest, layout: &Layo
     };
     let force = struck_force(design, Dimension::Three, &design.host, block.diameter());
     let mut words = format!(
-        "crystal: {}, {} layers of {wide} by {high} cells, {} spheres; half of it is simulated, {} sites\n\
+        "crystal: {}, {} layers of {wide} by {high} cells, {} spheres; {simulated}\n\
          speeds: {} {:.0} m/s, {} {:.0} m/s (bound, 3D), ratio {:.3}\n\
          impact: {}{} per sphere, {} per contact\n\
          lens: layers {} to {}, {}, {going}{radius}, steepest {:.1} deg\n\
@@ -100,7 +105,6 @@ fn words(design: &SpaceDesign, body: &Body, request: &LensRequest, layout: &Layo
         block.cell().name(),
         block.layers(),
         block.spheres(),
-        block.sites().len(),
         design.host.name,
         body.speeds[0],
         request.material.name,
@@ -213,8 +217,8 @@ pub fn read(design: &SpaceDesign, path: &Path) -> Result<Layout<Block>, Failure>
 }
 
 fn cost(common: &Common, comparison: &SpaceComparison) -> Result<(), Failure> {
-    let impact = impact_in_space(comparison.design, &comparison.plan);
-    let alone = arrangement(&comparison.subject.sample_in_space(), &impact)?;
+    let (sample, impact) = part_in_space(comparison.design, &comparison.plan, &comparison.subject);
+    let alone = arrangement(&sample, &impact)?;
     let each = 1 + if comparison.forces.is_one() { 0 } else { comparison.forces.count() as u64 };
     // Under its own force the lens is followed with records alone.
     let runs = comparison.len() as u64 * each - 1;
@@ -295,6 +299,7 @@ pub fn check(
         piece: layout.piece_in_space(|material| design.price(material)),
         half: None,
         method: method(design, &plan),
+        simulated_fraction: Some(simulated_fraction(layout)),
         steps: record.steps,
         seconds: begun.elapsed().as_secs_f64(),
         warnings,

@@ -74,8 +74,10 @@ fn block(scope: &Scope, file: &CrystalFile) -> Result<Block, DesignError> {
             let all =
                 [("rectangle", Outline::All), ("round", Outline::Disk(radius)), ("hexagon", Outline::Hexagon(radius))];
             let chosen = outline.choice("outline", &all)?;
-            if chosen != Outline::All && sides != [BlockSide::Free; 2] {
-                return Err(entry.fail("is not free, and the outline is not a rectangle", "Write sides = \"free\"."));
+            let around = [[BlockSide::Free; 2], [BlockSide::Wall; 2]];
+            if chosen != Outline::All && !around.contains(&sides) {
+                let help = "Write sides = \"free\", or sides = \"wall\" for a wall around it.";
+                return Err(entry.fail("is neither free nor a wall, and the outline is not a rectangle", help));
             }
             chosen
         }

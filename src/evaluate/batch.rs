@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::load::{AnyField, Field, ImpactLoad, Imperfection, LoadCase};
+use super::part::Parts;
 use super::{EvaluateError, Overrides, Plan, PlanError, common_plan};
 use crate::Context;
 use crate::dem::{
@@ -70,6 +71,10 @@ impl From<EvaluateError> for EvaluatorError {
         }
     }
 }
+
+/// What stands side by side has all of these alike: the load but for its pulse, whether a sixth is simulated, unequal radii, and materials of its own.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Kind(usize, bool, bool, bool);
 
 /// Turns layouts of one design into scores, relative to the crystal of host and that of lens material alone under the same
 /// impact.
@@ -168,8 +173,8 @@ impl Evaluator {
         }
         let plan = common_plan(design, &loads.iter().map(|(load, _)| *load).collect::<Vec<_>>(), overrides, &palette)?;
         let field = |(load, whole): &(ImpactLoad, bool)| match design {
-            DesignRef::Plane(design) => AnyField::Plane(Field::new(design, &plan, load, *whole)),
-            DesignRef::Space(design) => AnyField::Space(Field::in_space(design, &plan, load, *whole)),
+            DesignRef::Plane(design) => AnyField::Plane(Box::new(Field::new(design, &plan, load, *whole))),
+            DesignRef::Space(design) => AnyField::Space(Box::new(Parts::new(design, &plan, load, *whole))),
         };
         let fields: Vec<AnyField> = loads.iter().map(field).collect();
         let alike = |(load, whole): &(ImpactLoad, bool)| {
@@ -278,22 +283,25 @@ impl Evaluator {
         let lanes = if self.detail == Detail::Everything { 1 } else { self.width.lanes() };
         let kinds = self.palette.len() * (self.palette.len() + 1) / 2;
         let few = (16 / kinds.max(1)).clamp(1, lanes);
-        let mut built: Vec<(usize, usize)> =
-            (0..self.cases.len()).flat_map(|case| (0..layouts.len()).map(move |layout| (case, layout))).collect();
-        let kind = |case: usize| {
+        let kind = |case: usize, layout: usize| {
             let (field, imperfection) = &self.cases[case];
-            (self.kin[*field], !imperfection.radii.is_empty(), !imperfection.materials.is_empty())
+            let is_sixth = self.fields[*field].is_sixth(&layouts[layout], imperfection);
+            Kind(self.kin[*field], is_sixth, !imperfection.radii.is_empty(), !imperfection.materials.is_empty())
         };
-        built.sort_by_key(|&(case, _)| kind(case));
-        let together = |alike: &'_ [(usize, usize)]| if kind(alike[0].0).2 { few } else { lanes };
-        let groups: Vec<&[(usize, usize)]> =
-            built.chunk_by(|a, b| kind(a.0) == kind(b.0)).flat_map(|alike| alike.chunks(together(alike))).collect();
+        let mut built: Vec<(Kind, usize, usize)> = (0..self.cases.len())
+            .flat_map(|case| (0..layouts.len()).map(move |layout| (case, layout)))
+            .map(|(case, layout)| (kind(case, layout), case, layout))
+            .collect();
+        built.sort_by_key(|(kind, ..)| *kind);
+        let together = |alike: &'_ [(Kind, usize, usize)]| if alike[0].0.3 { few } else { lanes };
+        let groups: Vec<&[(Kind, usize, usize)]> =
+            built.chunk_by(|a, b| a.0 == b.0).flat_map(|alike| alike.chunks(together(alike))).collect();
         let simulated = groups
             .par_iter()
             .map(|group| self.follow(group, layouts, most, context))
             .collect::<Result<Vec<_>, EvaluatorError>>()?;
         let mut runs: Vec<Vec<Option<Evaluated>>> = vec![vec![None; self.cases.len()]; layouts.len()];
-        for (&(case, layout), mut run) in groups.into_iter().flatten().zip(simulated.into_iter().flatten()) {
+        for (&(_, case, layout), mut run) in groups.into_iter().flatten().zip(simulated.into_iter().flatten()) {
             self.relate(&mut run.scores, self.cases[case].0);
             runs[layout][case] = Some(run);
         }
@@ -303,12 +311,12 @@ impl Evaluator {
     /// Cases and layouts side by side, all under the same impact but for its pulse.
     fn follow(
         &self,
-        group: &[(usize, usize)],
+        group: &[(Kind, usize, usize)],
         layouts: &[Vec<u8>],
         most: Option<&[Vec<f64>]>,
         context: &Context,
     ) -> Result<Vec<Evaluated>, EvaluatorError> {
-        let Some(&(first, _)) = group.first() else { return Ok(Vec::new()) };
+        let Some(&(Kind(_, is_sixth, ..), first, _)) = group.first() else { return Ok(Vec::new()) };
         if context.stopped() {
             // Groups that have not begun do not begin: to prepare each of many takes longer than anybody waits.
             let none = Evaluated { scores: Scores::default(), stop: Some(Stop::Interrupted { time_s: 0.0 }) };
@@ -321,7 +329,8 @@ impl Evaluator {
                     None => simulate(sample, &field.impact, context),
                 })
             }
-            AnyField::Space(field) => {
+            AnyField::Space(parts) => {
+                let field = parts.field(is_sixth);
                 self.follow_in(field, group, layouts, most, context, |sample| simulate(sample, &field.impact, context))
             }
         }
@@ -330,7 +339,7 @@ impl Evaluator {
     fn follow_in<const D: usize>(
         &self,
         field: &Field<D>,
-        group: &[(usize, usize)],
+        group: &[(Kind, usize, usize)],
         layouts: &[Vec<u8>],
         most: Option<&[Vec<f64>]>,
         context: &Context,
@@ -339,8 +348,9 @@ impl Evaluator {
     where
         Spheres: MoveIn<D>,
     {
-        let sample =
-            |&(case, layout): &(usize, usize)| field.sample(&self.palette, &layouts[layout], &self.cases[case].1);
+        let sample = |&(_, case, layout): &(Kind, usize, usize)| {
+            field.sample(&self.palette, &layouts[layout], &self.cases[case].1)
+        };
         let samples: Vec<_> = group.iter().map(sample).collect();
         if self.detail == Detail::Everything {
             return samples.iter().map(|sample| Ok(self.scores_of(field, sample, &recorded(sample)?))).collect();
@@ -350,25 +360,27 @@ impl Evaluator {
             let share = 0.5 / sites.len() as f64;
             // P is the mean over sites of the mean of a site and its image, which in the half are one.
             let spheres = sites.iter().flat_map(|&site| field.on(site)).map(|sphere| (sphere, share)).collect();
-            Limit { spheres, most: group.iter().map(|&(case, layout)| most[layout][case]).collect() }
+            Limit { spheres, most: group.iter().map(|&(_, case, layout)| most[layout][case]).collect() }
         });
         let strikes: Vec<Strike> =
-            group.iter().map(|&(case, _)| self.fields[self.cases[case].0].impact().strike()).collect();
+            group.iter().map(|&(kind, case, _)| self.fields[self.cases[case].0].impact(kind.1).strike()).collect();
         let (impact, friction) = (&field.impact, field.friction);
         let peak_energies =
             simulate_batch_under(&samples, impact, &strikes, friction, limit.as_ref(), self.width, context)?;
         Ok(peak_energies
             .into_iter()
-            .map(|peaks| Evaluated { scores: self.energies(&field.folded(&peaks.max_kinetic)), stop: peaks.stop })
+            .map(|peaks| Evaluated {
+                scores: self.energies(&field.folded(&peaks.max_kinetic)),
+                stop: peaks.stop.map(|stop| field.named(stop)),
+            })
             .collect())
     }
 
     /// One layout with full records.
     fn scores_of<const D: usize>(&self, field: &Field<D>, sample: &Sample<D>, record: &Record<D>) -> Evaluated {
         let mut scores = self.energies(&field.folded(&record.max_kinetic));
-        let share = if field.is_whole() { 0.5 } else { 1.0 };
-        scores.add_records(record, &self.within, |site| field.on(site), share, |sphere| sample.mass(sphere));
-        Evaluated { scores, stop: record.stop.clone() }
+        scores.add_records(record, &self.within, |site| field.on(site), field.share, |sphere| sample.mass(sphere));
+        Evaluated { scores, stop: record.stop.clone().map(|stop| field.named(stop)) }
     }
 
     fn energies(&self, max_kinetic: &[f64]) -> Scores {

@@ -207,6 +207,7 @@ impl Job {
             scores,
             over_forces: None,
             simulated: None,
+            simulated_fraction: None,
             layout: self.piece().drawn(),
             record,
             stop,

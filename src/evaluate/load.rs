@@ -1,12 +1,13 @@
 //! What strikes a crystal and what is built of a drawing: the members of a set that a layout is judged by.
 
 use crate::contact::LawKind;
-use crate::dem::{ForcePulse, Impact, Mirror, Projectile, Strike};
+use crate::dem::{ForcePulse, Impact, Mirror, Projectile, Stop, Strike};
 use crate::design::{Design, SpaceDesign};
 use crate::lattice::Layered;
 use crate::material::Material;
 use crate::sample::{Sample, Sphere};
 
+use super::part::{Parts, walls};
 use super::space::sides;
 use super::{Plan, impact};
 
@@ -106,18 +107,20 @@ impl<S: Into<Strike>> From<S> for LoadCase {
 }
 
 /// The part of a crystal that has to be simulated under a load: its half, or, where the load is not symmetric, the whole
-/// between smooth walls at both far sides. Under a symmetric load the two say the same.
+/// between smooth walls at both far sides; or a sixth of a crystal in space. Where loads and layouts are symmetric all say the same.
 pub(super) struct Field<const D: usize = 2> {
     /// What strikes it.
     pub impact: Impact,
     /// μ; none without friction.
     pub friction: Option<f64>,
     /// Centre of each sphere (m), and its place: its site in the half, or, on the other side of the axis, as many more as there are sites.
-    spheres: Vec<([f64; D], usize)>,
+    pub(super) spheres: Vec<([f64; D], usize)>,
     /// Radius of the sphere of each site as drawn (m).
-    radii: Vec<f64>,
+    pub(super) radii: Vec<f64>,
     /// The one or two spheres that stand on each site of the half and on its image.
-    images: Vec<[usize; 2]>,
+    pub(super) images: Vec<[usize; 2]>,
+    /// The half over what is simulated.
+    pub share: f64,
 }
 
 impl Field {
@@ -139,7 +142,7 @@ impl Field {
             impact = impact.struck_by(along.of_part(0.5));
             let spheres = sites.iter().enumerate().map(|(i, site)| ([site.x, site.z], i)).collect();
             let images = (0..sites.len()).map(|i| [i, i]).collect();
-            return Self { impact, friction, spheres, radii, images };
+            return Self { impact, friction, spheres, radii, images, share: 1.0 };
         }
         impact = impact.struck_by(along);
         impact.slope = load.angle.tan();
@@ -164,7 +167,7 @@ impl Field {
         impact.exit = on(lattice.rows());
         impact.mirrors =
             [-1.0, 1.0].map(|side| Mirror { axis: 0, position: side * lattice.half_width(), inward: -side }).to_vec();
-        Self { impact, friction, spheres, radii, images }
+        Self { impact, friction, spheres, radii, images, share: 0.5 }
     }
 }
 
@@ -181,7 +184,8 @@ impl Field<3> {
         if !whole {
             impact = impact.struck_by(strike.of_part(0.5));
             let spheres = sites.iter().enumerate().map(|(i, site)| (site.centre, i)).collect();
-            return Self { impact, friction: None, spheres, radii, images: (0..sites.len()).map(|i| [i, i]).collect() };
+            let images = (0..sites.len()).map(|i| [i, i]).collect();
+            return Self { impact, friction: None, spheres, radii, images, share: 1.0 };
         }
         let mut spheres: Vec<([f64; 3], usize)> = Vec::new();
         let mut starts = vec![0];
@@ -199,10 +203,11 @@ impl Field<3> {
             starts.push(spheres.len());
         }
         (impact.mirrors, impact.periods) = sides(block, true);
+        impact.faces = walls(block, true);
         impact.struck = (0..starts[1]).collect();
         impact.exit = (starts[starts.len() - 2]..spheres.len()).collect();
         let images = images(&spheres, sites.len());
-        Self { impact: impact.struck_by(strike), friction: None, spheres, radii, images }
+        Self { impact: impact.struck_by(strike), friction: None, spheres, radii, images, share: 0.5 }
     }
 }
 
@@ -225,11 +230,6 @@ fn facing(strike: Strike, front: f64) -> Strike {
 }
 
 impl<const D: usize> Field<D> {
-    /// Whether both halves of the crystal are simulated.
-    pub fn is_whole(&self) -> bool {
-        self.spheres.len() > self.images.len()
-    }
-
     /// The spheres to simulate where a layout is built with its imperfection.
     pub fn sample(&self, palette: &[Material], layout: &[u8], imperfection: &Imperfection) -> Sample<D> {
         let (built, sites) = (imperfection.built(layout), self.images.len());
@@ -254,6 +254,23 @@ impl<const D: usize> Field<D> {
         self.images.iter().map(|&[a, b]| if a == b { values[a] } else { 0.5 * (values[a] + values[b]) }).collect()
     }
 
+    /// Whether what is simulated says all of a layout of the half, built with its imperfection: all sites of which one sphere stands for are alike.
+    pub fn stands_for(&self, layout: &[u8], imperfection: &Imperfection) -> bool {
+        let (built, sites) = (imperfection.built(layout), self.images.len());
+        let radii = &imperfection.radii;
+        built.len() == sites
+            && radii.len() <= sites
+            && self.images.iter().enumerate().all(|(site, &[k, _])| {
+                let place = self.spheres[k].1;
+                built[site] == built[place] && radii.get(site) == radii.get(place)
+            })
+    }
+
+    /// A guard's word with the numbers of sites in the half, where a part of it is simulated.
+    pub fn named(&self, stop: Stop) -> Stop {
+        if self.spheres.len() < self.images.len() { stop.renumbered(|k| self.spheres[k].1) } else { stop }
+    }
+
     /// The spheres on a site and on its image.
     pub fn on(&self, site: usize) -> [usize; 2] {
         self.images[site]
@@ -263,18 +280,23 @@ impl<const D: usize> Field<D> {
 /// A field of either dimension.
 pub(super) enum AnyField {
     /// Of a sheet.
-    Plane(Field),
+    Plane(Box<Field>),
     /// Of a crystal in space.
-    Space(Field<3>),
+    Space(Box<Parts>),
 }
 
 impl AnyField {
-    /// What strikes it.
-    pub fn impact(&self) -> &Impact {
+    /// What strikes it, or its sixth.
+    pub fn impact(&self, is_sixth: bool) -> &Impact {
         match self {
             Self::Plane(field) => &field.impact,
-            Self::Space(field) => &field.impact,
+            Self::Space(parts) => &parts.field(is_sixth).impact,
         }
+    }
+
+    /// Whether a sixth says all of a layout that is built with an imperfection.
+    pub fn is_sixth(&self, layout: &[u8], imperfection: &Imperfection) -> bool {
+        matches!(self, Self::Space(parts) if parts.is_sixth(layout, imperfection))
     }
 }
 

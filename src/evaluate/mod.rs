@@ -12,7 +12,7 @@
 //! - `held`: the whole piece between mirrors, or in a frame; `settle`: how unequal spheres lie in it under gravity
 //! - `sensitivity`: how scores change with every sphere, by the adjoint; `swaps`: what exchanging single spheres does
 //! - `whole`: pieces whose halves differ
-//! - `space`: crystals in space: lens, baselines and strips in lanes
+//! - `space`: crystals in space: lens, baselines and strips in lanes; `part`: the half of them, or a sixth
 //! - `drawing`: a layout under its design, of either kind
 //! - `made`: laws that gave back more than was put in
 
@@ -28,6 +28,7 @@ mod glimpse;
 mod held;
 mod laws;
 mod made;
+mod part;
 mod plan;
 mod rank;
 mod sensitivity;
@@ -49,6 +50,7 @@ pub use glimpse::glimpse;
 pub use held::{Frame, HeldError, HeldSphere, held_energies, held_spheres, settled};
 pub use laws::{LawScores, OverLaws, OverLawsError, Ranges, design_laws, over_laws};
 pub use load::{ImpactLoad, Imperfection, LoadCase};
+pub use part::{part_in_space, simulated_fraction};
 pub use plan::{Overrides, Plan, PlanError, common_plan};
 pub use rank::{Ranked, rank};
 pub use sensitivity::{
@@ -65,6 +67,7 @@ pub use traced::{trace_arrivals, trace_fronts, trace_lens};
 pub use whole::Subject;
 
 pub(crate) use made::gain_words;
+pub(crate) use part::contacts_of_half;
 pub(crate) use space::add_piece;
 pub(crate) use stiffest::{IN_PULSE, Stiffest, dividing, divisor, overshoot};
 

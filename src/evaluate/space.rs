@@ -6,12 +6,14 @@ use rayon::prelude::*;
 
 use super::beside::reference;
 use super::compare::{of_runs, over_runs, relate};
+use super::load::{ImpactLoad, Imperfection};
+use super::part::{Parts, simulated_fraction, walls};
 use super::{Doubts, EvaluateError, Evaluated, Evaluation, EvaluatorError, Forces, Overrides, Plan, PlanError};
 use super::{NO_PULSE, method, parted, stops, unnamed};
 use crate::Context;
-use crate::dem::{Impact, Mirror, Period, Stop, Strike, simulate, simulate_batch_under};
+use crate::dem::{Impact, Mirror, Period, Stop, Strike, simulate_batch_under};
 use crate::design::SpaceDesign;
-use crate::lattice::{Block, BlockSide, Layered};
+use crate::lattice::{Block, BlockSide, Layered, Outline};
 use crate::layout::{Baseline, Layout};
 use crate::lens::{Body, LensRequest};
 use crate::outcome::{
@@ -33,7 +35,7 @@ pub fn impact_in_space(design: &SpaceDesign, plan: &Plan) -> Impact {
         pulse: NO_PULSE,
         slope: 0.0,
         struck: block.layer(1).collect(),
-        faces: Vec::new(),
+        faces: walls(block, false),
         moving: Vec::new(),
         projectile: None,
         exit: block.layer(block.layers()).collect(),
@@ -44,9 +46,11 @@ pub fn impact_in_space(design: &SpaceDesign, plan: &Plan) -> Impact {
     impact.struck_by(design.impact.of_part(0.5))
 }
 
-/// What ends a crystal across the wave: its half x ≥ 0, or the whole.
+/// What ends a crystal across the wave, across an axis: its half x ≥ 0, or the whole.
 pub(super) fn sides(block: &Block, whole: bool) -> (Vec<Mirror>, Vec<Period>) {
-    let ([half, high], [across, along]) = (block.half_widths(), block.sides());
+    // Around an outline stand walls of another kind.
+    let ends = if block.outline() == Outline::All { block.sides() } else { [BlockSide::Free; 2] };
+    let ([half, high], [across, along]) = (block.half_widths(), ends);
     let radius = 0.5 * block.diameter();
     let (mut mirrors, mut periods) = (Vec::new(), Vec::new());
     if !whole {
@@ -88,7 +92,7 @@ pub fn evaluate_in_space(
     context: &Context,
 ) -> Result<Evaluation<3>, EvaluateError> {
     let sample = layout.sample_in_space();
-    let record = simulate(&sample, &impact_in_space(design, plan), context)?;
+    let record = Parts::new(design, plan, &ImpactLoad::from(design.impact), false).recorded(layout, context)?;
     let within = design.target.on(&design.lattice);
     let mut scores = Scores::of_sites(&record.max_kinetic, &within);
     scores.add_records(&record, &within, |site| [site; 2], 1.0, |sphere| sample.mass(sphere));
@@ -117,28 +121,39 @@ fn under_forces(
     asked: &[(&Layout<Block>, &[f64])],
     context: &Context,
 ) -> Result<Vec<Vec<Run>>, EvaluatorError> {
-    let (impact, within) = (impact_in_space(design, plan), design.target.on(&design.lattice));
+    let within = design.target.on(&design.lattice);
+    let (parts, drawn) = (Parts::new(design, plan, &ImpactLoad::from(design.impact), false), Imperfection::default());
     let width = Width::widest();
-    // The forces of a layout stand together, so that a lane's contacts are of few kinds.
-    let members: Vec<(&Layout<Block>, f64)> =
-        asked.iter().flat_map(|&(layout, forces)| forces.iter().map(move |&force| (layout, force))).collect();
-    let groups: Vec<&[(&Layout<Block>, f64)]> = members.chunks(width.lanes()).collect();
+    let is_sixth: Vec<bool> = asked.iter().map(|(layout, _)| parts.is_sixth(&layout.materials, &drawn)).collect();
+    // The forces of a layout stand together, so that a lane's contacts are of few kinds; and what is simulated in one part.
+    let mut members: Vec<(usize, f64)> =
+        asked.iter().enumerate().flat_map(|(k, (_, forces))| forces.iter().map(move |&force| (k, force))).collect();
+    members.sort_by_key(|&(k, _)| is_sixth[k]);
+    let alike = members.chunk_by(|a, b| is_sixth[a.0] == is_sixth[b.0]);
+    let groups: Vec<&[(usize, f64)]> = alike.flat_map(|alike| alike.chunks(width.lanes())).collect();
     let found = groups
         .par_iter()
         .map(|group| {
-            let samples: Vec<Sample<3>> = group.iter().map(|(layout, _)| layout.sample_in_space()).collect();
+            let field = parts.field(is_sixth[group[0].0]);
+            let sample = |&(k, _): &(usize, f64)| field.sample(&asked[k].0.palette, &asked[k].0.materials, &drawn);
+            let samples: Vec<Sample<3>> = group.iter().map(sample).collect();
             let strikes: Vec<Strike> =
-                group.iter().map(|&(_, strength)| impact.strike().with_strength(strength)).collect();
-            let briefs = simulate_batch_under(&samples, &impact, &strikes, None, None, width, context)?;
+                group.iter().map(|&(_, strength)| field.impact.strike().with_strength(strength)).collect();
+            let briefs = simulate_batch_under(&samples, &field.impact, &strikes, None, None, width, context)?;
             let scored = briefs.into_iter().map(|brief| {
-                let scores = Scores::of_sites(&brief.max_kinetic, &within);
-                (Evaluated { scores, stop: brief.stop }, brief.max_kinetic)
+                let max_kinetic = field.folded(&brief.max_kinetic);
+                let scores = Scores::of_sites(&max_kinetic, &within);
+                (Evaluated { scores, stop: brief.stop.map(|stop| field.named(stop)) }, max_kinetic)
             });
             Ok(scored.collect::<Vec<_>>())
         })
         .collect::<Result<Vec<_>, EvaluatorError>>()?;
-    let mut all = found.into_iter().flatten();
-    Ok(asked.iter().map(|(_, forces)| all.by_ref().take(forces.len()).collect()).collect())
+    // Those of a layout keep their order.
+    let mut runs: Vec<Vec<Run>> = asked.iter().map(|_| Vec::new()).collect();
+    for (&(k, _), run) in groups.into_iter().flatten().zip(found.into_iter().flatten()) {
+        runs[k].push(run);
+    }
+    Ok(runs)
 }
 
 /// A layout in space beside the uniform crystals that G and Q refer to.
@@ -371,6 +386,7 @@ pub fn compare_in_space(comparison: &SpaceComparison<'_>, context: &Context) -> 
                 scores: own.scores,
                 over_forces: None,
                 simulated: None,
+                simulated_fraction: Some(simulated_fraction(layout)),
                 layout: layout.materials.clone(),
                 record,
                 stop: own.stop,

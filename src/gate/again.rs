@@ -6,7 +6,7 @@
 
 use super::{GateError, Line, Look, Word, given};
 use crate::contact::{AnyLaw, ForceLaw, Pair};
-use crate::evaluate::{Drawing, Evaluator, EvaluatorError, ImpactLoad, Imperfection, LoadCase};
+use crate::evaluate::{Drawing, Evaluator, EvaluatorError, ImpactLoad, Imperfection, LoadCase, contacts_of_half};
 use crate::score::Measure;
 use crate::units::Dimension::Length;
 
@@ -29,7 +29,13 @@ pub(super) fn line(look: &Look) -> Result<Option<Line>, GateError> {
     };
     let mut sums = vec![[0.0, 0.0]; of.len()];
     let mut deepest = 0.0_f64;
-    for contact in look.seen.contacts {
+    let of_half = match drawing {
+        Drawing::Space(design, layout) => {
+            contacts_of_half((design, look.plan), layout, look.context).map_err(EvaluatorError::from)?
+        }
+        Drawing::Plane(..) => None,
+    };
+    for contact in of_half.as_deref().unwrap_or(look.seen.contacts) {
         let materials = contact.spheres.map(|i| &drawing.palette()[usize::from(of[i])]);
         let pair = Pair::new(materials, [0.5 * diameter; 2], design.constants());
         let dent = residual(&AnyLaw::new(design.law(), &pair), contact.overlap_max, contact.force_max);

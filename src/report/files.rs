@@ -271,6 +271,8 @@ struct Numbered<'a> {
     over_forces: Option<&'a Spreads>,
     #[serde(skip_serializing_if = "Option::is_none")]
     simulated: Option<&'a (String, f64)>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    simulated_fraction: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -310,6 +312,7 @@ impl<'a, R> Numbers<'a, R> {
                 scores: &a.scores,
                 over_forces: a.over_forces.as_ref(),
                 simulated: a.simulated.as_ref(),
+                simulated_fraction: a.simulated_fraction,
             })
             .collect();
         let over_seeds = lines(outcome)

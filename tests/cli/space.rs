@@ -192,6 +192,47 @@ fn run_leaves_a_report() {
     assert!(held.values().any(|material| material == "brass-260"));
 }
 
+/// Around an outline there may be a wall; what has the crystal's symmetry is simulated in a sixth of it, says so, and comes to the same numbers in both commands.
+#[test]
+fn a_walled_round_lens_is_simulated_in_a_sixth() {
+    let desk = Desk::new();
+    for outline in ["round", "hexagon"] {
+        let sides = format!("sides = \"wall\"\noutline = \"{outline}\"");
+        let text = SMALL.replace("sides = [\"mirror\", \"period\"]", &sides).replace("20 kN", "8 kN");
+        desk.write("walled.toml", &text);
+        let ran = desk.run(&["design", "walled.toml", "--out", "lens.csv"]).ok();
+        assert!(ran.stdout.contains("a sixth of it is simulated"), "{}", ran.stdout);
+        let compared = desk.run(&["compare", "walled.toml", "--forces", "1", "--json"]).ok().json();
+        let of = |name: &str| {
+            let all = compared["arrangements"].as_array().unwrap();
+            all.iter().find(|a| a["name"] == name).unwrap_or_else(|| panic!("{name}"))
+        };
+        let fractions = ["lens", "all-host", "strip-2"].map(|name| of(name)["simulated_fraction"].as_f64());
+        assert_eq!(fractions, [Some(1.0 / 6.0); 3]);
+        let checked = desk.run(&["check", "lens.csv", "--design", "walled.toml", "--json"]).ok().json();
+        assert_eq!(checked["simulated_fraction"].as_f64(), Some(1.0 / 6.0));
+        for key in ["focal_mean_J", "protected_mean_J", "contrast", "focal_gain", "work_in_J", "dissipation"] {
+            let ours = checked[key].as_f64().unwrap();
+            assert_eq!(Some(ours), of("lens")["scores"][key].as_f64(), "{key}");
+        }
+        // One sphere away from the axis, of host in place of brass: the half, and nearly the same numbers.
+        let lens = desk.read("lens.csv");
+        let line = lens.lines().rfind(|line| line.ends_with("brass-260")).unwrap();
+        desk.write("broken.csv", lens.replacen(line, &line.replace("brass-260", "stainless-440c"), 1));
+        let broken = desk.run(&["check", "broken.csv", "--design", "walled.toml", "--json"]).ok().json();
+        assert_eq!(broken["simulated_fraction"].as_f64(), Some(0.5));
+        for key in ["focal_mean_J", "work_in_J"] {
+            let ratio = broken[key].as_f64().unwrap() / checked[key].as_f64().unwrap();
+            assert!((ratio - 1.0).abs() < 0.1, "{key} {ratio}");
+        }
+        for sides in ["\"period\"", "[\"free\", \"wall\"]"] {
+            desk.write("wrong.toml", text.replace("\"wall\"", sides));
+            let ran = desk.run(&["design", "wrong.toml"]);
+            assert!(ran.code == 2 && ran.stderr.contains("neither free nor a wall"), "{}", ran.stderr);
+        }
+    }
+}
+
 #[test]
 fn what_is_wrong_or_cannot_be_done_is_said() {
     let desk = desk();

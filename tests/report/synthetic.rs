@@ -168,6 +168,7 @@ fn arrangement(
         },
         over_forces: None,
         simulated: None,
+        simulated_fraction: None,
         layout,
         record,
         stop: None,

@@ -13,7 +13,7 @@ mod crystal;
 #[cfg(test)]
 mod crystal_tests;
 
-pub use block::{Block, BlockError, BlockSide};
+pub use block::{Block, BlockError, BlockSide, Sixth};
 pub use cell::Cell;
 pub use crystal::{Crystal, CrystalError, CrystalSite, Outline, Width, hexagonal_distance};
 

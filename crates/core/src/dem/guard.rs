@@ -102,6 +102,27 @@ pub enum Stop {
     },
 }
 
+impl Stop {
+    /// With the numbers that spheres have in a greater sample, of which what was simulated is a part; indices from 0.
+    #[must_use]
+    pub fn renumbered(self, of: impl Fn(usize) -> usize) -> Self {
+        let new = |sphere: usize| of(sphere - 1) + 1;
+        match self {
+            Self::NotFinite { sphere, time_s } => Self::NotFinite { sphere: new(sphere), time_s },
+            Self::Overlap { spheres, overlap_ratio, limit, time_s } => {
+                Self::Overlap { spheres: spheres.map(new), overlap_ratio, limit, time_s }
+            }
+            Self::Step { step_s, limit_s, stiffness, spheres, time_s } => {
+                Self::Step { step_s, limit_s, stiffness, spheres: spheres.map(new), time_s }
+            }
+            Self::Met { spheres, time_s } => Self::Met { spheres: spheres.map(new), time_s },
+            other @ (Self::Interrupted { .. } | Self::Leap { .. } | Self::Beyond { .. } | Self::Residual { .. }) => {
+                other
+            }
+        }
+    }
+}
+
 /// What records did not say before laws had limits of their own.
 fn usual_limit() -> f64 {
     OVERLAP_LIMIT

@@ -15,7 +15,7 @@ pub enum BlockSide {
     Mirror,
     /// It repeats itself.
     Period,
-    /// At a smooth wall that touches the outermost spheres and is as their mirror image.
+    /// At a smooth wall that touches the outermost spheres and is as their mirror image; a round or hexagonal one about such an outline.
     Wall,
     /// Nothing holds it.
     Free,
@@ -36,8 +36,8 @@ pub enum BlockError {
     /// A mirror across an axis along which the structure has none.
     #[error("y has no mirror: a close packing is not its own image there")]
     Mirror,
-    /// An outline between sides that are not free.
-    #[error("a round or hexagonal crystal has free sides")]
+    /// An outline between sides that are neither free nor one wall.
+    #[error("a round or hexagonal crystal has free sides, or a wall around it")]
     Sides,
     /// An outline that reaches beyond the cells, or holds no sphere of a layer.
     #[error("an outline must lie within the cells and hold spheres of every layer")]
@@ -67,6 +67,22 @@ pub struct Block {
     copies: Arc<[u8]>,
     /// Where each layer begins, and where the last ends.
     starts: Arc<[usize]>,
+}
+
+/// A sixth of a crystal, between two planes of symmetry through the axis, and how the half x ≥ 0 is made of its images.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sixth {
+    /// Sites of the half that lie in it, on its planes too, in order.
+    pub sites: Vec<usize>,
+    /// For each site of the half the place in `sites` of the one that it is an image of, and what makes of a direction across the axis there that at the image.
+    pub images: Vec<(usize, [[f64; 2]; 2])>,
+}
+
+impl Sixth {
+    /// Direction of the plane of symmetry beside x = 0, into the sixth.
+    pub fn normal() -> [f64; 3] {
+        [-0.5, 0.75_f64.sqrt(), 0.0]
+    }
 }
 
 /// Steps between neighbours, each followed by its opposite, by layers, halves of a diameter along x and √3/6 diameters along y: within a
@@ -154,18 +170,18 @@ impl Block {
         Ok(Self { cell, diameter, cells, axis_layer, sides, outline: Outline::All, sites, copies, starts })
     }
 
-    /// Of the same crystal what lies within an outline about the axis, with free sides. About a sphere's centre close packings keep three
+    /// Of the same crystal what lies within an outline about the axis, with free sides or a wall around it. About a sphere's centre close packings keep three
     /// planes of symmetry at 60 degrees, and so does a disk, or a hexagon whose corners lie along x.
     ///
     /// # Errors
-    /// Sides that are not free; an outline that reaches beyond the cells, or holds nothing of a layer.
+    /// Other sides; an outline that reaches beyond the cells, or holds nothing of a layer.
     pub fn within(self, outline: Outline) -> Result<Self, BlockError> {
         let reach = match outline {
             Outline::All => return Ok(self),
             Outline::Hexagon(radius) => [radius, 0.75_f64.sqrt() * radius],
             Outline::Disk(radius) => [radius; 2],
         };
-        if self.sides != [BlockSide::Free; 2] {
+        if ![[BlockSide::Free; 2], [BlockSide::Wall; 2]].contains(&self.sides) {
             return Err(BlockError::Sides);
         }
         let most = self.half_widths().map(|half| half / self.diameter * (1.0 + 1e-9));
@@ -259,6 +275,33 @@ impl Block {
     pub fn place(&self, index: usize) -> [i64; 2] {
         let [x, y, _] = self.sites[index].centre;
         [(2.0 * x / self.diameter).round() as i64, (y * 12.0_f64.sqrt() / self.diameter).round() as i64]
+    }
+
+    /// What of a round or hexagonal crystal lies between the plane x = 0 and the one at 60 degrees to it, a sixth: all else is its image in three planes of
+    /// symmetry. None of a rectangle, whose rim is not turned into itself.
+    pub fn sixth(&self) -> Option<Sixth> {
+        if self.outline == Outline::All {
+            return None;
+        }
+        let places: Vec<(u32, [i64; 2])> =
+            self.sites.iter().enumerate().map(|(i, site)| (site.layer, self.place(i))).collect();
+        // The other plane holds the places [a, a].
+        let is_inside = |[a, b]: [i64; 2]| b >= a;
+        let sites: Vec<usize> = (0..places.len()).filter(|&i| is_inside(places[i].1)).collect();
+        let at: HashMap<(u32, [i64; 2]), usize> = sites.iter().enumerate().map(|(k, &i)| (places[i], k)).collect();
+        let (sine, cosine) = (0.75_f64.sqrt(), 0.5);
+        let image = |&(layer, [a, b]): &(u32, [i64; 2])| {
+            if is_inside([a, b]) {
+                return Some((*at.get(&(layer, [a, b]))?, [[1.0, 0.0], [0.0, 1.0]]));
+            }
+            // In the other plane, and from there, if need be, in x = 0; and the way back.
+            let across = (a + b) / 2;
+            let back = if across < 0 { -1.0 } else { 1.0 };
+            let turn = [[cosine * back, sine], [sine * back, -cosine]];
+            Some((*at.get(&(layer, [across.abs(), (3 * a - b) / 2]))?, turn))
+        };
+        let images = places.iter().map(image).collect::<Option<Vec<_>>>()?;
+        Some(Sixth { sites, images })
     }
 
     /// For each site the sites of the half that the eighteen steps between close-packed neighbours lead to: twelve of them inside.
@@ -408,8 +451,45 @@ mod tests {
         }
         let free = [BlockSide::Free; 2];
         assert_eq!(block("hcp", 3, [BlockSide::Period; 2]).within(Outline::Disk(3.0)), Err(BlockError::Sides));
+        let one = block("hcp", 3, [BlockSide::Free, BlockSide::Wall]);
+        assert_eq!(one.within(Outline::Disk(3.0)), Err(BlockError::Sides));
         assert_eq!(block("hcp", 3, free).within(Outline::Disk(3.6)), Err(BlockError::Outline));
         assert_eq!(block("hcp", 3, free).within(Outline::Disk(f64::NAN)), Err(BlockError::Outline));
+    }
+
+    /// Each site of the half is where the way back leads from its image in the sixth, each of these stands for one, two or three of the half, and by areas it is a
+    /// third of it.
+    #[test]
+    fn a_half_is_made_of_images_of_a_sixth() {
+        for (name, axis_layer) in [("hcp", 3), ("fcc-111", 1), ("fcc-111", 2)] {
+            for outline in [Outline::Disk(3.4), Outline::Hexagon(3.0)] {
+                for side in [BlockSide::Free, BlockSide::Wall] {
+                    let block = block(name, axis_layer, [side; 2]).within(outline).unwrap();
+                    let Sixth { sites, images } = block.sixth().unwrap();
+                    let normal = Sixth::normal();
+                    let mut whole = vec![0; sites.len()];
+                    for (i, (k, turn)) in images.iter().enumerate() {
+                        let ([x, y, z], to) = (block.sites()[sites[*k]].centre, block.sites()[i].centre);
+                        let led = [turn[0][0] * x + turn[0][1] * y, turn[1][0] * x + turn[1][1] * y, z];
+                        assert!((0..3).all(|k| (led[k] - to[k]).abs() < 1e-9), "{name} {outline:?} {to:?} {led:?}");
+                        whole[*k] += block.copies()[i];
+                    }
+                    for (k, &i) in sites.iter().enumerate() {
+                        assert_eq!(images[i].0, k);
+                        let [x, y, _] = block.sites()[i].centre;
+                        let away = normal[0] * x + normal[1] * y;
+                        assert!(away > -1e-9, "{away}");
+                        let expected = match (x < 1e-9, away < 1e-9) {
+                            (true, true) => 1,
+                            (false, false) => 6,
+                            _ => 3,
+                        };
+                        assert_eq!(whole[k], expected, "{name} {outline:?} {x} {y}");
+                    }
+                }
+            }
+        }
+        assert_eq!(block("hcp", 3, [BlockSide::Free; 2]).sixth(), None);
     }
 
     #[test]
