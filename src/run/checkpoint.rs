@@ -9,7 +9,7 @@ use super::events::State;
 use super::streams::Streams;
 use super::{Halved, RunError, write};
 use crate::dem::rig::Simulation;
-use crate::dem::{sealed, unsealed};
+use crate::dem::{sealed_behind, unsealed};
 use crate::setup::PreparedRig;
 
 /// First line of the file; the number is that of the format.
@@ -69,9 +69,7 @@ impl Checkpoint {
 
     /// Puts it in its place at once: the one before stays until this one is whole.
     pub fn write(&self, path: &Path) -> Result<(), RunError> {
-        let mut bytes = OPENING.to_vec();
-        bytes.extend(sealed(self));
-        write(path, &bytes)
+        write(path, &sealed_behind(OPENING.to_vec(), self))
     }
 
     /// Reads one, of the same rig file.

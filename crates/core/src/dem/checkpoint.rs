@@ -27,9 +27,16 @@ pub enum CheckpointError {
 
 /// A value as `postcard` writes it, behind a checksum of that.
 pub fn sealed(value: &impl Serialize) -> Vec<u8> {
-    let body = postcard::to_stdvec(value).expect("numbers, texts and lists of them can always be written");
-    let mut bytes = crc32fast::hash(&body).to_le_bytes().to_vec();
-    bytes.extend(body);
+    sealed_behind(Vec::new(), value)
+}
+
+/// The same behind other bytes. Written there at once: states are large.
+pub fn sealed_behind(mut bytes: Vec<u8>, value: &impl Serialize) -> Vec<u8> {
+    let checksum = bytes.len()..bytes.len() + 4;
+    bytes.extend([0; 4]);
+    let mut bytes = postcard::to_extend(value, bytes).expect("numbers, texts and lists of them can always be written");
+    let hash = crc32fast::hash(&bytes[checksum.end..]);
+    bytes[checksum].copy_from_slice(&hash.to_le_bytes());
     bytes
 }
 

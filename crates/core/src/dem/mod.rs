@@ -56,7 +56,7 @@ pub use batch::{
     simulate_batch_with_friction, simulate_batch_within,
 };
 pub use boundary::{Face, Mirror, Period};
-pub use checkpoint::{CheckpointError, sealed, unsealed};
+pub use checkpoint::{CheckpointError, sealed, sealed_behind, unsealed};
 pub use clock::Phases;
 pub use dimension::{InAny, MoveIn, Spheres};
 pub use guard::{OVERLAP_WARNING, RESIDUAL_LIMIT, Stop, stable_step};

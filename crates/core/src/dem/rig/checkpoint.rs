@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::Rig;
 use crate::dem::Integrator;
 use crate::dem::arrival::ArrivalTracker;
-use crate::dem::checkpoint::{CheckpointError, sealed, unsealed};
+use crate::dem::checkpoint::{CheckpointError, sealed_behind, unsealed};
 
 const MAGIC: &[u8; 20] = b"granulens checkpoint";
 const VERSION: u32 = 8;
@@ -87,8 +87,7 @@ impl State {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(VERSION.to_le_bytes());
-        bytes.extend(sealed(self));
-        bytes
+        sealed_behind(bytes, self)
     }
 
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
