@@ -29,7 +29,7 @@ pub enum PredictError {
 /// Most samples of a prediction.
 const MOST: u64 = 4000;
 
-/// Runs a bench to the end of its window with inputs at values.
+/// Runs a rig to the end of its window with inputs at values.
 ///
 /// # Errors
 /// See [`PredictError`].

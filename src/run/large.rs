@@ -103,7 +103,7 @@ impl InAny for Prepared {
     type In<const D: usize> = PreparedRig<D>;
 }
 
-/// The crystal of such a bench, at its start.
+/// The crystal of such a rig, at its start.
 fn crystal_of(prepared: &PreparedRig<3>) -> Option<Bulk> {
     let impact = impact_of(prepared)?;
     let arrivals = match prepared.record.arrivals[..] {
@@ -115,7 +115,7 @@ fn crystal_of(prepared: &PreparedRig<3>) -> Option<Bulk> {
     Bulk::new(&prepared.rig.sample, &impact, recording, Width::widest()).ok()
 }
 
-/// Whether a bench is followed by its rows.
+/// Whether a rig is followed by its rows.
 pub fn is_large<const D: usize>(prepared: &PreparedRig<D>) -> bool
 where
     Spheres: MoveIn<D>,
@@ -315,7 +315,7 @@ fn inaccurate(prepared: &PreparedRig<3>, bulk: &Bulk, ledger: Option<&EnergyLedg
     Some(RigStop::Residual { residual, limit, time })
 }
 
-/// Runs a bench by its rows. None where it is none of these, or where spheres have met that are no neighbours.
+/// Runs a rig by its rows. None where it is none of these, or where spheres have met that are no neighbours.
 pub fn run<const D: usize>(
     prepared: &PreparedRig<D>,
     folder: &Path,

@@ -138,7 +138,7 @@ pub enum Ending {
 /// A chosen step is halved at most so often.
 const MOST_HALVINGS: u32 = 8;
 
-/// Runs a bench in a folder; the context is told now and then how many of how many steps are done.
+/// Runs a rig in a folder; the context is told now and then how many of how many steps are done.
 ///
 /// Where a contact turns out stiffer than the chosen step foresaw, the run begins again from its start with half the step: what is
 /// written is that of one step, as if it had been given. How often that was is kept in checkpoints, so that a run that is
@@ -203,7 +203,7 @@ struct Halved {
 }
 
 impl Halved {
-    /// The bench with its step halved so often; samples stay at the same times.
+    /// The rig with its step halved so often; samples stay at the same times.
     fn of<const D: usize>(&self, prepared: &PreparedRig<D>) -> PreparedRig<D> {
         let mut prepared = prepared.clone();
         if self.times > 0 {
@@ -358,7 +358,7 @@ fn finished(folder: &Path) -> Option<bool> {
     serde_json::from_str::<Summary>(&text).ok().map(|summary| summary.finished)
 }
 
-/// The checkpoint of the run in a folder, if it is one of this bench.
+/// The checkpoint of the run in a folder, if it is one of this rig.
 fn taken_up<const D: usize>(prepared: &PreparedRig<D>, folder: &Path, path: &Path) -> Result<Checkpoint, RunError> {
     match (path.exists(), finished(folder)) {
         (true, Some(_)) => {}

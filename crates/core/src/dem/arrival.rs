@@ -3,7 +3,8 @@
 //! A sphere has been reached when its speed is a part of a greatest speed, its own or another's, which is known at the end of a run only. Until then each
 //! step at which it was faster than ever before may be the one that is asked for, but those below that part of the greatest speed so far. No way of keeping
 //! less gives every answer to the last bit; so steps in a smooth rise that lie denser than a run's [`Grain`] are left out, and found again between
-//! those that were kept. Where a wave rises by more than that in each step, nothing is left out.
+//! those that were kept. Where a wave rises by more than that in each step, nothing is left out. Where a speed falls and rises to new heights again and again, so that more is
+//! kept than [`Grain`] has room for, what is found is when a speed was reached that is the asked one to the grain's quotient.
 
 use serde::{Deserialize, Serialize};
 
@@ -140,6 +141,10 @@ impl ArrivalTracker {
         for (i, &[n, own]) in around.iter().enumerate() {
             let others = around.iter().enumerate().filter(|&(j, _)| j != i);
             steps += others.fold(n, |part, (_, &[_, other])| part * (level - other) / (own - other));
+        }
+        // Logarithms of speeds that differ by rounding may be one.
+        if steps.is_nan() {
+            steps = end;
         }
         Some(time(steps.clamp(begin, end)))
     }

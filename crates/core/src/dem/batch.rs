@@ -69,6 +69,9 @@ pub enum BatchError {
 ///
 /// # Errors
 /// See [`BatchError`]. A run that a guard stops is no error: its result says why.
+///
+/// # Panics
+/// Where [`Impact::faces`] are none that there may be.
 pub fn simulate_batch<const D: usize>(
     samples: &[Sample<D>],
     impact: &Impact,

@@ -37,10 +37,10 @@ impl Mirror {
 /// A face in space that is across no axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Face {
-    /// A plane of any direction, of symmetry or a smooth wall. What is simulated lies where `normal` points to. Two planes of symmetry
-    /// that meet do so at an angle of π/m.
+    /// A plane along the last axis, otherwise of any direction, of symmetry or a smooth wall. What is simulated lies where `normal` points to. Two planes of
+    /// symmetry that meet do so at an angle of π/m.
     Plane {
-        /// Of unit length.
+        /// Of unit length, across the last axis: what strikes moves no sphere through the plane.
         normal: [f64; 3],
         /// Along the normal (m).
         position: f64,
@@ -53,6 +53,14 @@ pub enum Face {
 }
 
 impl Face {
+    /// Whether what moves along the last axis stays at one distance from it, and its normal is one.
+    pub(super) fn is_along_last(&self) -> bool {
+        match self {
+            Self::Plane { normal, .. } => normal[2].abs() < RIGHT && (dot(normal, normal) - 1.0).abs() < RIGHT,
+            Self::Cylinder { radius } => *radius > 0.0,
+        }
+    }
+
     /// The direction from it to a sphere that has been moved from its centre, and how much further away that is.
     #[inline(always)]
     pub(super) fn approach<V: Lanes, const D: usize>(&self, centre: &[f64; D], moved: &[V; D]) -> ([V; D], V) {

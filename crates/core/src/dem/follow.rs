@@ -4,7 +4,7 @@
 
 use super::batch::{Limit, PeakEnergies};
 use super::body::Grains;
-use super::boundary::{Mirror, Surface};
+use super::boundary::{Face, Mirror, Surface};
 use super::clock::{Clock, Phase, Phases};
 use super::contacts::{Contacts, Laws, Sweep};
 use super::guard::{Stop, Watch};
@@ -62,8 +62,8 @@ impl<'a, const D: usize> Group<'a, D> {
             "side by side pulses alone, or projectiles alone"
         );
         assert!(
-            impact.faces.is_empty() || (D == 3 && impact.slope == 0.0),
-            "faces are written for blows along z in space"
+            impact.faces.is_empty() || (D == 3 && impact.slope == 0.0 && impact.faces.iter().all(Face::is_along_last)),
+            "faces are written for blows along z in space, with normals of unit length across it"
         );
         let mirrors = impact.mirrors.iter().copied().map(Surface::Mirror);
         let mut surfaces: Vec<Surface> = mirrors.chain(impact.faces.iter().copied().map(Surface::Face)).collect();

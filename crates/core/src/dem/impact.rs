@@ -25,7 +25,8 @@ use crate::sample::{Sample, Sphere};
 pub struct Impact {
     /// Planes of symmetry, and smooth walls, across an axis.
     pub mirrors: Vec<Mirror>,
-    /// Such planes across none, and round walls: in space alone, and under what strikes along the last axis.
+    /// Such planes across none, and round walls: in space alone, 32 with the mirrors at most, and under what strikes along the last axis. What follows an impact
+    /// panics where they are others, where two planes meet at an angle that is no whole part of 180 degrees, or a plane is aslant to two others on which a sphere lies too.
     pub faces: Vec<Face>,
     /// Along which axes the crystal repeats itself, where it has no end.
     pub periods: Vec<Period>,
@@ -109,6 +110,9 @@ pub struct ContactRecord {
 ///
 /// # Errors
 /// As there.
+///
+/// # Panics
+/// As there.
 pub fn simulate_with_friction(
     sample: &Sample<2>,
     impact: &Impact,
@@ -125,6 +129,9 @@ pub fn simulate_with_friction(
 /// # Errors
 /// Spheres that overlap before the impact. A run that a guard stops is no error: its record says why and keeps what was
 /// computed so far.
+///
+/// # Panics
+/// Where [`Impact::faces`] are none that there may be.
 pub fn simulate<const D: usize>(
     sample: &Sample<D>,
     impact: &Impact,

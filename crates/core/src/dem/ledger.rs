@@ -26,6 +26,19 @@ pub struct Ledger {
 }
 
 impl Ledger {
+    /// That of so many times as much of a crystal.
+    #[must_use]
+    pub fn times(self, share: f64) -> Self {
+        let Self { work_in, kinetic, stored, dissipated, estimate } = self;
+        Self {
+            work_in: share * work_in,
+            kinetic: share * kinetic,
+            stored: share * stored,
+            dissipated: share * dissipated,
+            estimate: share * estimate,
+        }
+    }
+
     /// Draws the balance.
     pub(super) fn close<const D: usize>(
         grains: &Grains<f64, D>,

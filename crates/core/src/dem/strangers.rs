@@ -3,7 +3,7 @@
 //! Spheres stand in blocks, in their order. For every two blocks it is known how far their nearest spheres that are no contact yet
 //! were apart when last looked at, and how far at most the fastest sphere of either has come since. As long as both ways together
 //! are shorter than that gap no two of them have met, and nobody looks; pairs that have come near become contacts. So it is proven
-//! that no contact is missed, at the cost of a handful of looks at most blocks. The same for blocks and the mirrors, which
+//! that no contact is missed, at the cost of a handful of looks at most blocks. The same for blocks and mirrors, walls and faces, which
 //! spheres reach at half the distance to their image.
 
 use super::body::{Grains, square};

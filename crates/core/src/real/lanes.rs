@@ -99,6 +99,8 @@ pub fn fetch_ahead<T>(slice: &[T], place: usize, bytes: usize) {
     if place < slice.len() {
         x86::fetch(slice[place..].as_ptr().cast(), bytes.div_ceil(64));
     }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (slice, place, bytes);
 }
 
 #[cfg(target_arch = "x86_64")]

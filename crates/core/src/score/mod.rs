@@ -88,14 +88,15 @@ impl Scores {
         (self.focal_force, self.protected_force) = (Some(force(focal)), Some(force(protected)));
         (self.focal_arrival, self.protected_arrival) = (arrival(focal), arrival(protected));
         (self.far_momentum, self.far_force) = (Some(share * record.exit_momentum), Some(share * record.exit_force));
-        let ledger = &record.ledger;
+        // Of the half first, so that parts are the same bits of whatever was simulated.
+        let ledger = record.ledger.times(share);
         self.dissipation = Some(ratio(ledger.dissipated, ledger.work_in).unwrap_or(0.0));
-        self.work_in = Some(share * ledger.work_in);
-        self.kinetic = Some(share * ledger.kinetic);
-        self.stored = Some(share * ledger.stored);
-        self.dissipated = Some(share * ledger.dissipated);
+        self.work_in = Some(ledger.work_in);
+        self.kinetic = Some(ledger.kinetic);
+        self.stored = Some(ledger.stored);
+        self.dissipated = Some(ledger.dissipated);
         self.residual = Some(ledger.residual().unwrap_or(0.0));
-        self.eq_5_6 = Some(share * ledger.estimate);
+        self.eq_5_6 = Some(ledger.estimate);
     }
 
     /// Adds what the layout itself says.

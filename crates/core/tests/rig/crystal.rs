@@ -2,9 +2,9 @@
 
 use granulens_core::contact::LawKind;
 use granulens_core::dem::rig::{
-    Arrival, Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig, Simulation, simulate_as_rig,
+    Arrival, Body, Curve, Friction, Law, LawBook, Load, LoadKind, Rig, RigError, Simulation, simulate_as_rig,
 };
-use granulens_core::dem::{ForcePulse, Impact, Integrator, Mirror, simulate};
+use granulens_core::dem::{Face, ForcePulse, Impact, Integrator, Mirror, Period, simulate};
 
 use crate::reference::{Table, difference};
 use crate::rigs::{DIAMETER, GO, hexagonal, rig, run};
@@ -81,6 +81,38 @@ fn a_crystal_moves_as_in_the_fixed_list_simulator() {
             assert!(difference(a, b, 0.0) < 1e-10, "{law} {integrator}: {a} {b}");
         }
     }
+}
+
+/// Periods of an impact are those of the rig; faces across no axis are refused.
+#[test]
+fn an_impact_on_what_repeats_itself_is_one_on_such_a_rig() {
+    let sample = rig(&hexagonal(8, 6), LawKind::Thesis).sample;
+    let impact = Impact {
+        mirrors: Vec::new(),
+        law: LawKind::Thesis,
+        constants: Default::default(),
+        pulse: ForcePulse { force: 26e3, duration: 20e-6 },
+        periods: vec![Period { axis: 0, length: 6.0 * DIAMETER }],
+        slope: 0.0,
+        // One alone, so that what runs round the period counts.
+        struck: vec![0],
+        faces: Vec::new(),
+        moving: Vec::new(),
+        projectile: None,
+        exit: Vec::new(),
+        integrator: Integrator::Verlet,
+        step: 1e-7,
+        window: 60e-6,
+    };
+    let record = simulate(&sample, &impact, &GO).unwrap();
+    let again = simulate_as_rig(&sample, &impact, None, &GO).unwrap();
+    for (i, (a, b)) in again.max_kinetic.iter().zip(&record.max_kinetic).enumerate() {
+        assert!(difference(*a, *b, 1e-6) < 1e-8, "sphere {i}: {a} {b}");
+    }
+    let open = simulate(&sample, &Impact { periods: Vec::new(), ..impact.clone() }, &GO).unwrap();
+    assert!(difference(open.max_kinetic[5], record.max_kinetic[5], 1e-6) > 0.1);
+    let walled = Impact { faces: vec![Face::Cylinder { radius: 1.0 }], ..impact };
+    assert!(matches!(simulate_as_rig(&sample, &walled, None, &GO), Err(RigError::Faces)));
 }
 
 /// A crystal half as wide between mirrors is the crystal of twice the width that repeats itself.

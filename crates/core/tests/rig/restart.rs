@@ -120,6 +120,10 @@ fn what_is_no_checkpoint_of_this_rig_is_refused_with_the_reason() {
     assert_eq!(other.restore(&bytes), Err(CheckpointError::Other("rig")));
     let mut other = Simulation::new(busy(), 1e-7).unwrap().recording(arrivals());
     assert_eq!(other.restore(&bytes), Err(CheckpointError::Other("step")));
+    // Speeds below the least part that is asked for are not kept: other parts cannot be answered.
+    let others = [Arrival::OwnMaximum(0.001), Arrival::Displacement(50e-6), Arrival::FirstSphere(0.01)];
+    let mut other = Simulation::new(busy(), 2e-7).unwrap().recording(others.to_vec());
+    assert_eq!(other.restore(&bytes), Err(CheckpointError::Other("set of arrivals")));
     let mut other = Simulation::new(busy(), 2e-7).unwrap();
     assert_eq!(other.restore(&bytes), Err(CheckpointError::Other("set of arrivals")));
 }

@@ -79,6 +79,9 @@ pub enum GradientError {
     /// A projectile strikes, whose motion has no transposed step here.
     #[error("derivatives are those under a force pulse, not under a projectile")]
     Projectile,
+    /// Faces across no axis, which are in space.
+    #[error("derivatives are those of sheets between mirrors across axes; this impact has other faces")]
+    Faces,
 }
 
 /// Derivatives of sums of greatest kinetic energies over an impact's window, with Coulomb's friction of a coefficient where one is given
@@ -100,6 +103,9 @@ pub fn gradient(
     }
     if impact.projectile.is_some() {
         return Err(GradientError::Projectile);
+    }
+    if !impact.faces.is_empty() {
+        return Err(GradientError::Faces);
     }
     let (list, grains, stop) = contacts_found(sample, impact, friction, context)?;
     if let Some(stop) = stop {

@@ -17,6 +17,7 @@ use crate::dem::checkpoint::{CheckpointError, sealed, unsealed};
 /// The version follows as a digit.
 const MAGIC: &[u8; 23] = b"granulens bulk version ";
 const VERSION: u8 = 4;
+const _: () = assert!(VERSION < 10, "the version is one digit");
 
 /// Why a checkpoint cannot be written or taken up.
 #[derive(Debug, thiserror::Error)]

@@ -1,7 +1,7 @@
 use super::{Arrivals, Bulk, BulkError, Recording};
 use crate::Context;
 use crate::contact::{Constants, LawKind};
-use crate::dem::{ForcePulse, Impact, Integrator, Mirror, Period, Record, Stop, simulate};
+use crate::dem::{Face, ForcePulse, Impact, Integrator, Mirror, Period, Record, Stop, simulate};
 use crate::lattice::{Block, BlockSide, Cell, Layered};
 use crate::material::find;
 use crate::real::Width;
@@ -222,6 +222,8 @@ fn what_is_no_crystal_of_rows_is_refused() {
     let new = |sample: &Sample<3>, impact: &Impact| Bulk::new(sample, impact, ALL, Width::widest()).map(|_| ());
     assert!(matches!(new(&sample, &Impact { integrator: Integrator::Rk4, ..impact.clone() }), Err(BulkError::Scheme)));
     assert!(matches!(new(&sample, &Impact { step: f64::NAN, ..impact.clone() }), Err(BulkError::Step(_))));
+    let round = Impact { faces: vec![Face::Cylinder { radius: 1.0 }], ..impact.clone() };
+    assert!(matches!(new(&sample, &round), Err(BulkError::Faces)));
     sample.spheres[3].centre[0] -= 0.01 * DIAMETER;
     assert!(matches!(new(&sample, &impact), Err(BulkError::Rows(_))));
     sample.spheres[3].radius *= 0.5;

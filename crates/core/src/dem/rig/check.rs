@@ -43,6 +43,8 @@ pub enum RigError {
     },
     /// A scheme that rigs do not know.
     Scheme(Integrator),
+    /// Faces across no axis: rigs know planes across axes.
+    Faces,
     /// The step is not positive, or too large for the contacts present at the start.
     Step {
         /// The step (s).
@@ -88,6 +90,7 @@ impl RigError {
             Self::Scheme(scheme) => {
                 format!("rigs are advanced by verlet or adams, not by {scheme}, which asks for forces several times a step")
             }
+            Self::Faces => "rigs know planes of symmetry across axes, and walls as flats; this impact has others".to_owned(),
             Self::Step { step, limit } => {
                 format!("a step of {step:.3e} s cannot be used; it must be positive and below {limit:.3e} s")
             }

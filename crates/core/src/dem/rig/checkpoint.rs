@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
-use super::Rig;
+use super::{Arrival, Rig};
 use crate::dem::Integrator;
 use crate::dem::arrival::ArrivalTracker;
 use crate::dem::checkpoint::{CheckpointError, sealed_behind, unsealed};
@@ -76,6 +76,7 @@ pub(super) struct Accelerations {
 /// What spheres had at most, and when they moved; see [`Peaks`](super::peaks::Peaks).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct PeaksSoFar {
+    pub arrivals: Vec<Arrival>,
     pub speed_squared: Vec<f64>,
     pub force_squared: Vec<f64>,
     pub passed: Vec<Vec<f64>>,

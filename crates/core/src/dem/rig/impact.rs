@@ -44,10 +44,16 @@ pub fn simulate_as_rig<const D: usize>(
 where
     Spheres: MoveIn<D>,
 {
+    if !impact.faces.is_empty() {
+        return Err(RigError::Faces);
+    }
     let laws =
         LawBook::Materials { law: Law::Named(impact.law), constants: impact.constants, pairs: Vec::new(), friction };
     let mut rig = Rig::new(sample.clone(), laws);
     rig.mirrors.clone_from(&impact.mirrors);
+    for period in &impact.periods {
+        rig.periods[period.axis] = Some(period.length);
+    }
     let mut direction = [0.0; D];
     let pulse = impact.pulse;
     // A load has one direction; the slope makes it longer than its part along the last axis.

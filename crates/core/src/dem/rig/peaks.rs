@@ -1,12 +1,14 @@
 //! What each sphere of a rig felt at most, and when it was first reached.
 
+use serde::{Deserialize, Serialize};
+
 use super::bodies::{Bodies, dot};
 use super::checkpoint::PeaksSoFar;
 use super::contacts::Sums;
 use crate::dem::arrival::{ArrivalTracker, Grain};
 
 /// When a sphere counts as reached.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Arrival {
     /// Its speed is this part of its own greatest.
     OwnMaximum(f64),
@@ -88,16 +90,22 @@ impl Peaks {
         let absolute = self.arrivals.iter().filter(|arrival| arrival.is_absolute());
         for (arrival, times) in absolute.zip(&mut self.passed) {
             for (i, passed) in times.iter_mut().enumerate().filter(|(_, passed)| passed.is_nan()) {
-                let (threshold, before, now) = match *arrival {
-                    Arrival::Displacement(moved) => {
+                // Each as it was always rounded.
+                match *arrival {
+                    Arrival::Displacement(threshold) => {
                         let displacement = &bodies.displacement[i];
-                        (moved, self.moved_before[i].sqrt(), dot(displacement, displacement).sqrt())
+                        let (before, now) = (self.moved_before[i].sqrt(), dot(displacement, displacement).sqrt());
+                        if now >= threshold {
+                            *passed = time - step * (now - threshold) / (now - before);
+                        }
                     }
-                    Arrival::Speed(speed) => (speed, self.trackers[i].previous, bodies.speed_squared(i).sqrt()),
-                    Arrival::OwnMaximum(_) | Arrival::FirstSphere(_) => continue,
-                };
-                if now >= threshold {
-                    *passed = time - step * (now - threshold) / (now - before);
+                    Arrival::Speed(threshold) => {
+                        let (before, now) = (self.trackers[i].previous, bodies.speed_squared(i).sqrt());
+                        if now >= threshold {
+                            *passed = time - step * (1.0 - (threshold - before) / (now - before));
+                        }
+                    }
+                    Arrival::OwnMaximum(_) | Arrival::FirstSphere(_) => {}
                 }
             }
         }
@@ -140,6 +148,7 @@ impl Peaks {
     /// For a checkpoint.
     pub fn so_far(&self) -> PeaksSoFar {
         PeaksSoFar {
+            arrivals: self.arrivals.clone(),
             speed_squared: self.speed_squared.clone(),
             force_squared: self.force_squared.clone(),
             passed: self.passed.clone(),
@@ -150,15 +159,15 @@ impl Peaks {
 
     /// Takes them up from a checkpoint; false if they are not of these spheres and arrivals.
     pub fn restore(&mut self, from: PeaksSoFar) -> bool {
-        let fits = self.speed_squared.len() == from.speed_squared.len()
+        let fits = self.arrivals == from.arrivals
+            && self.speed_squared.len() == from.speed_squared.len()
             && self.force_squared.len() == from.force_squared.len()
             && self.moved_before.len() == from.moved_before.len()
             && self.trackers.len() == from.trackers.len()
             && self.passed.len() == from.passed.len()
             && self.passed.iter().zip(&from.passed).all(|(a, b)| a.len() == b.len());
         if fits {
-            let PeaksSoFar { speed_squared, force_squared, passed, moved_before, trackers } = from;
-            let arrivals = std::mem::take(&mut self.arrivals);
+            let PeaksSoFar { arrivals, speed_squared, force_squared, passed, moved_before, trackers } = from;
             *self = Self { speed_squared, force_squared, passed, moved_before, trackers, arrivals, ..*self };
         }
         fits
