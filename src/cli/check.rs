@@ -29,6 +29,7 @@ use super::{Band, Common, Motion};
 ///
 /// With --out, the numbers are written as JSON too.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("gates").args(["gate", "strict"]).multiple(true))]
 pub struct Check {
     /// Layout, CSV with the header row,column,x,z,diameter,material or, in space, layer,column,x,y,z,diameter,material
     layout: PathBuf,
@@ -58,13 +59,13 @@ pub struct Check {
 #[derive(clap::Args)]
 struct Gated {
     /// Inner width of the frame that there is; the gate tells whether the piece goes in
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = super::length)]
+    #[arg(long, value_name = "LENGTH", requires = "gates", allow_hyphen_values = true, value_parser = super::length)]
     frame_width: Option<f64>,
     /// Depth of the frame that there is, from the centres of row 1 to the end wall
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = super::length)]
+    #[arg(long, value_name = "LENGTH", requires = "gates", allow_hyphen_values = true, value_parser = super::length)]
     frame_depth: Option<f64>,
     /// The gate fails where a smaller share of pieces keeps the thresholds as built, such as "90 %"
-    #[arg(long = "yield", value_name = "PERCENT", value_parser = super::fraction)]
+    #[arg(long = "yield", value_name = "PERCENT", requires = "gates", value_parser = super::fraction)]
     least_yield: Option<f64>,
     /// What may turn out otherwise, for --yield; without it as for granulens tolerance
     #[arg(long, value_name = "FILE", requires = "least_yield")]
@@ -74,6 +75,9 @@ struct Gated {
     #[arg(value_parser = clap::value_parser!(u64).range(1..=u64::from(MOST_SAMPLES)))]
     samples: Option<u64>,
 }
+
+/// Where several forces are asked for and one of the runs has no score.
+pub(super) const STOPPED_BESIDE: &str = "FAILED: a guard stopped a run under one of the forces";
 
 /// Pieces by which the gate judges: a share near 92 % is then known to 4 %.
 const PIECES: u64 = 200;
@@ -148,7 +152,7 @@ impl Check {
         let mut warnings = evaluation.warnings("this layout");
         let Evaluation { scores, record, .. } = evaluation;
         if over_forces.is_none() && !forces.is_empty() {
-            warnings.push("FAILED: a guard stopped a run under one of the forces".to_owned());
+            warnings.push(STOPPED_BESIDE.to_owned());
         }
         let mut stop = record.stop.clone();
         for (name, uniform) in stopped {

@@ -222,12 +222,12 @@ fn cost(common: &Common, comparison: &SpaceComparison) -> Result<(), Failure> {
     let each = 1 + if comparison.forces.is_one() { 0 } else { comparison.forces.count() as u64 };
     // Under its own force the lens is followed with records alone.
     let runs = comparison.len() as u64 * each - 1;
-    // In lanes without records a run takes about a fifth of one with them.
+    // A run in a half takes three times one in a sixth, and in lanes without records about a fifth of one with them.
+    let fractions = comparison.fractions();
+    let all = fractions.iter().sum::<f64>() / fractions[0] * each as f64 - 1.0;
     let in_lanes = format!("runs in lanes, {} arrangements under {each} forces", comparison.len());
-    let parts = [
-        Part::new("the lens, with full records", 1, Some(alone)),
-        Part::new(in_lanes, runs, Some(alone / 5.0 * runs as f64)),
-    ];
+    let parts =
+        [Part::new("the lens, with full records", 1, Some(alone)), Part::new(in_lanes, runs, Some(alone / 5.0 * all))];
     tell(common, &parts)
 }
 
@@ -258,6 +258,12 @@ pub fn check(
     let mut warnings: Vec<String> = plan.warnings.clone();
     let (reference, over, spreads) = match beside {
         Ok(beside) => {
+            if beside.over_forces.is_none() && !beside.forces.is_empty() {
+                warnings.push(super::check::STOPPED_BESIDE.to_owned());
+            }
+            if let (None, Some(material)) = (design.reference(), &beside.reference) {
+                warnings.push(granulens::evaluate::unnamed(material));
+            }
             scores.relate(beside.uniform[0], beside.uniform[1]);
             warnings.extend(beside.stopped.iter().map(|(name, stop)| format!("FAILED: {name}: {stop}")));
             (beside.reference, beside.forces, beside.over_forces)

@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use granulens::dem::{Integrator, Projectile, Strike};
+use granulens::dem::Integrator;
 use granulens::design::{AnyDesign, DesignRef};
 use granulens::evaluate::{
-    Drawing, ImpactLoad, OverLawsError, Overrides, Plan, Subject, common_plan, evaluate_in_space, impact,
-    impact_in_space, method, over_laws, refer,
+    Drawing, OverLawsError, Overrides, Subject, evaluate_in_space, impact, impact_in_space, method, over_laws, refer,
 };
 use granulens::outcome::FORMAT;
 use granulens::output;
@@ -101,7 +100,10 @@ impl Tolerance {
         let integrator =
             if tolerances.state == State::Settled { Some(Integrator::Verlet) } else { self.motion.integrator };
         let overrides = Overrides { integrator, ..self.motion.overrides(common) };
-        let plan = plan(drawing, &tolerances, overrides)?;
+        let plan = tolerances.plan(drawing, overrides).map_err(|error| match drawing {
+            Drawing::Plane(design, _) => Failure::of_plan(design, &overrides, &error),
+            Drawing::Space(design, _) => Failure::of_plan(design, &overrides, &error),
+        })?;
         let thresholds = tolerances.thresholds.as_deref().unwrap_or(design.thresholds());
         let asked: Vec<Measure> = thresholds.iter().map(|threshold| threshold.measure).collect();
         let workshop = Workshop::new(drawing, &tolerances, &plan, &asked)?;
@@ -280,7 +282,7 @@ impl Tolerance {
         };
         let runs = 8 * sensitivity_runs(workshop) as u64;
         let mut parts = vec![
-            Part::new("pieces for the sensitivities, under 8 forces", runs, Some(each * runs as f64)),
+            Part::new("runs for the sensitivities, pieces under 8 forces each", runs, Some(each * runs as f64)),
             Part::new("pieces for the yield", count, Some(each * count as f64)),
         ];
         let runs = derivative_runs(workshop);
@@ -288,27 +290,6 @@ impl Tolerance {
             parts.push(Part::new("derivatives, under 8 forces", runs, Some(8.0 * alone * runs as f64)));
         }
         tell(common, &parts)
-    }
-}
-
-/// Step and window for all pieces, on what may strike them.
-fn plan(drawing: Drawing<'_>, tolerances: &Tolerances, overrides: Overrides) -> Result<Plan, Failure> {
-    match drawing {
-        Drawing::Plane(design, _) => {
-            drawing.plan(overrides).map_err(|error| Failure::of_plan(design, &overrides, &error))
-        }
-        Drawing::Space(design, layout) => {
-            // What Q refers to is among the materials, as in check.
-            let mut palette = layout.palette.clone();
-            palette.extend(design.reference().filter(|material| !layout.palette.contains(material)).cloned());
-            let thrown = tolerances.impact.projectile.map(|flat| {
-                let speed = (1.0 + tolerances.impact.force) * flat.speed;
-                ImpactLoad::from(Strike::Projectile(Projectile { speed, ..flat }))
-            });
-            let loads: Vec<ImpactLoad> = std::iter::once(design.impact.into()).chain(thrown).collect();
-            common_plan(design, &loads, overrides, &palette)
-                .map_err(|error| Failure::of_plan(design, &overrides, &error))
-        }
     }
 }
 

@@ -1,10 +1,11 @@
 //! A layout and the design by which it is judged, of a sheet or of a crystal in space: what a workshop is given, and what is asked of either kind.
 
 use super::{
-    Comparison, EvaluatorError, Forces, Overrides, Plan, PlanError, SpaceComparison, Subject, add_piece, judged,
-    judged_in_space,
+    Comparison, EvaluatorError, Forces, ImpactLoad, Overrides, Plan, PlanError, SpaceComparison, Subject, add_piece,
+    common_plan, judged, judged_in_space,
 };
 use crate::Context;
+use crate::dem::Strike;
 use crate::design::{Design, DesignRef, SpaceDesign};
 use crate::lattice::Block;
 use crate::layout::Layout;
@@ -63,6 +64,16 @@ impl<'a> Drawing<'a> {
         }
     }
 
+    /// Whether a sphere of its own stands on a place, a site of the half or, behind these, a site's image: one on the axis is its own, and between periods one on the far
+    /// rim.
+    pub fn stands(self, place: usize) -> bool {
+        let Some(site) = place.checked_sub(self.sites()) else { return true };
+        match self {
+            Self::Plane(_, subject) => subject.layout.lattice.sites()[site].x > 0.0,
+            Self::Space(_, layout) => layout.lattice.copies()[site] == 2,
+        }
+    }
+
     /// The material of every site of the half; where the halves are drawn differently, behind them those of the sites' images.
     pub fn materials(self) -> Vec<u8> {
         match self {
@@ -99,13 +110,23 @@ impl<'a> Drawing<'a> {
     /// # Errors
     /// See [`PlanError`].
     pub fn plan(self, overrides: Overrides) -> Result<Plan, PlanError> {
+        self.plan_under(&[], overrides)
+    }
+
+    /// Step and window for it under the design's impact and in space, where all that strikes acts in lanes, under others too.
+    ///
+    /// # Errors
+    /// See [`PlanError`].
+    pub fn plan_under(self, others: &[Strike], overrides: Overrides) -> Result<Plan, PlanError> {
         match self {
             Self::Plane(design, subject) => Plan::new(design, overrides, &subject.layout.palette),
             Self::Space(design, layout) => {
                 // What Q refers to is simulated beside it.
                 let mut palette = layout.palette.clone();
                 palette.extend(design.reference().filter(|material| !layout.palette.contains(material)).cloned());
-                Plan::in_space(design, overrides, &palette)
+                let loads: Vec<ImpactLoad> =
+                    std::iter::once(design.impact).chain(others.iter().copied()).map(ImpactLoad::from).collect();
+                common_plan(design, &loads, overrides, &palette)
             }
         }
     }

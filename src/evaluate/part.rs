@@ -5,8 +5,7 @@
 use super::load::{Field, ImpactLoad, Imperfection};
 use super::{EvaluateError, Plan};
 use crate::Context;
-use crate::dem::bulk::MANY;
-use crate::dem::{ContactRecord, Face, Impact, Ledger, Record, simulate};
+use crate::dem::{ContactRecord, Face, Impact, Record, simulate};
 use crate::design::SpaceDesign;
 use crate::lattice::{Block, BlockSide, Layered, Outline, Sixth};
 use crate::layout::Layout;
@@ -41,16 +40,14 @@ impl Parts {
         }
     }
 
-    /// Whether records are kept of a sixth. One that is so large that crystals of its size are followed by their rows, on all threads, is so in its half: rows know
-    /// no planes across no axis.
-    fn records_sixth(&self, layout: &Layout<Block>) -> bool {
-        self.sixth.as_ref().is_some_and(|(_, sixth)| sixth.sites.len() < MANY)
-            && self.is_sixth(&layout.materials, &Imperfection::default())
+    /// Whether a sixth says all of a layout as it is drawn.
+    fn is_drawn_in_sixth(&self, layout: &Layout<Block>) -> bool {
+        self.is_sixth(&layout.materials, &Imperfection::default())
     }
 
     /// A layout with full records, those of the half.
     pub fn recorded(&self, layout: &Layout<Block>, context: &Context) -> Result<Record<3>, EvaluateError> {
-        let is_sixth = self.records_sixth(layout);
+        let is_sixth = self.is_drawn_in_sixth(layout);
         let field = self.field(is_sixth);
         let sample = field.sample(&layout.palette, &layout.materials, &Imperfection::default());
         let record = simulate(&sample, &field.impact, context)?;
@@ -64,7 +61,7 @@ impl Parts {
 /// What has to be simulated of a layout in space for its records, and under what.
 pub fn part_in_space(design: &SpaceDesign, plan: &Plan, layout: &Layout<Block>) -> (Sample<3>, Impact) {
     let parts = Parts::new(design, plan, &ImpactLoad::from(design.impact), false);
-    let field = parts.field(parts.records_sixth(layout));
+    let field = parts.field(parts.is_drawn_in_sixth(layout));
     (field.sample(&layout.palette, &layout.materials, &Imperfection::default()), field.impact.clone())
 }
 
@@ -75,7 +72,7 @@ pub(crate) fn contacts_of_half(
     context: &Context,
 ) -> Result<Option<Vec<ContactRecord>>, EvaluateError> {
     let parts = Parts::new(design, plan, &ImpactLoad::from(design.impact), false);
-    if !parts.records_sixth(layout) {
+    if !parts.is_drawn_in_sixth(layout) {
         return Ok(None);
     }
     Ok(Some(simulate(&layout.sample_in_space(), &parts.half.impact, context)?.contacts))
@@ -154,7 +151,6 @@ fn on_half(field: &Field<3>, sixth: &Sixth, record: Record<3>) -> Record<3> {
         };
         sixth.images.iter().map(turn).collect()
     };
-    let Ledger { work_in, kinetic, stored, dissipated, estimate } = record.ledger;
     let share = field.share;
     Record {
         max_kinetic: laid(sixth, &record.max_kinetic),
@@ -171,13 +167,7 @@ fn on_half(field: &Field<3>, sixth: &Sixth, record: Record<3>) -> Record<3> {
                 ..contact
             })
             .collect(),
-        ledger: Ledger {
-            work_in: share * work_in,
-            kinetic: share * kinetic,
-            stored: share * stored,
-            dissipated: share * dissipated,
-            estimate: share * estimate,
-        },
+        ledger: record.ledger.times(share),
         exit_momentum: share * record.exit_momentum,
         exit_force: share * record.exit_force,
         projectile: record.projectile,
@@ -191,7 +181,7 @@ fn on_half(field: &Field<3>, sixth: &Sixth, record: Record<3>) -> Record<3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dem::{Stop, Strike};
+    use crate::dem::{Ledger, Stop, Strike};
     use crate::evaluate::{Evaluator, Forces, Overrides, SpaceComparison, compare_in_space, evaluate_in_space};
 
     const ROUND: &str = r#"format = 1

@@ -288,6 +288,11 @@ impl<'a> SpaceComparison<'a> {
         self.arrangements().len()
     }
 
+    /// Of each arrangement, the subject first, the part of the crystal in which it is simulated: a half or a sixth.
+    pub fn fractions(&self) -> Vec<f64> {
+        self.arrangements().iter().map(|(.., layout)| simulated_fraction(layout)).collect()
+    }
+
     /// Never: the subject is always there.
     pub fn is_empty(&self) -> bool {
         false
@@ -393,7 +398,8 @@ pub fn compare_in_space(comparison: &SpaceComparison<'_>, context: &Context) -> 
             });
             runs.push(of_layout.into_iter().map(|(run, _)| run).collect::<Vec<Evaluated>>());
         }
-        if arrangements.iter().any(|a| matches!(a.stop, Some(Stop::Interrupted { .. }))) {
+        let all = arrangements.iter().map(|a| &a.stop).chain(runs.iter().flatten().map(|run| &run.stop));
+        if all.into_iter().any(|stop| matches!(stop, Some(Stop::Interrupted { .. }))) {
             return Err(EvaluatorError::Interrupted);
         }
     }

@@ -204,7 +204,15 @@ fn thresholds(look: &Look) -> Vec<Line> {
 /// How many pieces keep what is asked once they are built.
 fn as_built(look: &Look, least: f64, tolerances: &Tolerances, [count, seed]: [u64; 2]) -> Result<Line, GateError> {
     let (drawing, plan) = (look.drawing, look.plan);
-    let given = given(plan, plan.step, plan.window);
+    let mut given = given(plan, plan.step, plan.window);
+    // What pieces are struck with besides may ask for a finer step.
+    let finest = tolerances.plan(drawing, Overrides { step: None, ..given }).map_err(EvaluatorError::from)?.step;
+    let plan = if finest < plan.step {
+        given.step = Some(finest);
+        &tolerances.plan(drawing, given).map_err(EvaluatorError::from)?
+    } else {
+        plan
+    };
     let criterion = Criterion::new(drawing, tolerances, given, look.context)?;
     let workshop = Workshop::new(drawing, tolerances, plan, &criterion.measures())?;
     let mut samples = Samples::new(&workshop, seed);

@@ -90,7 +90,7 @@ impl Row<'_> {
         self.record.get(column)?.parse().ok().filter(|value: &f64| value.is_finite())
     }
 
-    /// A whole number from 0 on.
+    /// A whole number; of 0 who asks complains.
     pub fn whole(&self, column: usize) -> Result<u32, LayoutFileError> {
         let (name, cell) = (self.source.columns[column], &self.record[column]);
         let message = || format!("{name} = \"{cell}\" is not a whole number from 1 on.");

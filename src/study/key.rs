@@ -56,11 +56,15 @@ impl Key {
             key.add(format!("{:?}", case.imperfection.wrong).as_bytes());
             case.imperfection.radii.iter().for_each(|radius| key.add(&radius.to_bits().to_le_bytes()));
         }
-        // Spheres that touch a wall and lie on the plane of symmetry met it twice as stiff in 0.2.
-        if let DesignRef::Space(design) = study.design()
-            && matches!(design.lattice.sides()[1], BlockSide::Wall | BlockSide::Mirror)
-        {
-            key.add(b"walled corners");
+        if let DesignRef::Space(design) = study.design() {
+            // Spheres that touch a wall and lie on the plane of symmetry met it twice as stiff in 0.2.
+            if matches!(design.lattice.sides()[1], BlockSide::Wall | BlockSide::Mirror) {
+                key.add(b"walled corners");
+            }
+            // And layouts with all of a crystal's symmetries were simulated in its half: rounding moved.
+            if design.lattice.sixth().is_some() {
+                key.add(b"sixths");
+            }
         }
         if study.detail() == Detail::Everything {
             key.add(b"felt");
@@ -132,17 +136,22 @@ impl Study {
     }
 
     /// How it is looked for, hashed: the problem, starts, methods and steps, and seeds; not how long. Two runs that are alike in it come to the
-    /// same, from whichever folder they are begun.
+    /// same, wherever their files lie: what starts hold is hashed, and of a file its name.
     pub fn settings(&self) -> String {
-        self.settings_with(&self.starts_from_above())
+        let named = |start: &Start| match start {
+            Start::File(path) => Start::File(path.file_name().map_or_else(|| path.clone(), PathBuf::from)),
+            _ => start.clone(),
+        };
+        self.settings_with(&self.starts.iter().map(named).collect::<Vec<_>>())
     }
 
-    /// The same with starts by the ways to them as they were given, which was hashed before: it depends on the folder from which the study was begun.
-    pub(super) fn settings_as_given(&self) -> String {
-        self.settings_with(&self.starts)
+    /// The same as 0.2 hashed it, with the ways to starts: as they are given now, which depends on the folder from which a study is begun, and as they were given
+    /// from the folder above the study's.
+    pub(super) fn settings_of_before(&self) -> [String; 2] {
+        [self.settings_with(&self.starts), self.settings_with(&self.starts_from_above())]
     }
 
-    /// The starts, files by the ways to them from the folder above the study's, from which those of 0.2 were that are still known.
+    /// The starts, files by the ways to them from the folder above the study's.
     fn starts_from_above(&self) -> Vec<Start> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -244,10 +253,12 @@ mod tests {
             // From the repository's folder, from its own, and by the whole way.
             let path = format!("studies/{name}.toml");
             let study = Study::read(Path::new(&path), None).unwrap();
-            assert_eq!((study.problem().as_str(), study.settings().as_str()), (problem, settings), "{name}");
-            assert_eq!(study.settings_as_given(), settings, "{name}");
+            assert_eq!(study.problem(), problem, "{name}");
+            assert_eq!(study.settings_of_before(), [settings; 2], "{name}");
             for path in [Path::new(env!("CARGO_MANIFEST_DIR")).join(&path), Path::new("src/../").join(&path)] {
-                assert_eq!(Study::read(&path, None).unwrap().settings(), settings, "{}", path.display());
+                let again = Study::read(&path, None).unwrap();
+                assert_eq!(again.settings_of_before()[1], settings, "{}", path.display());
+                assert_eq!(again.settings(), study.settings(), "{}", path.display());
             }
             let of = |rung: usize| Key::new(&study.at(rung), &study.plan(rung).unwrap()).text();
             let mut found: Vec<String> = (0..study.rungs.len()).map(of).collect();

@@ -46,7 +46,8 @@ pub fn differs(folder: &Path, study: &Study) -> Option<String> {
     let seeds = |theirs: u64| format!("holds the study with seed {theirs}, and this is seed {}", ours.seed);
     let mut theirs = json::<Settings>(&folder.join(FILE));
     // Versions before this one hashed the ways to starts as they were given.
-    if let Some(theirs) = theirs.as_mut().filter(|theirs| theirs.settings == study.settings_as_given()) {
+    let before = study.settings_of_before();
+    if let Some(theirs) = theirs.as_mut().filter(|theirs| before.contains(&theirs.settings)) {
         theirs.settings.clone_from(&ours.settings);
     }
     match theirs {

@@ -45,8 +45,9 @@ pub use workshop::{Made, Workshop, WorkshopError};
 pub use yields::{INTERVAL, Share, quantile};
 
 use crate::contact::LawKind;
-use crate::dem::Projectile;
+use crate::dem::{Projectile, Strike};
 use crate::design::Threshold;
+use crate::evaluate::{Drawing, Overrides, Plan, PlanError};
 
 /// How unequal spheres lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -175,6 +176,16 @@ impl Tolerances {
             (impact.off_centre != 0.0, "impact.off_centre"),
         ];
         asked.into_iter().find_map(|(is_asked, what)| is_asked.then_some(what))
+    }
+
+    /// Step and window for all pieces, under all that may strike them.
+    ///
+    /// # Errors
+    /// See [`PlanError`].
+    pub fn plan(&self, drawing: Drawing<'_>, overrides: Overrides) -> Result<Plan, PlanError> {
+        let fastest = |flat: Projectile| Projectile { speed: (1.0 + self.impact.force) * flat.speed, ..flat };
+        let thrown: Vec<Strike> = self.impact.projectile.map(|flat| fastest(flat).into()).into_iter().collect();
+        drawing.plan_under(&thrown, overrides)
     }
 
     /// For so many sites of the half, the places whose spheres turn out each in their own way.

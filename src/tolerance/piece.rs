@@ -22,6 +22,12 @@ fn rng(seed: u64, purpose: u64) -> Rng {
     Rng::new(first.bits())
 }
 
+/// The greatest of the diameters on all places (m), by which sites are as far apart as they are; images of sites that are their own image do not count.
+pub(super) fn largest(drawing: Drawing<'_>, diameters: &[f64]) -> f64 {
+    let stand = diameters.iter().enumerate().filter(|&(place, _)| drawing.stands(place));
+    stand.map(|(_, &diameter)| diameter).fold(0.0, f64::max)
+}
+
 impl Piece {
     /// As drawn.
     pub fn nominal(quantities: &[Quantity]) -> Self {
@@ -88,12 +94,12 @@ impl Piece {
     }
 
     fn materials_on_places(&self, tolerances: &Tolerances, quantities: &[Quantity], drawing: Drawing<'_>) -> Vec<u8> {
-        let places = tolerances.places(drawing.sites());
-        let mut built = self.misplaced(tolerances, quantities, drawing).built(&drawing.materials());
-        if built.len() < places {
-            built.extend_from_within(..);
+        let mut drawn = drawing.materials();
+        // Of all places first: what is wrong on one side is so there alone.
+        if drawn.len() < tolerances.places(drawing.sites()) {
+            drawn.extend_from_within(..);
         }
-        built
+        self.misplaced(tolerances, quantities, drawing).built(&drawn)
     }
 
     /// The palette as it turned out; empty where all of it is as drawn.
@@ -183,9 +189,10 @@ impl Piece {
         diameters: &[f64],
     ) -> LoadCase {
         let mut imperfection = self.misplaced(tolerances, quantities, drawing);
-        let largest = diameters.iter().copied().fold(0.0, f64::max);
+        let largest = largest(drawing, diameters);
         if diameters.iter().any(|&diameter| diameter != largest) {
-            imperfection.radii = diameters.iter().map(|diameter| diameter / largest).collect();
+            // That of a place where nothing stands is none's.
+            imperfection.radii = diameters.iter().map(|diameter| (diameter / largest).min(1.0)).collect();
         } else if diameters.len() > drawing.sites() && !imperfection.wrong.is_empty() {
             // Says that the other side is not alike.
             imperfection.radii = vec![1.0; diameters.len()];
@@ -196,5 +203,47 @@ impl Piece {
             load.strike = Strike::Projectile(thrown);
         }
         LoadCase { load, imperfection, halves_differ: drawing.halves_differ() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::design::Design;
+    use crate::evaluate::Subject;
+    use crate::layout::Layout;
+    use crate::tolerance::quantities;
+
+    /// What is wrong on one side is so there alone, and no image of a sphere on the axis says how far apart sites are.
+    #[test]
+    fn a_piece_is_wrong_where_it_is_wrong() {
+        let design = Design::read(Path::new("designs/quickstart.toml")).unwrap();
+        let palette = ["440c", "brass"].map(|name| crate::material::find(name, &[]).unwrap()).to_vec();
+        let layout = Layout::new(design.lattice.clone(), palette, |site| (site.row % 2) as u8);
+        let drawing = Drawing::from((&design, Subject::from(&layout)));
+        let tolerances = Tolerances { wrong: 0.002, halves_alike: false, lot: 5e-6, ..Tolerances::drawn() };
+        let quantities = quantities(&tolerances, drawing, 0.0);
+        let sites = drawing.sites();
+        let drawn = layout.materials.repeat(2);
+        let (mut right_alone, mut of_none) = (0, 0);
+        for k in 0..100 {
+            let piece = Piece::made(&quantities, 1, k);
+            let (diameters, built, _) = piece.parts(&tolerances, &quantities, drawing);
+            let wrong: Vec<usize> =
+                piece.wrong(&quantities, 2 * sites, 2).into_iter().map(|(place, _)| place).collect();
+            let off: Vec<usize> = (0..2 * sites).filter(|&place| built[place] != drawn[place]).collect();
+            assert_eq!(off, wrong, "piece {k}");
+            right_alone += usize::from(!wrong.is_empty() && wrong.iter().all(|&place| place < sites));
+            let greatest = (0..2 * sites).max_by(|&a, &b| diameters[a].total_cmp(&diameters[b])).unwrap();
+            if greatest >= sites && layout.lattice.sites()[greatest - sites].x == 0.0 {
+                of_none += 1;
+                assert!(largest(drawing, &diameters) < diameters[greatest]);
+            } else {
+                assert_eq!(largest(drawing, &diameters), diameters[greatest]);
+            }
+        }
+        assert!(right_alone > 0 && of_none > 0, "{right_alone} {of_none}");
     }
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::Kind;
 use super::criterion::Criterion;
-use super::piece::Piece;
+use super::piece::{Piece, largest};
 use super::workshop::{Made, Workshop, WorkshopError};
 use super::yields::Share;
 use crate::score::{Measure, Scores};
@@ -55,9 +55,10 @@ pub fn rechoose(
         let piece = Piece::made(quantities, seed, k);
         let (mut diameters, materials, _) = piece.parts(tolerances, quantities, drawing);
         cases.push(piece.case_of(tolerances, quantities, drawing, 1.0, &diameters));
-        let largest = diameters.iter().copied().fold(0.0, f64::max);
+        let largest = largest(drawing, &diameters);
         let need = |place: usize| (largest - diameters[place]) / energy[place % energy.len()].max(1e-12).sqrt();
-        let mut order: Vec<usize> = (0..diameters.len()).filter(|&place| diameters[place] > 0.0).collect();
+        let mut order: Vec<usize> =
+            (0..diameters.len()).filter(|&place| diameters[place] > 0.0 && drawing.stands(place)).collect();
         order.sort_by(|&a, &b| need(b).total_cmp(&need(a)));
         let mut rng = Rng::new(piece.seed ^ 0x7265_6368);
         // New ones of each lot, as many as are exchanged of it.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::piece::Piece;
+use super::piece::{Piece, largest};
 use super::quantity::{Quantity, quantities};
 use super::{State, Tolerances};
 use crate::dem::Projectile;
@@ -229,7 +229,7 @@ impl<'a> Workshop<'a> {
         let of = |piece: &Piece| {
             let (diameters, materials, palette) = piece.parts(self.tolerances, &self.quantities, self.drawing);
             // On their sites, which are as far apart as the largest needs, by similarity; in a frame each is as large as it is.
-            let largest = diameters.iter().copied().fold(0.0, f64::max);
+            let largest = largest(self.drawing, &diameters);
             let scale = if frame == Frame::Mirrors { layout.lattice.diameter() / largest } else { 1.0 };
             // As the map has it: places on the other side come after the sites.
             let mut spheres = held_spheres(subject);

@@ -470,7 +470,7 @@ fn the_gate_and_laws_in_space() {
     desk.write("mdr.toml", SMALL.replace("\"thesis\"", "\"mdr-static\""));
     desk.run(&["design", "space.toml", "--out", "lens.csv"]).ok();
     let check = |more: &[&str]| desk.run(&[&["check", "lens.csv", "--design", "space.toml", "--json"], more].concat());
-    let json = check(&["--gate", "--laws", "mdr-static", "--yield", "0 %", "--samples", "4"]).ok().json();
+    let json = check(&["--gate", "--laws", "mdr-static", "--yield", "60 %", "--samples", "4"]).ok().json();
     let lines = json["gate"]["lines"].as_array().unwrap();
     let names: Vec<&str> = lines.iter().filter_map(|line| line["check"].as_str()).collect();
     for check in [
@@ -495,8 +495,12 @@ fn the_gate_and_laws_in_space() {
     // What the design asks is missed, and so the gate fails; the window is far too short for what comes later.
     assert_eq!((&of("threshold contrast")["word"], &json["gate"]["word"]), (&"fail".into(), &"fail".into()));
     assert_eq!(of("half the step")["word"], "pass", "{}", of("half the step"));
-    let far = 2.0 * json["far_force_N"].as_f64().unwrap();
-    assert!(of("force behind")["number"].as_str().unwrap().contains("layer"), "{far} {}", of("force behind"));
+    // What is missed as drawn is missed by all four, of which at most 49 % of all pieces can be believed (Wilson).
+    assert_eq!(of("yield as built")["word"], "fail", "{}", of("yield as built"));
+    // The whole crystal is two halves.
+    let far = granulens::units::Dimension::Force.show(2.0 * json["far_force_N"].as_f64().unwrap());
+    let number = of("force behind")["number"].as_str().unwrap();
+    assert_eq!(number, format!("{far} on the last layer of the whole piece"));
     let compared = desk.run(&["compare", "space.toml", "lens.csv", "--json"]).ok().json();
     let verdict = compared["verdict"].as_array().unwrap().iter().find(|v| v["measure"] == "contrast").unwrap();
     let value = format!("{:.4}", verdict["value"].as_f64().unwrap());
