@@ -1,6 +1,6 @@
 //! Before it is built: what a layout is worth once a workshop has made it.
 //!
-//! In: a layout under its design, a [`Drawing`](crate::evaluate::Drawing), and [`Tolerances`], what may turn out otherwise and by how much. Out: how much each score changes with each
+//! In: a layout under its design, a [`Drawing`], and [`Tolerances`], what may turn out otherwise and by how much. Out: how much each score changes with each
 //! quantity, which share of pieces does what is asked, and what to do about it. Sheets and crystals in space are made alike; what settles in a frame, friction,
 //! oblique blows, derivatives and maps are of sheets. Every piece is a [`Piece`], values and a seed, so that
 //! the k-th one is the same whoever makes it and whenever; pieces are simulated side by side.
