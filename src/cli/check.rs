@@ -372,8 +372,9 @@ fn words(checked: &Checked) -> String {
     let estimate = scores.eq_5_6.map_or("-".to_owned(), |estimate| Energy.show(estimate));
     line("dissipated", format!("{} (eq. 5.6 estimates {estimate})", shown(checked, Measure::Dissipated)));
     line("residual", scores.residual.map_or("-".to_owned(), |residual| format!("{residual:.1e}")));
+    let row = if checked.simulated_fraction.is_some() { "layer" } else { "row" };
     let [momentum, force] = [scores.far_momentum, scores.far_force].map(Option::unwrap_or_default);
-    line("far end", format!("{momentum:.4} kg m/s, peak force {force:.0} N on the last row"));
+    line("far end", format!("{momentum:.4} kg m/s, peak force {force:.0} N on the last {row}"));
     let counts: Vec<String> =
         checked.materials.iter().zip(&checked.piece.counts).map(|(name, count)| format!("{count} {name}")).collect();
     line("piece", format!("{}; {}", counts.join(", "), Mass.show(checked.piece.amount.mass)));

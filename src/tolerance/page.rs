@@ -22,7 +22,10 @@ pub fn page(
 ) -> String {
     let mut pictures = Vec::new();
     let count = told.samples as usize;
-    for &measure in measures {
+    // Not what no piece has, as Q where the crystal that it refers to cannot be simulated.
+    let drawn = measures.iter().map(|&measure| (measure, samples.sorted(count, measure)));
+    let drawn: Vec<(Measure, Vec<f64>)> = drawn.filter(|(_, values)| !values.is_empty()).collect();
+    for &(measure, ref values) in &drawn {
         let bounds: Vec<Bound> = criterion
             .thresholds
             .iter()
@@ -30,13 +33,12 @@ pub fn page(
             .flat_map(|threshold| [("at least", threshold.min), ("at most", threshold.max)])
             .filter_map(|(word, bound)| Some((bound?, format!("{word} {:.4}", bound?))))
             .collect();
-        let values = samples.sorted(count, measure);
         let title = format!("{} of {} pieces", measure.name(), values.len());
         let label = match measure.unit().name() {
             "" => format!("{} ({})", measure.name(), measure.symbol()),
             unit => format!("{} ({unit})", measure.name()),
         };
-        pictures.push(histogram(&title, &label, &values, &bounds));
+        pictures.push(histogram(&title, &label, values, &bounds));
     }
     pictures.extend(maps.iter().cloned());
     let mut html = String::new();
@@ -59,8 +61,10 @@ pub fn page(
     let figures = pictures.iter().enumerate().map(|(k, svg)| Figure {
         file: NUMBERS,
         svg,
-        caption: match measures.get(k) {
-            Some(measure) => format!("How {} is distributed over the pieces; lines are what is asked.", measure.name()),
+        caption: match drawn.get(k) {
+            Some((measure, _)) => {
+                format!("How {} is distributed over the pieces; lines are what is asked.", measure.name())
+            }
             None => "What one wrong sphere costs, by where it is.".to_owned(),
         },
         numbers: None,

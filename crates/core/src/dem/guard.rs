@@ -16,6 +16,11 @@ pub const OVERLAP_WARNING: f64 = 0.125;
 /// Energy residual above which a run is marked failed.
 pub const RESIDUAL_LIMIT: f64 = 1e-3;
 
+/// Two spheres in words, or one and its image in a plane of symmetry or a wall.
+fn both(&[a, b]: &[usize; 2]) -> String {
+    if a == b { format!("sphere {a} and its own image") } else { format!("spheres {a} and {b}") }
+}
+
 /// Why a run ended before its window did, or cannot be trusted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(tag = "guard", rename_all = "kebab-case")]
@@ -36,9 +41,9 @@ pub enum Stop {
     },
     /// An overlap beyond the law's range.
     #[error(
-        "spheres {} and {} overlap by {:.1} % of their radii at {time_s:.3e} s, beyond the contact law's range of {:.0} %; \
+        "{} overlap by {:.1} % of their radii at {time_s:.3e} s, beyond the contact law's range of {:.0} %; \
          the impact is too strong for these spheres",
-        .spheres[0], .spheres[1], 100.0 * overlap_ratio, 100.0 * limit
+        both(spheres), 100.0 * overlap_ratio, 100.0 * limit
     )]
     Overlap {
         /// Spheres, from 1; the same twice for a sphere and its mirror image.
@@ -53,8 +58,9 @@ pub enum Stop {
     },
     /// The step is too large for a contact that has arisen.
     #[error(
-        "a step of {step_s:.3e} s is unstable with the contact of spheres {} and {} ({stiffness:.3e} N/m) at {time_s:.3e} s; \
-         it must stay below {limit_s:.3e} s", .spheres[0], .spheres[1]
+        "a step of {step_s:.3e} s is unstable with the contact of {} ({stiffness:.3e} N/m) at {time_s:.3e} s; \
+         it must stay below {limit_s:.3e} s",
+        both(spheres)
     )]
     Step {
         /// The step (s).
@@ -70,8 +76,9 @@ pub enum Stop {
     },
     /// Spheres that are no neighbours in a crystal whose contacts are fixed have come near each other.
     #[error(
-        "spheres {} and {} are no neighbours and have come near each other at {time_s:.3e} s; this is no crystal any more, and is \
-         to be followed as one whose contacts are looked for", .spheres[0], .spheres[1]
+        "{} are no neighbours and have come near each other at {time_s:.3e} s; this is no crystal any more, and is \
+         to be followed as one whose contacts are looked for",
+        both(spheres)
     )]
     Met {
         /// Spheres, from 1; the same twice for a sphere and its mirror image.
