@@ -15,11 +15,13 @@ import os
 import pathlib
 import re
 import resource
+import shutil
 import subprocess
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
+# In the words of 0.1, which every release reads.
 RIG = """format = 1
 kind = "rig"
 name = "rig"
@@ -48,7 +50,7 @@ kind = "hertz"
 [run]
 window = "{window} us"
 step = "1e-7 s"
-precompressed = true
+squeezed = true
 [record]
 every = "{window} us"
 pictures = []
@@ -78,7 +80,8 @@ def rig_file(options, case, friction, steps):
 
 def ours(options, folder, case, friction, steps):
     (folder / "rig.toml").write_text(rig_file(options, case, friction, steps))
-    command = [options.granulens, "simulate", "rig.toml", "--out", f"out-{steps}", "--force", "--threads", "1", "--json"]
+    shutil.rmtree(folder / f"out-{steps}", ignore_errors=True)
+    command = [options.granulens, "simulate", "rig.toml", "--out", f"out-{steps}", "--threads", "1", "--json"]
     seconds, memory, text = run(command, folder)
     return seconds, memory, json.loads(text)
 
