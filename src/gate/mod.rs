@@ -205,10 +205,10 @@ fn thresholds(look: &Look) -> Vec<Line> {
 fn as_built(look: &Look, least: f64, tolerances: &Tolerances, [count, seed]: [u64; 2]) -> Result<Line, GateError> {
     let (drawing, plan) = (look.drawing, look.plan);
     let mut given = given(plan, plan.step, plan.window);
-    // What pieces are struck with besides may ask for a finer step.
-    let finest = tolerances.plan(drawing, Overrides { step: None, ..given }).map_err(EvaluatorError::from)?.step;
-    let plan = if finest < plan.step {
-        given.step = Some(finest);
+    // A projectile that strikes pieces in lanes may ask for a finer step than the design's impact; without one the step is what it was asked to be.
+    let plan = if tolerances.impact.projectile.is_some() && drawing.is_in_space() {
+        let finest = tolerances.plan(drawing, Overrides { step: None, ..given }).map_err(EvaluatorError::from)?.step;
+        given.step = Some(finest.min(plan.step));
         &tolerances.plan(drawing, given).map_err(EvaluatorError::from)?
     } else {
         plan
